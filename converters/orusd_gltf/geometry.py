@@ -49,7 +49,7 @@ class Vertices:
 
 def vertices(
     mesh: TriangleMesh,
-    rows: NDArray[np.intp],
+    rows: NDArray[np.int32],
     sets: Sequence[Coordinates],
     normal_set: int | None = None,
 ) -> Vertices:
@@ -93,7 +93,7 @@ def _welded(rows: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return firsts[order], place[inverse.ravel()]
 
 
-def _normals(mesh: TriangleMesh, rows: NDArray[np.intp]) -> Floats:
+def _normals(mesh: TriangleMesh, rows: NDArray[np.int32]) -> Floats:
     if mesh.normals is not None:
         return mesh.normals[rows].astype(np.float32)
     a, b, c = np.moveaxis(mesh.points[mesh.triangles[rows]], 1, 0)
@@ -102,7 +102,7 @@ def _normals(mesh: TriangleMesh, rows: NDArray[np.intp]) -> Floats:
 
 
 def _coordinates(
-    mesh: TriangleMesh, rows: NDArray[np.intp], wanted: Coordinates, losses: list[str]
+    mesh: TriangleMesh, rows: NDArray[np.int32], wanted: Coordinates, losses: list[str]
 ) -> Floats:
     """(M, 3, 2) in glTF's way: v grows downwards from the upper edge of the picture."""
     st = mesh.uvs.get(wanted.primvar)

@@ -1,19 +1,18 @@
 """What the parts of meshes are made of, each material read once."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
-from openrooms_usd.usd.arrays import flattened
-from openrooms_usd.usd.bindings import bound_material, bound_subsets
+from openrooms_usd.usd.arrays import array_of, flattened
+from openrooms_usd.usd.bindings import bound_material, material_key, parts_by_material
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.surfaces import PreviewSurface
 
-Rows = NDArray[np.intp]
+Rows = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -43,37 +42,25 @@ class Looks:
 
     def parts(self, mesh: PlacedMesh) -> list[tuple[Rows, Look]]:
         """(rows of triangles, their look) for each part of a mesh with a look of its own."""
-        return [(rows, self._look(mesh.prim, material)) for rows, material in _parts(mesh)]
+        prim = mesh.prim
+        found = parts_by_material(prim, mesh.mesh.faces, bound_material(prim))
+        return [(rows, self._look(prim, material)) for rows, material in found]
 
     def _look(self, prim: Usd.Prim, material: UsdShade.Material | None) -> Look:
         if material is None:
             color, reason = _display_color(prim)
             preview = PreviewSurface(base_color=color)
             return Look(f"{color}", "no_material", "", preview, (reason,))
-        own = material.GetPrim()
-        source = own.GetPrimInPrototype() if own.IsInstanceProxy() else own
-        key = str(source.GetPath())
+        own, key = material.GetPrim(), material_key(material)
         if key not in self._known:
             preview, losses = read_preview_surface(material)
             self._known[key] = Look(key, own.GetName(), str(own.GetPath()), preview, losses)
         return self._known[key]
 
 
-def _parts(mesh: PlacedMesh) -> Iterator[tuple[Rows, UsdShade.Material | None]]:
-    faces = mesh.mesh.faces
-    rest = np.ones(len(faces), dtype=bool)
-    for indices, material in bound_subsets(mesh.prim):
-        rows = np.flatnonzero(rest & np.isin(faces, indices))
-        if len(rows):
-            rest[rows] = False
-            yield rows, material
-    if rest.any():
-        yield np.flatnonzero(rest), bound_material(mesh.prim)
-
-
 def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
     primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
-    values = np.asarray(flattened(primvar) or [], dtype=np.float64).reshape(-1, 3)
+    values = array_of(flattened(primvar), np.float64, 3)
     if not len(values) or not np.isfinite(values).all():
         return (0.18, 0.18, 0.18), "it has no material: taken as grey"
     red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()

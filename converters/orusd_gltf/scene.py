@@ -183,7 +183,7 @@ class _Translation:
         return drawn | {"material": material, "mode": _TRIANGLES}
 
     def _mesh(
-        self, mesh: PlacedMesh, parts: list[tuple[NDArray[np.intp], Material]], *, lit: bool
+        self, mesh: PlacedMesh, parts: list[tuple[NDArray[np.int32], Material]], *, lit: bool
     ) -> tuple[int, tuple[str, ...]]:
         """The number of a mesh and what was lost; repeats of one prototype share it."""
         # The triangles are kept by the reading, so that their identity is not given to others.

@@ -75,7 +75,7 @@ class UnlitSurfaces:
             name, places = placed
             lit = replace(mesh.mesh, uvs={_PLACES.primvar: places.astype(np.float32)})
             number = self._material(mesh, {"baseColorTexture": {"index": self._textures[name]}})
-            return [(vertices(lit, np.arange(len(places)), [_PLACES]), number)], ""
+            return [(vertices(lit, np.arange(len(places), dtype=np.int32), [_PLACES]), number)], ""
         drawn = []
         for rows, look in parts:
             base, alpha = self._plain(look.preview, radiance)

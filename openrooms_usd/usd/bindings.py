@@ -1,6 +1,6 @@
 """Which material a prim shows."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +8,9 @@ from pxr import Usd, UsdGeom, UsdShade
 
 from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.frames import TIME
+
+# Rows of triangles, and the material that they show.
+Part = tuple[NDArray[np.int32], UsdShade.Material | None]
 
 
 def bound_material(prim: Usd.Prim) -> UsdShade.Material | None:
@@ -51,3 +54,30 @@ def bound_subsets(prim: Usd.Prim) -> list[tuple[NDArray[np.int32], UsdShade.Mate
         for subset, material in found
         if material is not None and subset.GetElementTypeAttr().Get() == UsdGeom.Tokens.face
     ]
+
+
+def parts_by_material(
+    prim: Usd.Prim, faces: NDArray[np.int32], own: UsdShade.Material | None
+) -> Iterator[Part]:
+    """Each part of a mesh with a material of its own.
+
+    Args:
+        prim: The mesh.
+        faces: (M,) the face of each of its triangles.
+        own: The material of what is in no such part: `bound_material` of the mesh.
+    """
+    rest = np.ones(len(faces), dtype=bool)
+    for indices, material in bound_subsets(prim):
+        rows = np.flatnonzero(rest & np.isin(faces, indices))
+        if len(rows):
+            rest[rows] = False
+            yield rows.astype(np.int32), material
+    if rest.any():
+        yield np.flatnonzero(rest).astype(np.int32), own
+
+
+def material_key(material: UsdShade.Material) -> str:
+    """The same for all instances of one prototype, which show it under many paths."""
+    prim = material.GetPrim()
+    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
+    return str(source.GetPath())

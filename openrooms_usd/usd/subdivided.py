@@ -16,6 +16,7 @@ from openrooms_usd.geometry.cages import Cage, Weights
 from openrooms_usd.geometry.smooth_normals import smooth_normals
 from openrooms_usd.geometry.subdivision import Refinement, limit, refine
 from openrooms_usd.geometry.triangulation import TriangleMesh, has_area
+from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.usd.arrays import integers
 from openrooms_usd.usd.creases import read_corners, read_creases
 from openrooms_usd.usd.frames import TIME
@@ -263,6 +264,4 @@ def _pinned(values: Cage, points: Ints, cage: Cage, rule: str) -> NDArray[np.boo
 def _flat_normals(triangles: Array) -> Array:
     """(M, 1, 3) the unit normal of each of (M, 3, 3) triangles, all of which have an area."""
     a, b, c = np.moveaxis(triangles, 1, 0)
-    ways = np.cross(b - a, c - a)
-    unit: Array = ways / np.linalg.norm(ways, axis=1, keepdims=True)
-    return unit[:, None]
+    return unit(np.cross(b - a, c - a))[:, None]

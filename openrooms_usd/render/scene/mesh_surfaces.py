@@ -1,6 +1,6 @@
 """What each mesh is made of: the materials of its parts, and the colours that it brings itself."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, cast
 
@@ -11,14 +11,17 @@ from openrooms_usd.convert import Report
 from openrooms_usd.render.scene.painted import Paint, paint, paint_over
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
-from openrooms_usd.render.scene.triangles import Floats, Ints
-from openrooms_usd.usd.bindings import bound_materials, bound_subsets
+from openrooms_usd.render.scene.triangles import Floats
+from openrooms_usd.usd.bindings import (
+    Part,
+    bound_materials,
+    material_key,
+    parts_by_material,
+)
 from openrooms_usd.usd.materialreader import BARE, read_preview_surface
 from openrooms_usd.usd.meshes import PlacedMesh, TriangleMesh
 from openrooms_usd.usd.surfaces import PreviewSurface
 
-# Rows of triangles, and the material that they show.
-Part = tuple[Ints, UsdShade.Material | None]
 Parts = list[Part]
 
 
@@ -51,11 +54,14 @@ class MeshSurfaces:
         """Meshes with the materials of their triangles, whose pictures are then all read."""
         placed = list(meshes)
         bound = bound_materials([mesh.prim for mesh in placed])
-        found = [(m, list(_materials(m, own))) for m, own in zip(placed, bound, strict=True)]
+        found = [
+            (m, list(parts_by_material(m.prim, m.mesh.faces, own)))
+            for m, own in zip(placed, bound, strict=True)
+        ]
         for _, parts in found:
             for _, material in parts:
-                if material is not None and _key(material) not in self._previews:
-                    self._previews[_key(material)] = read_preview_surface(material)
+                if material is not None and material_key(material) not in self._previews:
+                    self._previews[material_key(material)] = read_preview_surface(material)
         self._reader.prefetch(preview for preview, _ in self._previews.values())
         return found
 
@@ -87,7 +93,7 @@ class MeshSurfaces:
         self, mesh: PlacedMesh, material: UsdShade.Material | None, losses: list[str]
     ) -> tuple[Surface, Floats | None]:
         """What a mesh is made of, and where it lies in the picture of its own colours, if any."""
-        key = "" if material is None else _key(material)
+        key = "" if material is None else material_key(material)
         if key not in self._materials:
             preview, lost = self._previews.setdefault(key, (BARE, ()))
             made = self._materials[key] = self._reader.read(preview)
@@ -154,28 +160,3 @@ def _texture_coordinates(mesh: TriangleMesh, surface: Surface) -> tuple[Floats, 
     if np.array_equal(surface.uv, np.eye(3)):
         return st, losses
     return (st @ surface.uv[:2, :2].T + surface.uv[:2, 2]).astype(np.float32), losses
-
-
-def _key(material: UsdShade.Material) -> str:
-    """The same for all instances of one prototype, which show it under many paths."""
-    prim = material.GetPrim()
-    source = prim.GetPrimInPrototype() if prim.IsInstanceProxy() else prim
-    return str(source.GetPath())
-
-
-def _materials(mesh: PlacedMesh, own: UsdShade.Material | None) -> Iterator[Part]:
-    """(rows of triangles, their material) for each part of a mesh with a material of its own.
-
-    Args:
-        mesh: The mesh.
-        own: The material of what is in no such part.
-    """
-    faces = mesh.mesh.faces
-    rest = np.ones(len(faces), dtype=bool)
-    for indices, material in bound_subsets(mesh.prim):
-        rows = np.flatnonzero(rest & np.isin(faces, indices))
-        if len(rows):
-            rest[rows] = False
-            yield rows.astype(np.int32), material
-    if rest.any():
-        yield np.flatnonzero(rest).astype(np.int32), own
