@@ -5,19 +5,22 @@ PYTHON ?= $(shell for python in python3.11 python3.12 python3.13 python3.14 pyth
 	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null \
 	&& echo $$python && break; done)
 BIN := .venv/bin
-# One worker a core, one room a worker; what takes longer than 3 s of processor time is marked.
-PYTEST = $(BIN)/pytest -n auto --maxprocesses 4 --dist loadgroup --cpu-limit 3
+# One worker a core, one room a worker; what takes longer than 3 s of processor time is listed.
+PYTEST = $(BIN)/pytest -n auto --maxprocesses 4 --dist loadgroup --cpu-limit 3 $(PYTEST_ARGS)
+RENDERING_TESTS = $(addprefix tests/,mitsuba preview render end_to_end comparison view api \
+	cli/test_rendering.py cli/test_lighting.py cli/test_libraries.py cli/test_materials_commands.py)
 export PIP_ROOT_USER_ACTION := ignore
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow long venv lint types unit check benchmarks fuzz pictures clean
+.PHONY: help demo test slow long scalar venv lint types unit check benchmarks fuzz pictures clean
 
 help:
 	@echo "make demo        compose and render the bundled example into out/demo"
 	@echo "make test        ruff, mypy --strict and pytest without the slow tests"
 	@echo "make slow        the slow tests"
 	@echo "make long        the rest: what slow tests show, for more rooms, lights and moments"
+	@echo "make scalar      the tests of rendering, as on a machine without LLVM"
 	@echo "make lint        ruff alone;  make types: mypy alone;  make unit: pytest alone"
 	@echo "make check       ruff and mypy"
 	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
@@ -27,7 +30,6 @@ help:
 	@echo "make clean       remove .venv and those of the tests, out and caches"
 
 demo: .venv/installed
-	@.ci/install-llvm
 	@$(BIN)/orusd demo -o out/demo
 	@echo && echo "orusd is in .venv/bin:  . .venv/bin/activate"
 
@@ -53,6 +55,10 @@ slow: .venv/installed-dev
 
 long: .venv/installed-dev
 	$(PYTEST) -m long
+
+# DRJIT_LIBLLVM_PATH names what is not there: no other library is tried.
+scalar: .venv/installed-dev
+	DRJIT_LIBLLVM_PATH=$(CURDIR)/no-llvm $(PYTEST) -m "not slow" $(RENDERING_TESTS)
 
 benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks
@@ -81,6 +87,7 @@ clean:
 	@echo "installing into .venv"
 	@$(BIN)/python -m pip install --quiet --editable ".[denoise]" || { echo "without the denoiser:" \
 		"pictures stay noisy"; $(BIN)/python -m pip install --quiet --editable .; }
+	@$(BIN)/orusd doctor > .venv/doctor.txt || { cat .venv/doctor.txt; exit 1; }
 	@touch $@
 
 # pip reads dependency groups since 25.1.

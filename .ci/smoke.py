@@ -1,8 +1,11 @@
 """Try an installed wheel: schemas and adapters are found, and a small room composes and renders.
 
+Its light is rendered with the LLVM that pip brought; without any the same is refused, in words.
+
 Run it with the environment's Python from a folder that is not the checkout.
 """
 
+import os
 import subprocess
 import sys
 from importlib.metadata import entry_points
@@ -12,6 +15,7 @@ from pxr import Usd
 
 import openrooms_usd
 import orusd_schemas
+from orusd_mitsuba.llvm import VARIABLE
 
 
 def main(out: Path) -> None:
@@ -38,6 +42,17 @@ def main(out: Path) -> None:
         subprocess.run([orusd, *map(str, command)], check=True, cwd=out.parent)
     assert (out / "render" / "manifest.json").is_file()
     assert (out / "render" / "contact_sheet.png").is_file()
+
+    light = [orusd, "render", str(out / "scene.usda"), "--resolution", "64x48", "--spp", "4"]
+    light += ["--channels", "irradiance,radiance_i", "-o"]
+    subprocess.run([*light, str(out / "light")], check=True)
+    none = {**os.environ, VARIABLE: str(out / "no-such-library")}
+    refused = subprocess.run(
+        [*light, str(out / "none")], env=none, capture_output=True, text=True, check=False
+    )
+    print(refused.stderr)
+    assert refused.returncode != 0 and "irradiance" in refused.stderr
+    assert "Traceback" not in refused.stderr and not (out / "none").exists()
 
 
 if __name__ == "__main__":

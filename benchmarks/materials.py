@@ -102,13 +102,15 @@ class _Surfaces:
     def __init__(self, count: int) -> None:
         from openrooms_usd.errors import RenderError
         from orusd_mitsuba import variants
-        from orusd_mitsuba.plugins import openrooms_bsdf
 
-        backend = variants.choose("auto")
+        backend = variants.choose()
         if backend.variant.startswith("scalar"):
-            raise RenderError("sampling is measured on many directions", remedy=variants.REMEDY)
+            remedy = variants.vectorized_remedy()
+            raise RenderError("sampling is measured on many directions", remedy=remedy)
         import drjit as dr
         import mitsuba as mi
+
+        from orusd_mitsuba.plugins import openrooms_bsdf
 
         mi.set_variant(backend.variant)
         openrooms_bsdf.register(backend.variant)

@@ -7,6 +7,7 @@ Run: python examples/04_push.py OUT
 """
 
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import openrooms_usd as ou
@@ -19,7 +20,8 @@ ROOM = {
     "materials": {"floor": "loop_carpet"},
     "physics": {},
 }
-ENGINES = ("pybullet", "mujoco")
+# PyBullet has no wheels for newer Pythons.
+ENGINES = [name for name in ("pybullet", "mujoco") if find_spec(name)]
 
 
 def main(out: Path) -> None:

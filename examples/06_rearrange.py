@@ -31,7 +31,7 @@ def main(out: Path) -> None:
     scene = ou.compose(ROOM, out)
     world = robots.with_robot(robots.read_world(scene), robots.cabinet((1.5, 1.0)))
     world = robots.with_robot(world, robots.rover((0.5, 1.0)))
-    simulation = robots.load_engine("pybullet").open(world)
+    simulation = robots.load_engine("mujoco").open(world)
     cameras = robots.RobotCameras(scene, world)
 
     x, y = GOAL

@@ -13,6 +13,8 @@ from openrooms_usd.usercache import cache_folder
 from openrooms_usd.version import __version__
 
 _DISTRIBUTION: Final = "openrooms-usd"
+INSTALLED: Final = "installed"
+"""The state of a renderer that says nothing of itself."""
 
 # Ray casters from the fastest to the slowest: what to import, what it is, what to do about it.
 _RAY_CASTERS: Final = (
@@ -57,7 +59,8 @@ class Diagnosis:
     @property
     def healthy(self) -> bool:
         """Whether everything that the toolkit needs is there."""
-        return None not in (*self.packages.values(), self.ray_caster)
+        unusable = any("state" in s and s["state"] != INSTALLED for s in self.renderers.values())
+        return None not in (*self.packages.values(), self.ray_caster) and not unusable
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain data."""
@@ -150,7 +153,7 @@ def _renderers(remedies: list[str]) -> dict[str, dict[str, str]]:
     for name in adapters.available(adapters.RENDERERS):
         try:
             examine = getattr(adapters.load(adapters.RENDERERS, name), "diagnose", None)
-            said[name] = dict(examine()) if examine else {"state": "installed"}
+            said[name] = dict(examine()) if examine else {"state": INSTALLED}
         except OrusdError as error:
             said[name] = {"state": f"not usable: {error.message}"}
             if error.remedy:

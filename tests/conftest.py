@@ -11,7 +11,6 @@ from pathlib import Path
 
 import hypothesis
 import pytest
-from _pytest.runner import runtestprotocol
 
 # Our schemas, before any test looks a definition up: USD knows no others afterwards.
 import orusd_schemas  # noqa: F401
@@ -79,45 +78,35 @@ def shared_by(test: pytest.Function) -> str | None:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--cpu-limit", type=float, metavar="SECONDS", help=CpuLimit.__doc__)
+    parser.addoption(
+        "--cpu-limit", type=float, metavar="SECONDS", default=float("inf"),
+        help="list tests without the mark slow that take more processor time",
+    )  # fmt: skip
+    parser.addoption(
+        "--cpu-fail", type=float, metavar="SECONDS", default=float("inf"),
+        help="fail tests without the mark slow that take more processor time",
+    )  # fmt: skip
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    limit = config.getoption("--cpu-limit")
-    if limit is not None:
-        config.pluginmanager.register(CpuLimit(limit))
+    config.pluginmanager.register(CpuTimes(*map(config.getoption, ("cpu_limit", "cpu_fail"))))
 
 
-class CpuLimit:
-    """Fail a test without the mark slow that takes more processor time, also when repeated."""
+class CpuTimes:
+    """Processor time of tests without the mark slow, their own fixtures and processes included.
 
-    def __init__(self, limit: float) -> None:
-        self.limit = limit
-        self.begin = self.shared = self.spent = 0.0
+    Those beyond ``limit`` seconds are listed at the end, those beyond ``fail`` fail.
+    """
 
-    @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> object:
-        if item.get_closest_marker("slow"):
-            return None
-        item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
-        # Once more: what is made or compiled at its first use is not there at the first try.
-        for _ in range(2):
-            self.begin, self.shared, self.spent = cpu_seconds(), 0.0, 0.0
-            reports = runtestprotocol(item, log=False, nextitem=nextitem)
-            if self.spent <= self.limit or not all(report.passed for report in reports):
-                break
-        else:
-            for report in reports:
-                if report.when == "call":
-                    report.outcome = "failed"
-                    report.longrepr = (
-                        f"{self.spent:.1f} s of processor time, more than {self.limit:g} s: make "
-                        "it cheaper, or mark it slow and leave a cheap test of the same thing"
-                    )
-        for report in reports:
-            item.ihook.pytest_runtest_logreport(report=report)
-        item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
-        return True
+    def __init__(self, limit: float, fail: float) -> None:
+        self.limit, self.fail = limit, fail
+        self.begin = self.shared = 0.0
+        self.listed: dict[str, float] = {}
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_runtest_protocol(self) -> Generator[None, object, object]:
+        self.begin, self.shared = cpu_seconds(), 0.0
+        return (yield)
 
     @pytest.hookimpl(wrapper=True)
     def pytest_fixture_setup(
@@ -131,9 +120,40 @@ class CpuLimit:
             if fixturedef.scope != "function":
                 self.shared = inner + cpu_seconds() - begin
 
-    def pytest_runtest_makereport(self, call: pytest.CallInfo[None]) -> None:
-        if call.when == "call":
-            self.spent = cpu_seconds() - self.begin - self.shared
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(
+        self, item: pytest.Item, call: pytest.CallInfo[None]
+    ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+        report = yield
+        if call.when == "call" and report.passed and not item.get_closest_marker("slow"):
+            spent = cpu_seconds() - self.begin - self.shared
+            # Properties travel from xdist's workers to the process that reports.
+            report.user_properties.append(("cpu_seconds", spent))
+            if spent > self.fail:
+                report.outcome = "failed"
+                report.longrepr = (
+                    f"{spent:.1f} s of processor time, more than {self.fail:g} s: make it cheaper, "
+                    "or mark it slow and leave a cheap test of the same thing"
+                )
+        return report
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        spent = dict(report.user_properties).get("cpu_seconds", 0.0)
+        if isinstance(spent, float) and spent > self.limit:
+            self.listed[report.nodeid] = spent
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        if self.listed:
+            terminalreporter.section(f"more than {self.limit:g} s of processor time")
+            for test, spent in sorted(self.listed.items(), key=lambda pair: -pair[1]):
+                terminalreporter.line(f"{spent:5.1f} s  {test}")
+        skipped = terminalreporter.stats.get("skipped", [])
+        reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
+        if reasons:
+            terminalreporter.section("skipped, by reason")
+            for reason, count in reasons.most_common():
+                terminalreporter.line(f"{count:5d}  {reason}")
 
 
 def cpu_seconds() -> float:
@@ -153,11 +173,11 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def real() -> Callable[[str], Path]:
-    """Where a real capture is, by its path below ``$ORUSD_REAL``; the test is skipped without."""
+    """Where a real capture is, by its path below ``$ORUSD_REAL``; without it tests are skipped."""
 
     def find(name: str) -> Path:
         if not (REAL / name).exists():
-            pytest.skip(f"{name} is not here: ORUSD_REAL says where real captures are")
+            pytest.skip("real captures are missing: ORUSD_REAL names their folder")
         return REAL / name
 
     return find
@@ -218,13 +238,24 @@ def torch_packages() -> str:
         return str(Path(str(found.origin)).parents[1])
     python = os.environ.get("ORUSD_TORCH_PYTHON", str(ROOT / ".venv-torch/bin/python"))
     if not Path(python).exists():
-        pytest.skip(f"no torch: {python} is missing (.ci/install-torch, ORUSD_TORCH_PYTHON)")
+        pytest.skip("PyTorch is missing (.ci/install-torch, ORUSD_TORCH_PYTHON)")
     code = "import sys, sysconfig; print(sys.version_info[:2], sysconfig.get_path('purelib'))"
     said = subprocess.run([python, "-c", code], capture_output=True, text=True, check=True).stdout
     version, folder = said.strip().rsplit(" ", 1)
     if version != str(sys.version_info[:2]):
-        pytest.skip(f"{python} is another version of Python: {version}")
+        pytest.skip("PyTorch is installed for another version of Python")
     return folder
+
+
+@pytest.fixture(scope="session")
+def vectorized() -> str:
+    """Mitsuba's fastest variant, which computes many samples at a time."""
+    from orusd_mitsuba import variants
+
+    chosen = variants.choose().variant
+    if chosen.startswith("scalar"):
+        pytest.skip("no usable LLVM (`orusd doctor` says why)")
+    return chosen
 
 
 @pytest.fixture

@@ -94,11 +94,12 @@ class Room:
     """
 
     def __init__(self, stage: Usd.Stage, width: int, height: int, bounces: int = BOUNCES) -> None:
-        import mitsuba as mi
-
         from orusd_mitsuba import variants
 
-        mi.set_variant(variants.choose("auto").variant)
+        chosen = variants.choose().variant  # before Mitsuba is imported
+        import mitsuba as mi
+
+        mi.set_variant(chosen)
         mi.set_log_level(mi.LogLevel.Error)
         from openrooms_usd.render.scene.sources import sources_of
         from openrooms_usd.render.scene.translate import translate

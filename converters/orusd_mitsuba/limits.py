@@ -10,7 +10,7 @@ from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.instances import Instances
 from openrooms_usd.render.scene.models import MODELS, Model
-from orusd_mitsuba.variants import Backend
+from orusd_mitsuba.variants import Backend, vectorized_remedy
 
 _MANY_EXPANDED_TRIANGLES: Final = 4_000_000
 # What an expanded triangle takes at most, with Embree's share, measured.
@@ -94,12 +94,18 @@ def check_channels(request: RenderRequest, variant: str) -> None:
     Raises:
         RenderError: With the channels, and what has them.
     """
-    simple = variant.startswith("scalar")
-    if many := [name for name in request.channels if simple and CHANNELS[name].extra]:
-        raise RenderError(
-            f"the backend {variant} cannot give {', '.join(many)}",
-            remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
-        )
+    if many := [name for name in request.channels if CHANNELS[name].extra]:
+        check_vectorized(variant, f"give {', '.join(many)}")
+
+
+def check_vectorized(variant: str, what: str) -> None:
+    """Refuse what scalar backends cannot do.
+
+    Raises:
+        RenderError: With what can do it on this machine, or how it can be had.
+    """
+    if variant.startswith("scalar"):
+        raise RenderError(f"the backend {variant} cannot {what}", remedy=vectorized_remedy())
 
 
 def _memory() -> float:

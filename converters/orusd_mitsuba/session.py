@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.errors import RenderError
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
 from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
@@ -33,6 +32,7 @@ from orusd_mitsuba.direct.integrator import DirectIntegrator
 from orusd_mitsuba.limits import (
     affordable_model,
     check_channels,
+    check_vectorized,
     instances_advice,
     report_panes,
 )
@@ -80,7 +80,9 @@ class MitsubaSession:
 
     Attributes:
         backend: What computes, for the record.
-        advice: What would make it faster; empty when nothing would.
+        is_vectorized: Whether the backend computes many samples at a time; a scalar one calls
+            Mitsuba's own integrator for the radiance, and nothing else.
+        advice: What would make it faster or more complete; empty when nothing would.
         settings: How surfaces reflect, which may be less than was asked for: the report says so.
         conventions: What that means.
         methods: What there is of them; backends that do not compute in vectors have one.
@@ -96,12 +98,12 @@ class MitsubaSession:
         self._activate()
         model = affordable_model(bsdf, backend)
         self._scene = with_model(scene, model)
-        if backend.variant.startswith("scalar"):
+        self.is_vectorized = not backend.variant.startswith("scalar")
+        if not self.is_vectorized:
             report_panes(self._scene)
             report_simplified(self._scene)
-        vectorized = not backend.variant.startswith("scalar")
         # Before they are built: they may not fit.
-        crowded = instances_advice(self._scene) if vectorized else ""
+        crowded = instances_advice(self._scene) if self.is_vectorized else ""
         self._builder = Builder(self._scene.origin)
         self._built = self._builder.scene(self._scene)
         self._sources = sources_of(self._scene)
@@ -109,7 +111,7 @@ class MitsubaSession:
         self.tracer = MitsubaTracer(self._scene, self._built, starts)
         self.backend = f"mitsuba {mi.__version__} {backend.variant}"
         self.advice = backend.advice or crowded
-        self.methods: tuple[Method, ...] = (REFERENCE, CACHE) if vectorized else (REFERENCE,)
+        self.methods: tuple[Method, ...] = (REFERENCE, *((CACHE,) if self.is_vectorized else ()))
         self._room_lights: dict[int, RoomLight] = {}
         self.settings: Mapping[str, str] = {"bsdf": model}
         self.conventions: Mapping[str, str] = _CONVENTIONS
@@ -136,7 +138,8 @@ class MitsubaSession:
         if request.method == CACHE or any(one is DIRECT for one, _ in needed):
             # Before the first pass: a new kind of surface changes the code of all kernels.
             _ = self._white
-        if request.guides or any(one is COMPLETE for one, _ in needed):
+        guided = request.guides and self.is_vectorized
+        if guided or any(one is COMPLETE for one, _ in needed):
             _ = self._complete
         _give_back()
         seconds = None if request.seconds is None else request.seconds / len(needed)
@@ -165,7 +168,7 @@ class MitsubaSession:
             request: Its size.
         """
         self._activate()
-        if self._variant.startswith("scalar"):
+        if not self.is_vectorized:
             return {}
         size = request.width, request.height
         planes = GuideIntegrator(self._complete, camera, *size)(GUIDE_SAMPLES, _GUIDE_SEED)
@@ -202,11 +205,7 @@ class MitsubaSession:
             RenderError: The backend cannot.
         """
         self._activate()
-        if self._variant.startswith("scalar"):
-            raise RenderError(
-                f"the backend {self._variant} cannot make light probes",
-                remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
-            )
+        check_vectorized(self._variant, "make light probes")
         return render_probes(self._built, self._index, self._scene.origin, request, progress)
 
     def irradiance(
@@ -222,11 +221,7 @@ class MitsubaSession:
             RenderError: The backend cannot.
         """
         self._activate()
-        if self._variant.startswith("scalar"):
-            raise RenderError(
-                f"the backend {self._variant} cannot make lightmaps",
-                remedy="use --variant llvm (or cuda); `orusd doctor` says what this machine has",
-            )
+        check_vectorized(self._variant, "make lightmaps")
         how = RenderRequest(None, (), 1, 1, bounces=request.bounces, method=request.method)
         light = self._room_light(how)
         paths: Paths = (
@@ -273,7 +268,7 @@ class MitsubaSession:
         channels: tuple[str, ...],
     ) -> Integrator:
         size = request.width, request.height
-        if self._variant.startswith("scalar"):
+        if not self.is_vectorized:
             origin, panes = self._scene.origin, bool(self._scene.panes)
             return BuiltinIntegrator(self._glazed, camera, request, origin, panes=panes)
         if render_pass is DIRECT:

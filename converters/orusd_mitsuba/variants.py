@@ -1,9 +1,8 @@
 """Which of Mitsuba's backends works on this machine.
 
-Dr.Jit loads the LLVM library while it is imported, takes the first one that it finds, and aborts
-the whole process in the middle of a render when that one is too old. So each candidate is tried in
-a process of its own, and the one that works is named in ``DRJIT_LIBLLVM_PATH`` before Mitsuba is
-imported here.
+An LLVM library that does not fit aborts the whole process in the middle of a render. So each one
+that `orusd_mitsuba.llvm` finds is tried in a process of its own, and the first one that works is
+prepared before Mitsuba is imported here.
 """
 
 import ctypes.util
@@ -11,41 +10,23 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Final
 
 from openrooms_usd.errors import MissingPackageError, RenderError
+from orusd_mitsuba.llvm import VARIABLE, Library, libraries, remedy
 
-LIBRARY: Final = "DRJIT_LIBLLVM_PATH"
 NAMES: Final = {"cuda": "cuda_ad_rgb", "llvm": "llvm_ad_rgb", "scalar": "scalar_rgb"}
-REMEDY: Final = (
-    "install LLVM 17 or newer (Debian, Ubuntu: apt-get install libllvm19; macOS: brew install "
-    f"llvm), or name its library in the environment variable {LIBRARY}"
-)
 _PROBE_SECONDS: Final = 30.0  # seconds; a probe takes about half of one
-
-_FOLDERS: Final = (
-    "/usr/lib/x86_64-linux-gnu",
-    "/usr/lib/aarch64-linux-gnu",
-    "/usr/lib64",
-    "/usr/lib",
-    "/usr/lib/llvm-*/lib",
-    "/usr/lib64/llvm*/lib64",
-    "/usr/local/lib",
-    "/opt/homebrew/opt/llvm*/lib",
-    "/usr/local/opt/llvm*/lib",
-    "C:/Program Files/LLVM/bin",
-)
-_LIBRARIES: Final = ("libLLVM*.so*", "libLLVM*.dylib", "LLVM-C.dll")
 
 # The literal makes the kernel a new one, so that Dr.Jit's cache on disk cannot stand in for the
 # compiler; minimum and maximum are what old LLVMs cannot select.
 _PROBE: Final = """
-import random, sys
+import ctypes, random, sys
+for needed in sys.argv[2:]:
+    ctypes.CDLL(needed)
 try:
     import resource
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
@@ -53,6 +34,8 @@ except ImportError:
     pass
 import drjit as dr, mitsuba as mi
 mi.set_variant(sys.argv[1])
+if sys.argv[1].startswith("scalar"):
+    sys.exit(print("works"))
 x = dr.linspace(mi.Float, 0, 1, 64)
 y = dr.minimum(x, random.random()) + dr.maximum(dr.sqrt(x), random.random())
 assert bool(dr.all(dr.isfinite(y)))
@@ -75,13 +58,13 @@ class Backend:
 
     Attributes:
         variant: Mitsuba's name of it.
-        library: The LLVM library to load; None where Dr.Jit finds the right one, or needs none.
+        library: The LLVM library to load; None where none is needed.
         version: The version of LLVM, for the record.
         advice: What would make it faster; empty when nothing would.
     """
 
     variant: str
-    library: Path | None = None
+    library: Library | None = None
     version: str = ""
     advice: str = ""
 
@@ -109,7 +92,7 @@ def choose(name: str = "auto") -> Backend:
         The backend; Mitsuba can now be imported and set to its variant.
 
     Raises:
-        RenderError: There is no such backend, or it does not work here.
+        RenderError: There is no such backend, or it does not work here, or Mitsuba does not at all.
         MissingPackageError: Mitsuba is not installed.
     """
     _check_installed()
@@ -117,14 +100,17 @@ def choose(name: str = "auto") -> Backend:
         known = ", ".join(("auto", *NAMES))
         raise RenderError(f"Mitsuba has no backend {name!r} here", remedy=f"one of: {known}")
     backend = _fastest() if name == "auto" else _find(name)
+    _check_usable()
     if backend is None:
         raise RenderError(
             f"Mitsuba's {name} backend does not work on this machine: {diagnose()[name]}",
-            remedy=(REMEDY if name == "llvm" else "install NVIDIA's driver")
+            remedy=(remedy() if name == "llvm" else "install NVIDIA's driver")
             + "; or choose --variant auto",
         )
-    if backend.library is not None:
-        os.environ[LIBRARY] = str(backend.library)
+    # Also for scalar: Dr.Jit loads one library, whichever backend imports it first.
+    llvm = None if backend.variant == NAMES["cuda"] else _find("llvm")
+    if llvm is not None and llvm.library is not None:
+        llvm.library.prepare()
     return backend
 
 
@@ -133,14 +119,16 @@ def diagnose() -> dict[str, str]:
 
     Raises:
         MissingPackageError: Mitsuba is not installed.
+        RenderError: Mitsuba cannot be imported.
     """
     _check_installed()
+    _check_usable()
     found, fastest = {name: _find(name) for name in NAMES}, _fastest()
     return {
         "cuda": "works" if found["cuda"] else f"not usable: {_cuda().detail}",
         "llvm": _llvm_in_words(found["llvm"]),
         "scalar": "works",
-        "auto": f"chooses {fastest.variant}" + (f"; {fastest.advice}" if fastest.advice else ""),
+        "auto": "; ".join(filter(None, (f"chooses {fastest.variant}", fastest.advice))),
     }
 
 
@@ -153,18 +141,43 @@ def _check_installed() -> None:
             )
 
 
+def _check_usable() -> None:
+    """Refuse a machine on which Mitsuba cannot even be imported."""
+    probe = _scalar()
+    if probe.works:
+        return
+    remedy = "see what python -c 'import mitsuba' says; pip install --force-reinstall mitsuba drjit"
+    if "libatomic" in probe.detail:
+        # Dr.Jit's wheels take it from the system; minimal ones lack it.
+        remedy = "Debian, Ubuntu: apt-get install libatomic1; Fedora, RHEL: dnf install libatomic"
+    raise RenderError(f"Mitsuba cannot be used on this machine: {probe.detail}", remedy=remedy)
+
+
 def _llvm_in_words(backend: Backend | None) -> str:
     if backend is not None:
-        where = f" ({backend.library})" if backend.library else ""
-        return f"works, LLVM {backend.version}{where}"
-    tried = "; ".join(f"{path or 'found by Dr.Jit'}: {_llvm(path).detail}" for path in _libraries())
-    return f"not usable: {tried}"
+        return f"works, LLVM {backend.version} ({backend.library})"
+    tried = "; ".join(f"{library}: {_llvm(library).detail}" for library in libraries())
+    return f"not usable: {tried}; to get it, {remedy()}"
+
+
+def vectorized_remedy() -> str:
+    """How to have what the scalar backend lacks."""
+    return "use --variant llvm (or cuda)" if _find("llvm") else remedy()
+
+
+def _scalar_advice() -> str:
+    """What a user misses without LLVM, and how to get it."""
+    return (
+        "without LLVM rendering takes about three times as long and gives radiance alone: no light "
+        "by source, irradiance or environment maps, no probes, no lightmaps, no light cache; to "
+        f"get them, {remedy()}"
+    )
 
 
 @cache
 def _fastest() -> Backend:
     backend = _find("cuda") or _find("llvm")
-    return backend or Backend(NAMES["scalar"], advice=f"for three times the speed, {REMEDY}")
+    return backend or Backend(NAMES["scalar"], advice=_scalar_advice())
 
 
 @cache
@@ -173,37 +186,19 @@ def _find(name: str) -> Backend | None:
         return Backend(NAMES["scalar"])
     if name == "cuda":
         return Backend(NAMES["cuda"]) if _cuda().works else None
-    for library in _libraries():
+    for library in libraries():
         probe = _llvm(library)
         if probe.works:
             return Backend(NAMES["llvm"], library, probe.detail)
     return None
 
 
-def _libraries() -> Iterator[Path | None]:
-    """LLVM libraries to try: first what Dr.Jit takes by itself, then the newest of the others."""
-    yield None
-    # What the user names is meant, and what is loaded already cannot be changed any more.
-    if not os.environ.get(LIBRARY) and "drjit" not in sys.modules:
-        yield from _installed()
-
-
 @cache
-def _installed() -> tuple[Path, ...]:
-    found: dict[Path, tuple[int, ...]] = {}
-    for folder in _FOLDERS:
-        root = Path(Path(folder).anchor)
-        for place in root.glob(folder.removeprefix(str(root.as_posix()))):
-            for pattern in _LIBRARIES:
-                for path in place.glob(pattern):
-                    found[path.resolve()] = _version(path.resolve())
-    return tuple(sorted(found, key=lambda path: (found[path], path.as_posix()), reverse=True))
-
-
-def _version(path: Path) -> tuple[int, ...]:
-    """The version in a library's name, ``libLLVM.so.19.1``, or folder, ``llvm-18/lib/...``."""
-    numbers = re.findall(r"\d+", path.name) or re.findall(r"\d+", path.parent.parent.name)
-    return tuple(map(int, numbers))
+def _scalar() -> Probe:
+    """Whether Mitsuba can be imported; where another backend works, it can."""
+    if _find("cuda") or _find("llvm"):
+        return Probe(True, "")
+    return _probe(NAMES["scalar"], None)
 
 
 @cache
@@ -214,17 +209,21 @@ def _cuda() -> Probe:
 
 
 @cache
-def _llvm(library: Path | None) -> Probe:
+def _llvm(library: Library) -> Probe:
+    if library.too_old:
+        return Probe(False, f"LLVM {library.version[0]} is too old")
     return _probe(NAMES["llvm"], library)
 
 
-def _probe(variant: str, library: Path | None) -> Probe:
-    environment = dict(os.environ)
+def _probe(variant: str, library: Library | None) -> Probe:
+    environment, needed = dict(os.environ), list[str]()
     if library is not None:
-        environment[LIBRARY] = str(library)
+        needed = [str(path) for path in library.dependencies]
+        if library.path is not None:
+            environment[VARIABLE] = str(library.path)
     try:
         done = subprocess.run(
-            [sys.executable, "-P", "-c", _PROBE, variant],
+            [sys.executable, "-P", "-c", _PROBE, variant, *needed],
             env=environment,
             capture_output=True,
             text=True,
@@ -243,5 +242,7 @@ def _reason(output: str, code: int) -> str:
         return "this LLVM is too old, it cannot compile Mitsuba's code"
     if "could not be found" in output or "LLVM backend is inactive" in output:
         return "no usable library"
+    if missing := re.search(r"(\S+\.so[.\d]*): cannot open shared object file", output):
+        return f"it needs {missing[1]}, which this machine lacks"
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     return f"{lines[-1][:200]} (exit code {code})" if lines else f"exit code {code}"

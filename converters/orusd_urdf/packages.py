@@ -1,9 +1,11 @@
 """Optional packages, asked for by name and missed in words."""
 
 from importlib import import_module
-from typing import Any
+from typing import Any, Final
 
 from openrooms_usd.errors import MissingPackageError
+
+_OTHERWISE: Final = {"pybullet": "; for Python 3.12 and newer take the engine mujoco"}
 
 
 def needed(name: str) -> Any:
@@ -17,5 +19,5 @@ def needed(name: str) -> Any:
     except ImportError as error:
         raise MissingPackageError(
             f"the package {name!r} cannot be imported ({error})",
-            remedy='pip install "openrooms-usd[physics]"',
+            remedy='pip install "openrooms-usd[physics]"' + _OTHERWISE.get(name, ""),
         ) from error

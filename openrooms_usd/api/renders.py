@@ -120,8 +120,6 @@ def render(
             options=options or {},
             progress=progress,
         )
-    if summary.advice:
-        _LOG.warning(summary.advice)
     for path in summary.stay:
         _LOG.warning("%s stays: it is no view of this run, and holds what no run wrote", path)
     return read_render(folder)

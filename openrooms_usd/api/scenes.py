@@ -183,7 +183,7 @@ def open(path: AnyPath) -> Scene:
 def simulate(
     scene: AnyPath,
     *,
-    engine: str = "pybullet",
+    engine: str = "mujoco",
     seconds: float = 2.0,
     timestep: float | None = None,
     friction: "Friction" = "static",
@@ -197,7 +197,7 @@ def simulate(
 
     Args:
         scene: A composed room or any USD file with physics.
-        engine: ``pybullet`` or ``mujoco``.
+        engine: ``mujoco`` or ``pybullet``, which has wheels for Python 3.11 alone.
         seconds: How long.
         timestep: Seconds of one step; 0.002 by default.
         friction: Which coefficient of each surface counts.

@@ -320,8 +320,6 @@ def _print_summary(summary: "RenderSummary") -> None:
     for path in summary.stay:
         said = f"{path} stays: it is no view of this run, and holds what no run wrote"
         echo(said, err=True)
-    if summary.advice:
-        echo(summary.advice, err=True)
     echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")
 
 

@@ -22,7 +22,7 @@ _SHOWN = 12
     "-o", "--out", type=click.Path(path_type=Path),
     help="The layer to write; of a composed room by default layers/settled.usda.",
 )  # fmt: skip
-@click.option("--engine", default="pybullet", show_default=True, help="pybullet or mujoco.")
+@click.option("--engine", default="mujoco", show_default=True, help="mujoco or pybullet.")
 @click.option("--seconds", type=float, default=2.0, show_default=True, help="How long.")
 @click.option(
     "--timestep", type=float, default=0.002, show_default=True, help="Seconds of one step."

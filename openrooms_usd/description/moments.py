@@ -32,9 +32,10 @@ def clock_time(value: Any) -> str:
     expected = "a time from 00:00 to 23:59 such as 14:30"
     if not isinstance(value, str) or not re.fullmatch(_CLOCK, value):
         raise ValueError(expected)
-    hour, *rest = value.split(":")
+    hour, minute, *second = map(int, value.split(":"))
     try:
-        return time.fromisoformat(":".join([hour.zfill(2), *rest])).isoformat()
+        # Not fromisoformat: from Python 3.14 on that takes 24:00.
+        return time(hour, minute, second[0] if second else 0).isoformat()
     except ValueError:
         raise ValueError(expected) from None
 

@@ -34,7 +34,7 @@ def numbers(room: Generated) -> RoomNumbers:
     items = [item for _, group in room.furnishing.groups for item in group]
     empty = floor_of(room.shell)
     filled = empty.with_boxes(np.array([item.box for item in items]).reshape(-1, 8))
-    free = float((filled.clear > 0.0).sum() / max(1, (empty.clear > 0.0).sum()))
+    free = int((filled.clear > 0.0).sum()) / max(1, int((empty.clear > 0.0).sum()))
     classes = Counter(item.category for item in items)
     return RoomNumbers(room.room_type, room.shell.area, len(items), free, classes)
 

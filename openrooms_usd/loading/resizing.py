@@ -143,7 +143,7 @@ def _geometry(old: Sample, new: Sample, rays: Floats) -> dict[str, Array]:
     stored = depth.astype(np.float32)[..., None]
     points = new.rays * stored
     turn, shift = new.world_from_camera[:3, :3], new.world_from_camera[:3, 3]
-    made = {
+    made: dict[str, Array] = {
         "depth": stored,
         "distance": np.linalg.norm(points, axis=-1, keepdims=True),
         "position": np.where(stored > 0.0, points @ turn.T + shift, 0.0),

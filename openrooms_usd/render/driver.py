@@ -32,7 +32,6 @@ class RenderSummary:
         out: The folder.
         manifest: What stands in ``manifest.json``.
         timing: What stands in ``timing.json``.
-        advice: What would make it faster on this machine; empty when nothing would.
         stay: Views of an earlier run that are not described any more, and not ours to remove.
         report: What became of every prim.
     """
@@ -40,7 +39,6 @@ class RenderSummary:
     out: Path
     manifest: Mapping[str, Any]
     timing: Mapping[str, Any]
-    advice: str = ""
     stay: tuple[Path, ...] = ()
     report: Report = field(default_factory=Report)
 
@@ -174,7 +172,7 @@ def render_stage(
                 told = opened.report.as_dict()
                 writer.put(view, partial(run.add, name, view, opened.listed, took, shown, told))
     made = run.manifest, run.timing
-    return RenderSummary(out, *made, session.advice, tuple(run.stay), opened.report)
+    return RenderSummary(out, *made, tuple(run.stay), opened.report)
 
 
 def _checked(writer: ViewWriter, progress: Progress, what: str, fraction: float) -> None:

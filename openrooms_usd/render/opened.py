@@ -3,11 +3,12 @@
 The core gives what one exact ray through each pixel's centre tells: geometry, materials and labels.
 """
 
+import logging
 import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Final
 
 import numpy as np
@@ -54,6 +55,8 @@ from openrooms_usd.usd.cameras import (
     with_lens,
 )
 from openrooms_usd.usd.rendersettings import asked_cameras, settings_losses
+
+_LOG: Final = logging.getLogger("openrooms_usd")
 
 # The part of the progress that exact channels take beside many samples.
 _EXACT_SHARE: Final = 0.02
@@ -108,6 +111,8 @@ class OpenedStage:
         self, stage: Usd.Stage, scene: Scene, renderer: Renderer, options: Mapping[str, str]
     ) -> None:
         self.session: RenderSession = renderer.open(scene, options)
+        if self.session.advice:
+            _advise(self.session.advice)
         self._stage, self._moving = stage, MovingScene(scene)
         self._renderer, self._options = renderer, options
         self._channels = renderer.channels
@@ -338,3 +343,9 @@ def _check(request: RenderRequest, own: tuple[str, ...], session: RenderSession)
             f"no picture has {request.width}x{request.height} pixels and {request.bounces} bounces",
             remedy="give a positive resolution and no negative number of bounces",
         )
+
+
+@cache  # once a process, however many stages it opens
+def _advise(advice: str) -> None:
+    """Log what would make rendering faster or more complete on this machine."""
+    _LOG.warning(advice)

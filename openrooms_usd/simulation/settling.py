@@ -89,7 +89,7 @@ class Settled:
 def settle(
     path: Path,
     *,
-    engine: str = "pybullet",
+    engine: str = "mujoco",
     seconds: float = 2.0,
     out: Path | None = None,
     timestep: float = DEFAULT_TIMESTEP,

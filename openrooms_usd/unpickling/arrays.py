@@ -100,7 +100,7 @@ def _array(stream: IO[bytes], size: int, place: object, kinds: str) -> NDArray[A
         claimed = f"{count * dtype.itemsize / 2**20:,.0f} MiB are announced"
         raise _refused(place, f"it ends too early: {claimed}, and {size / 2**20:,.0f} are there")
     values = np.empty(count, dtype)
-    left = memoryview(values.view(np.uint8))  # type: ignore[arg-type]
+    left = values.view(np.uint8).data
     while len(left) and (done := stream.readinto(left)):  # type: ignore[attr-defined]
         left = left[done:]
     if len(left):

@@ -1,5 +1,6 @@
 """The tests' own rules: what takes long is marked, and of many cases few are fast."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -32,11 +33,13 @@ def test_first_use():
 def test_sleep(): time.sleep(0.3)
 @pytest.mark.slow
 def test_marked(): burn()
+@pytest.mark.parametrize("missing", "ab")
+def test_of_what_is_missing(missing): pytest.skip("no such tool")
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("case", "abcde")
 def test_cases(case): pass
 """
-TOO_LONG = {"test_itself", "test_its_own_fixture", "test_its_process"}
+TOO_LONG = {"test_itself", "test_its_own_fixture", "test_its_process", "test_first_use"}
 
 
 def outcomes(folder: Path, *words: str) -> tuple[set[str], set[str], str]:
@@ -58,11 +61,23 @@ def outcomes(folder: Path, *words: str) -> tuple[set[str], set[str], str]:
 
 
 @pytest.mark.slow
-def test_what_takes_long_without_the_mark_fails(tmp_path: Path) -> None:
-    passed, failed, said = outcomes(tmp_path, "--cpu-limit", "0.1")
+@pytest.mark.parametrize("workers", [(), ("-n", "2")])
+def test_what_takes_long_is_listed_and_fails_only_where_that_is_asked(
+    tmp_path: Path, workers: tuple[str, ...]
+) -> None:
+    passed, failed, said = outcomes(tmp_path, "--cpu-limit", "0.1", *workers)
+    assert not failed and passed >= TOO_LONG, said
+    listed = said.partition("more than 0.1 s of processor time ==")[2].partition("== skipped")[0]
+    assert {line.split("::")[1] for line in listed.splitlines() if "::" in line} == TOO_LONG, said
+    passed, failed, said = outcomes(tmp_path, "--cpu-fail", "0.1", *workers)
     assert failed == TOO_LONG, said
-    assert {"test_what_is_shared", "test_first_use", "test_sleep", "test_marked"} <= passed
+    assert {"test_what_is_shared", "test_sleep", "test_marked"} <= passed
     assert said.count("of processor time, more than 0.1 s") >= len(TOO_LONG)
+
+
+def test_what_is_skipped_is_counted_by_reason(tmp_path: Path) -> None:
+    _, _, said = outcomes(tmp_path, "-k", "missing")
+    assert re.search(r"= skipped, by reason =+\n +2  no such tool\n", said), said
 
 
 def test_of_many_cases_few_are_fast(tmp_path: Path) -> None:

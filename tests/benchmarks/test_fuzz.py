@@ -30,7 +30,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="it looks into /proc"
 
 @linux
 @pytest.mark.slow
-@pytest.mark.parametrize("cases", [200, pytest.param(500, marks=pytest.mark.long)])
+@pytest.mark.parametrize("cases", [80, pytest.param(500, marks=pytest.mark.long)])
 def test_whatever_is_read_is_accepted_or_refused_in_a_sentence(cases: int, tmp_path: Path) -> None:
     done, found = campaign(tmp_path / "tally.json", "--cases", cases, "--seconds", 60)
     assert found["defects"] == [], done.stdout

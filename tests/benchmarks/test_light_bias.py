@@ -54,7 +54,6 @@ def test_a_reference_adds_nothing_to_the_error(truth: Pictures) -> None:
 
 
 def test_views_share_what_their_room_takes() -> None:
-    pytest.importorskip("mitsuba")
     from benchmarks.light.sessions import Cost
 
     assert Cost(room=10.0, view=1.0).views(1) == 11.0

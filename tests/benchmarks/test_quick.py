@@ -54,7 +54,6 @@ def room(tmp_path: Path) -> Path:
 
 @pytest.mark.slow
 def test_radiance(room, tmp_path):
-    pytest.importorskip("mitsuba")
     _, data = run("radiance", tmp_path / "r.json", "--stage", room)
     few, more, reference = data["rows"]
     assert (few["samples"], more["samples"], reference["samples"]) == (2, 8, 64)
@@ -63,9 +62,8 @@ def test_radiance(room, tmp_path):
     assert data["backends"][0]["share"] > 0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_radiance_with_denoising(room, tmp_path):
-    pytest.importorskip("mitsuba")
     said, data = run("radiance", tmp_path / "r.json", "--stage", room, "--denoise")
     few, more, reference = data["rows"]
     assert few["denoised_mse"] < few["relative_mse"]
@@ -82,7 +80,6 @@ def test_radiance_with_denoising(room, tmp_path):
 
 @pytest.mark.slow
 def test_first_picture(room, tmp_path):
-    pytest.importorskip("mitsuba")
     said, data = run("first_picture", tmp_path / "f.json", "--stage", room)
     assert data["rows"][0]["first_s"] > 0
     assert "| scalar |" in said
@@ -105,11 +102,8 @@ def test_generate(tmp_path):
     assert "| apartment | 1 |" in said
 
 
-@pytest.mark.slow
-def test_materials(tmp_path):
-    variants = pytest.importorskip("orusd_mitsuba.variants")
-    if variants.choose("auto").variant.startswith("scalar"):
-        pytest.skip("many directions at a time need llvm or cuda")
+@pytest.mark.long
+def test_materials(vectorized, tmp_path):
     said, data = run(
         "materials", tmp_path / "m.json", "--section", "sampling", "--section", "albedo"
     )
@@ -142,12 +136,7 @@ def test_the_hall_has_as_many_objects_as_asked_for(monkeypatch, tmp_path):
 
 
 @pytest.mark.slow
-def test_light(tmp_path):
-    pytest.importorskip("mitsuba")
-    from orusd_mitsuba import variants
-
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
+def test_light(vectorized, tmp_path):
     asked = ("radiance", "environment", "hard", "honesty")
     sections = [word for name in asked for word in ("--section", name)]
     said, data = run("light", tmp_path / "l.json", *sections)
@@ -164,12 +153,7 @@ def test_light(tmp_path):
 
 
 @pytest.mark.long
-def test_light_of_every_method(tmp_path):
-    pytest.importorskip("mitsuba")
-    from orusd_mitsuba import variants
-
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
+def test_light_of_every_method(vectorized, tmp_path):
     sections = ("--section", "pictures", "--section", "grids", "--section", "channels")
     rooms = ("--room", "plain", "--room", "bedroom", "--references", tmp_path / "references")
     _, data = run("light", tmp_path / "l.json", *sections, *rooms)
@@ -199,10 +183,7 @@ def test_physics_by_step(tmp_path):
 
 
 @pytest.mark.long
-def test_storage(tmp_path):
-    variants = pytest.importorskip("orusd_mitsuba.variants")
-    if variants.choose("auto").variant.startswith("scalar"):
-        pytest.skip("all channels need llvm or cuda")
+def test_storage(vectorized, tmp_path):
     said, data = run("storage", tmp_path / "s.json")
     families = {row["family"]: row for row in data["room 1"]["families"]}
     light = families["environment"]
@@ -214,7 +195,6 @@ def test_storage(tmp_path):
 
 @pytest.mark.long
 def test_dataset(tmp_path):
-    pytest.importorskip("mitsuba")
     _, data = run("dataset", tmp_path / "d.json")
     (made,) = data["runs"]
     assert made["samples"] == 4 and 0 < made["error"] < 1 and made["MB_a_view"] > 0
@@ -229,7 +209,6 @@ def test_dataset(tmp_path):
 @pytest.mark.long
 def test_loading(tmp_path, torch_packages):
     """More than ten views: all forms have them in the same order."""
-    pytest.importorskip("mitsuba")
     _, data = run("loading", tmp_path / "l.json", packages=torch_packages)
     assert len({row["form"] for row in data["rows"]}) == 5
     for row in data["rows"]:
@@ -237,9 +216,8 @@ def test_loading(tmp_path, torch_packages):
         assert all(speed > 0 for speed in row["views_a_second"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_usd(tmp_path):
-    pytest.importorskip("mitsuba")
     _, data = run("usd", tmp_path / "u.json")
     assert len(data["rows"]) == 5
     for row in data["rows"]:

@@ -62,7 +62,6 @@ def test_an_earlier_composition_stays(slow_room: Path, lab: Any, tmp_path: Path)
 
 @pytest.mark.slow
 def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
-    pytest.importorskip("mitsuba")
     from openrooms_usd.channels import WRITTEN
     from openrooms_usd.render import exr
 
@@ -83,7 +82,6 @@ def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_an_earlier_render_stays_until_a_view_is_finished(lab: Any, tmp_path: Path) -> None:
-    pytest.importorskip("mitsuba")
     out = tmp_path / "out"
     shutil.copytree(lab.rendered, out)
     before = lab.tree(out)
@@ -98,7 +96,6 @@ def test_an_earlier_render_stays_until_a_view_is_finished(lab: Any, tmp_path: Pa
 
 
 def test_a_conversion(lab: Any, tmp_path: Path) -> None:
-    pytest.importorskip("mitsuba")
     out = tmp_path / "out"
     process = lab.start("convert", lab.scene, out)
     interrupt(process, lambda: any(out.glob(".new.*")), lab)

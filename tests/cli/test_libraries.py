@@ -47,7 +47,6 @@ def test_what_is_shown() -> None:
 
 @pytest.mark.slow
 def test_a_small_sheet(tmp_path: Path) -> None:
-    pytest.importorskip("mitsuba")
     words = ["library", "sheet", "--category", "ceiling_lamp", "--category", "table"]
     words += ["--all", *QUICK]
     names = ("ceiling_lamp", "table")
@@ -89,7 +88,6 @@ def test_a_wide_sheet_is_reduced(tmp_path: Path) -> None:
 def test_refusals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="did you mean 'chair'"):
         call("library", "sheet", "-o", tmp_path / "x.png", "--category", "chiar")
-    pytest.importorskip("mitsuba")
     (tmp_path / "file").write_text("")
     # Before anything is composed or rendered.
     monkeypatch.delattr("openrooms_usd.showroom.studio.build")

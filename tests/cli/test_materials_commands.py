@@ -34,7 +34,6 @@ def test_the_list_for_people_and_programs() -> None:
 
 
 def test_a_small_sheet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("mitsuba")
     few = {"leather": ("nappa", "suede"), "metal": ("rusted_iron",)}
     shown = {kind: {name: textures.family_of(name) for name in few[kind]} for kind in few}
     monkeypatch.setattr("openrooms_usd.showroom.materialsheet.FAMILIES", shown)

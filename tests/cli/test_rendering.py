@@ -136,7 +136,6 @@ def test_options_that_are_refused(options, ball, tmp_path):
 
 def test_the_reflectance_model_can_be_forced(ball, tmp_path):
     """What has no material is a UsdPreviewSurface, unless told otherwise; a scalar backend too."""
-    pytest.importorskip("mitsuba")
     options = ["--variant", "scalar", "--resolution", "8x6", "--spp", "1", "--camera", "front"]
     losses = {}
     for bsdf in ("auto", "openrooms"):
@@ -150,7 +149,6 @@ def test_the_reflectance_model_can_be_forced(ball, tmp_path):
 
 
 def test_a_ball_on_the_floor(ball, tmp_path):
-    pytest.importorskip("mitsuba")
     out = tmp_path / "out"
     options = ["--variant", "scalar", "--resolution", "32x24", "--spp", "4", "--json"]
     options += ["--camera", "front"]
@@ -169,7 +167,6 @@ def test_a_ball_on_the_floor(ball, tmp_path):
 
 @pytest.mark.slow
 def test_ctrl_c_in_a_real_process(ball, tmp_path):
-    pytest.importorskip("mitsuba")
     out = tmp_path / "out"
     options = ["--variant", "scalar", "--resolution", "64x48", "--time", "2"]
     command = [sys.executable, "-c", MAIN, "render", str(ball), "-o", str(out)]
@@ -195,7 +192,6 @@ def report_of(out: Path) -> dict:
 
 
 def test_an_error_that_is_not_reached_is_said(ball, tmp_path, monkeypatch):
-    pytest.importorskip("mitsuba")
     from orusd_mitsuba.transport import sampling
 
     monkeypatch.setattr(sampling, "_MOST_SAMPLES", 16)

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from openrooms_usd.cli import orusd
 from openrooms_usd.errors import MissingPackageError, StageError
 from orusd_urdf.packages import needed
+from tests.engines import ENGINES
 
 STAGE = """\
 #usda 1.0
@@ -51,7 +52,7 @@ def stage(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+@pytest.mark.parametrize("engine", ENGINES)
 def test_a_foreign_stage_settles(stage: Path, tmp_path: Path, engine: str) -> None:
     out = tmp_path / "rest.usda"
     how = ["simulate", str(stage), "--engine", engine, "--seconds", "1", "-o", str(out), "--json"]

@@ -12,7 +12,6 @@ from click.testing import CliRunner
 
 from openrooms_usd.channels import CHANNELS, FLOWS
 from openrooms_usd.cli import orusd
-from orusd_mitsuba import variants
 
 GRID = (8, 8)
 
@@ -25,9 +24,7 @@ def picture(path: Path) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def home(demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    if not variants.diagnose()["llvm"].startswith("works"):
-        pytest.skip("no usable LLVM")
+def home(vectorized: str, demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("light")
     call = ["render", str(demo), "-o", str(folder / "render"), "--camera", "dining",
             "--resolution", "32x32", "--grid", "8x8", "--spp", "32", "--channels", "all",

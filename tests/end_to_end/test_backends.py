@@ -9,9 +9,8 @@ from openrooms_usd.channels import WRITTEN
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("vectorized")
 def test_ground_truth_is_the_same_and_radiance_alike(composed_demo: Path, show, fastest) -> None:
-    if fastest == "scalar":
-        pytest.skip("only one backend works here")
     # Of reflectance models, too: scalar ones have that of UsdPreviewSurface unless told otherwise.
     a, b = (
         show(composed_demo, name, options={"variant": name, "bsdf": "preview"}, samples=16)

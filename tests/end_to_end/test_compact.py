@@ -9,7 +9,6 @@ import pytest
 from click.testing import CliRunner
 
 from openrooms_usd.cli import orusd
-from orusd_mitsuba import variants
 
 pytestmark = pytest.mark.slow
 
@@ -30,9 +29,7 @@ def picture(path: Path) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def home(demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    if not variants.diagnose()["llvm"].startswith("works"):
-        pytest.skip("no usable LLVM")
+def home(vectorized: str, demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("storage")
     for storage in ("complete", "compact"):
         run(

@@ -57,7 +57,7 @@ class Engine:
     def play(self, scene: Path) -> dict[str, Any]:
         if not Path(self.python).exists():
             reason = f".ci/install-{self.name}, ORUSD_{self.name.upper()}_PYTHON"
-            pytest.skip(f"no {self.name}: {self.python} is missing ({reason})")
+            pytest.skip(f"{self.name} is missing ({reason})")
         script = Path(__file__).with_name(f"{self.name}_episode.py")
         words = [self.python, str(script), str(scene), str(SECONDS)]
         done = subprocess.run(words, capture_output=True, text=True, timeout=900)

@@ -51,10 +51,13 @@ def assert_adds_up(view: RenderedView) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), [("bedroom", 12), ("kitchen", 16), ("office", 19)])
 def test_light_that_was_taken_apart_adds_up(
-    kind: str, seed: int, generated: Callable[[str, int], Path], tmp_path: Path, fastest: str
+    vectorized: str,
+    kind: str,
+    seed: int,
+    generated: Callable[[str, int], Path],
+    tmp_path: Path,
+    fastest: str,
 ) -> None:
-    if fastest == "scalar":
-        pytest.skip("no vectorized backend works here")
     render_stage(
         generated(kind, seed), tmp_path, resolution=SIZE, options={"variant": fastest},
         channels=CHANNELS, samples=16, cameras=["view_0"],

@@ -11,6 +11,7 @@ from openrooms_usd.simulation.robot_cameras import RobotCameras, robot_camera
 from openrooms_usd.simulation.robots import ALONG, pusher, with_robot
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
+from tests.engines import ENGINES
 
 CHAIR = "chair_0"
 # The widest that a ray and its neighbour lie apart on what the robot sees, metres.
@@ -25,7 +26,7 @@ def own_box(stage: Usd.Stage, path: str) -> np.ndarray:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+@pytest.mark.parametrize("engine", ENGINES)
 def test_it_rests_is_pushed_and_is_seen_where_it_is(engine: str, composed_bodies: Path) -> None:
     stage = open_stage(composed_bodies)
     world = with_robot(read_world(stage), pusher((0.9, 0.6)))

@@ -10,8 +10,6 @@ import pytest
 from openrooms_usd.compose import compose_room
 from openrooms_usd.render import exr, render_stage
 
-pytest.importorskip("mitsuba")
-
 REFLECTED = 0.5
 HEIGHT, SILL, WIDTH, MIDDLE, THICK = 1.2, 1.0, 1.4, 2.2, 0.25
 

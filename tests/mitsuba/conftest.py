@@ -15,10 +15,12 @@ from openrooms_usd.render import RenderRequest, View
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import MitsubaRenderer, variants
-from orusd_mitsuba.plugins import openrooms_bsdf
 from tests.handmade import Build
 
 Open = Callable[[Usd.Stage], Any]
+
+# Some tests import modules that import Dr.Jit: which library it loads is chosen before.
+variants.choose()
 
 
 @pytest.fixture(scope="session")
@@ -52,32 +54,30 @@ def _half_hidden(**looks: Any) -> Usd.Stage:
 @pytest.fixture(params=["scalar", "llvm"])
 def variant(request: pytest.FixtureRequest) -> str:
     """Each backend; those that do not work on this machine are skipped."""
-    # The faster one chooses the library, which must happen before Mitsuba is imported.
-    if variants.choose("auto").variant == "scalar_rgb" and request.param != "scalar":
-        pytest.skip(f"no usable {request.param}: {variants.diagnose()[request.param]}")
+    if request.param == "llvm":
+        request.getfixturevalue("vectorized")
     return str(request.param)
 
 
 @pytest.fixture(scope="module")
-def mi() -> ModuleType:
+def mi(vectorized: str) -> ModuleType:
     """Mitsuba with its fastest backend, which vectorizes."""
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
     import mitsuba
 
-    mitsuba.set_variant(variants.choose("auto").variant)
+    mitsuba.set_variant(vectorized)
     return mitsuba
 
 
 @pytest.fixture
-def prepare() -> Callable[[str], Any]:
+def prepare(request: pytest.FixtureRequest) -> Callable[[str], Any]:
     """Switch to a backend, and give Mitsuba."""
 
     def switch(name: str) -> Any:
-        # The faster one chooses the library, which must happen before Mitsuba is imported.
-        if variants.choose("auto").variant == "scalar_rgb" and name != "scalar":
-            pytest.skip("no usable llvm")
+        if name != "scalar":
+            request.getfixturevalue("vectorized")
         import mitsuba as mi
+
+        from orusd_mitsuba.plugins import openrooms_bsdf
 
         mi.set_variant(variants.choose(name).variant)
         openrooms_bsdf.register(str(mi.variant()))
@@ -174,8 +174,5 @@ class Lit:
 
 
 @pytest.fixture(scope="session")
-def lit() -> type[Lit]:
-    """Skips where no vectorized backend works."""
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
+def lit(vectorized: str) -> type[Lit]:
     return Lit

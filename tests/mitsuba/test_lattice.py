@@ -7,20 +7,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import kstest
 
-from orusd_mitsuba import variants
-
 PIXELS = 3000
 
 
 @pytest.fixture
-def draw() -> Any:
+def draw(vectorized: str) -> Any:
     """The seven numbers of each sample: (7, PIXELS, samples)."""
     import mitsuba as mi
 
-    chosen = variants.choose("auto").variant
-    if chosen == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
-    mi.set_variant(chosen)
+    mi.set_variant(vectorized)
     from orusd_mitsuba.transport.lattice import FirstDimensions
 
     def drawn(samples: int, seed: int = 0) -> NDArray[np.float64]:

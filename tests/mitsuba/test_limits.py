@@ -10,7 +10,7 @@ from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene import gathering
 from openrooms_usd.render.scene.translate import translate
-from orusd_mitsuba import MitsubaRenderer, limits, variants
+from orusd_mitsuba import MitsubaRenderer, limits
 from tests.crowd import crowd
 
 
@@ -35,10 +35,10 @@ def test_instances_that_do_not_fit_are_refused(
 
 
 def test_where_nobody_chooses_very_many_instances_are_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    vectorized: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if not variants.choose("auto").is_llvm:
-        pytest.skip("nothing is expanded here")
+    if "llvm" not in vectorized:
+        pytest.skip("cuda expands instances whatever their number")
     monkeypatch.setattr(gathering, "LEAST_SAVED_TRIANGLES", 1)
     monkeypatch.setattr(gathering, "_LEAST_SAVED_BY_ONE", 1)
     stage = crowd(str(tmp_path / "none.png")).stage
@@ -51,11 +51,8 @@ def test_where_nobody_chooses_very_many_instances_are_kept(
     assert "llvm" in asked.backend and "expanded" in asked.advice
 
 
-@pytest.mark.parametrize("variant", ["scalar", "llvm"])
 def test_a_camera_that_sees_nothing_at_all_gives_black(variant: str) -> None:
     """Between clipping planes, too, where rays are traced one by one."""
-    if variant == "llvm" and not variants.choose("auto").is_llvm:
-        pytest.skip("no usable llvm")
     stage = Usd.Stage.CreateInMemory()
     UsdLux.DomeLight.Define(stage, "/Sky").CreateIntensityAttr(0.0)
     camera = UsdGeom.Camera.Define(stage, "/Camera")

@@ -17,9 +17,7 @@ from orusd_mitsuba.plugins import material_table
 
 
 @pytest.fixture
-def mitsuba() -> Any:
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no usable llvm")
+def mitsuba(vectorized: str) -> Any:
     import mitsuba as mi
 
     mi.set_variant(variants.choose("llvm").variant)

@@ -13,12 +13,8 @@ TINT = (0.98, 0.99, 0.95)
 
 
 @pytest.fixture
-def variant() -> str:
+def variant(vectorized: str) -> str:
     """The scalar backend has light by Mitsuba's own paths, which know no panes."""
-    from orusd_mitsuba import variants
-
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
     return "llvm"
 
 
@@ -293,3 +289,22 @@ def test_a_pane_survives_usd(build: Any) -> None:
     assert found.pane == pytest.approx(TINT) and found.ior == pytest.approx(IOR) and not losses
     # To who does not know panes it is almost clear.
     assert found.opacity < 0.2
+
+
+def test_the_scalar_backend_denoises_what_is_behind_panes(build: Any) -> None:
+    """Guides of a denoiser are the core's there: none of the vectorized transport is asked."""
+    from openrooms_usd.render import RenderRequest
+    from openrooms_usd.render.contract import GUIDES
+    from openrooms_usd.render.opened import open_with
+    from orusd_mitsuba import MitsubaRenderer
+
+    made = build()
+    made.box("/Room", 2.0, inside=True, material=made.material("/Grey", base_color=(0.5,) * 3))
+    sheet(made, "/Pane", [(-0.9, 0.0, -0.9), (0.9, 0.0, -0.9), (0.9, 0.0, 0.9), (-0.9, 0.0, 0.9)])
+    made.camera((0.0, -0.9, 0.0), (0.0, 0.9, 0.0), fov=60)
+    made.dome()
+    opened = open_with(MitsubaRenderer(), made.stage, {"variant": "scalar"})
+    request = RenderRequest("/Camera", ("radiance",), 16, 12, samples=1, guides=True)
+    view = opened.render(request)
+    assert set(view.guides) == set(GUIDES)
+    np.testing.assert_allclose(view.guides["base_color"], 0.5, atol=1e-3)

@@ -14,16 +14,9 @@ from openrooms_usd.render.exr import read_picture
 from openrooms_usd.render.probes import harmonics, irradiance, probe_stage
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, define_portal
-from orusd_mitsuba import variants
 
 NITS = 1000.0
 SIZE = (32, 16)
-
-
-@pytest.fixture
-def fast() -> None:
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
 
 
 def saved(stage: Any, folder: Path) -> Path:
@@ -42,7 +35,7 @@ def test_harmonics_of_a_panorama_are_in_world_axes() -> None:
         np.testing.assert_allclose((sh.basis(some, 2) @ found)[:, 1], light(some), atol=5e-3)
 
 
-@pytest.mark.usefixtures("fast")
+@pytest.mark.usefixtures("vectorized")
 def test_a_probe_under_an_even_sky(build: Any, tmp_path: Path) -> None:
     room = build()
     room.quad("/Far", [(0, 0, -99), (0.1, 0, -99), (0.1, 0.1, -99), (0, 0.1, -99)])
@@ -61,7 +54,7 @@ def test_a_probe_under_an_even_sky(build: Any, tmp_path: Path) -> None:
     assert read_picture(tmp_path / "out/probe_0.exr").mean() == pytest.approx(NITS, rel=0.02)
 
 
-@pytest.mark.usefixtures("fast")
+@pytest.mark.usefixtures("vectorized")
 def test_a_lamp_is_where_the_panorama_says(build: Any, tmp_path: Path) -> None:
     """On the +X side, a little to +Y and below: a picture that is turned or mirrored fails."""
     room = build()
@@ -83,7 +76,7 @@ def test_a_lamp_is_where_the_panorama_says(build: Any, tmp_path: Path) -> None:
     assert irradiance(pixels, [-1, 0, 0])[0] == 0.0
 
 
-@pytest.mark.usefixtures("fast")
+@pytest.mark.usefixtures("vectorized")
 def test_openings_have_probes_that_look_both_ways(build: Any, tmp_path: Path) -> None:
     room = build()
     black = room.material("/Black", base_color=(0.0, 0.0, 0.0))
@@ -103,7 +96,7 @@ def test_openings_have_probes_that_look_both_ways(build: Any, tmp_path: Path) ->
     assert probe["opening"]["from_inside"][0] < 0.02 * np.pi * NITS
 
 
-@pytest.mark.usefixtures("fast")
+@pytest.mark.usefixtures("vectorized")
 def test_equal_seeds_give_equal_files(build: Any, tmp_path: Path) -> None:
     room = build()
     room.box("/Box", 2.0, inside=True)

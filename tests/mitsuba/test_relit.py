@@ -14,7 +14,7 @@ from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.relight import Relighting, light_factors, relit
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, define_portal
-from orusd_mitsuba import MitsubaRenderer, variants
+from orusd_mitsuba import MitsubaRenderer
 
 NITS = {"near": 800.0, "far": 3000.0}
 HALVES = 6
@@ -69,11 +69,10 @@ CASES = {
 }
 
 
+@pytest.mark.usefixtures("vectorized")
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("case", CASES)
 def test_relit_agrees_with_a_fresh_render(build: Any, case: str) -> None:
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
     how, factors, kelvin = CASES[case]
     old, fresh = room_with_lamps(build, {}), room_with_lamps(build, factors, kelvin)
     scores = z_scores(old, how, "/far", fresh)
@@ -116,11 +115,10 @@ def corner(build: Any, *, boxed: bool, sky: float = 500.0) -> Any:
     return room.stage
 
 
+@pytest.mark.usefixtures("vectorized")
 @pytest.mark.slow
 def test_a_window_alone_is_a_hole_in_a_black_box(build: Any) -> None:
     """Brighter sky in the window, none elsewhere: as an aperture of black walls lets it in."""
-    if variants.choose("auto").variant == "scalar_rgb":
-        pytest.skip("no vectorized backend works here")
     old, fresh = corner(build, boxed=False), corner(build, boxed=True, sky=1000.0)
     scores = z_scores(old, lambda name: Relighting({name: 2.0, "elsewhere": 0.0}), "/window", fresh)
     assert np.abs(scores).max() < 6.0

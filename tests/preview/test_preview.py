@@ -150,7 +150,6 @@ def test_equal_seeds_give_equal_bits() -> None:
 
 def test_the_exact_channels_are_those_of_another_renderer() -> None:
     """What Mitsuba's ray tracer finds and what the core's finds are the same triangles."""
-    pytest.importorskip("mitsuba")
     from orusd_mitsuba import MitsubaRenderer
 
     stage = board((0.8, 0.4, 0.2), (0.2, 0.2, 0.8))

@@ -243,3 +243,12 @@ def test_large_renders_take_the_cache(
     session: Any = _Both()
     assert choose_method(None, session, paths) == method
     assert choose_method("reference", session, paths) == "reference"
+
+
+def test_advice_is_logged_before_anything_is_rendered_and_once(
+    stage: Usd.Stage, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(Even, "advice", "install more")
+    for _ in range(2):
+        open_with(Even(), stage)
+    assert [record.getMessage() for record in caplog.records] == ["install more"]

@@ -32,7 +32,7 @@ def camera_for(f_stop: float | None, lens: tuple[float, float] | None = None) ->
 
     renderer: Any = SimpleNamespace(
         channels=("radiance",),
-        open=lambda scene, options: SimpleNamespace(tracer=None, render=render),
+        open=lambda scene, options: SimpleNamespace(tracer=None, advice="", render=render),
     )
     request = RenderRequest("/eye", ("radiance",), 8, 6, samples=1, f_stop=f_stop)
     open_with(renderer, stage).render(request)

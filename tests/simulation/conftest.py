@@ -13,9 +13,9 @@ from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Contact, Link, Shape, World
 from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import triangles
+from tests.engines import ENGINES
 
 Array = NDArray[np.float64]
-ENGINES = ("pybullet", "mujoco")
 Opener = Callable[..., Simulation]
 
 

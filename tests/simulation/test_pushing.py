@@ -6,6 +6,7 @@ import pytest
 from openrooms_usd import adapters
 from openrooms_usd.simulation import pushing
 from openrooms_usd.simulation.pushing import CARPET, STRONG, WAX, WEAK, Push, predicted, simulated
+from tests.engines import ENGINES
 
 
 def integrated(push: Push, step: float = 1e-6) -> float:
@@ -37,7 +38,7 @@ def test_a_motor_weaker_than_friction_moves_nothing() -> None:
     assert predicted(Push(CARPET, 14.0)) == 0.0
 
 
-@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+@pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("floor", [CARPET, WAX])
 @pytest.mark.parametrize("effort", [WEAK, STRONG])
 def test_engines_agree_with_it_within_five_percent(
@@ -48,7 +49,7 @@ def test_engines_agree_with_it_within_five_percent(
     assert found == pytest.approx(predicted(push), rel=0.05)
 
 
-@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+@pytest.mark.parametrize("engine", ENGINES)
 def test_a_smaller_step_errs_less(engine: str) -> None:
     loaded = adapters.load(adapters.ENGINES, engine)
     push = Push(CARPET, STRONG)

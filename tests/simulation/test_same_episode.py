@@ -21,8 +21,7 @@ from openrooms_usd.usd import layers
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
 from openrooms_usd.usd.rigid.reading import read_world
-
-from .conftest import ENGINES
+from tests.engines import ENGINES
 
 
 def episode(world: World) -> tuple[Mapping[str, Pose], object]:

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pybullet
 import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Contact, Joint, Link, Shape, Visual, World
+from tests.engines import NO_PYBULLET
 
 Array = NDArray[np.float64]
 
@@ -120,6 +120,7 @@ def make() -> SimpleNamespace:
 @pytest.fixture
 def client() -> Iterator[int]:
     """A Bullet of one's own, with steps of 2 ms."""
+    pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
     number = pybullet.connect(pybullet.DIRECT)
     pybullet.setPhysicsEngineParameter(
         fixedTimeStep=0.002, numSolverIterations=200, solverResidualThreshold=0.0,

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 
 from openrooms_usd.compose import compose_room
@@ -16,6 +15,9 @@ from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import MjcfExporter, UrdfExporter, UsdPhysicsExporter
 from orusd_urdf.loading import load_bullet
+from tests.engines import NO_PYBULLET
+
+pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
 
 pytestmark = pytest.mark.slow
 

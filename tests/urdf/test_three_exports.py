@@ -6,7 +6,6 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 from pxr import Gf, Usd, UsdGeom
 from scipy.spatial.transform import Rotation
@@ -17,6 +16,9 @@ from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import MjcfExporter, UrdfExporter
 from orusd_urdf.loading import load_bullet
+from tests.engines import NO_PYBULLET
+
+pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
 
 FURNITURE = "/World/Furniture"
 

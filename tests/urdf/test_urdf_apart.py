@@ -7,7 +7,6 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
@@ -17,6 +16,9 @@ from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import MjcfExporter, UrdfExporter, UsdPhysicsExporter
 from orusd_urdf.loading import load_bullet
+from tests.engines import ENGINES, NO_PYBULLET
+
+pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
 
 STEPS = 250
 # Half a second of free fall; what lies on something is still there.
@@ -129,7 +131,7 @@ def test_the_whole_shape_of_a_link_is_the_link(stage: Usd.Stage) -> None:
     assert found == ((slab, ("Ghost", "Ghost")), (slab, ("Block", "Block")))
 
 
-@pytest.mark.parametrize("engine", ["pybullet", "mujoco"])
+@pytest.mark.parametrize("engine", ENGINES)
 def test_engines_obey(world: World, engine: str) -> None:
     simulation = adapters.load(adapters.ENGINES, engine).open(world)
     simulation.step(STEPS * simulation.timestep)

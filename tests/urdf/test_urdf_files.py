@@ -15,6 +15,7 @@ from openrooms_usd.physics.world import World
 from orusd_urdf import MjcfExporter, UrdfExporter, UsdPhysicsExporter
 from orusd_urdf.mjcf import write_mjcf
 from orusd_urdf.urdf import write_urdf
+from tests.engines import needs_pybullet
 
 LOAD = """
 import sys, pybullet
@@ -49,6 +50,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(f.relative_to(folder)): f.read_bytes() for f in folder.rglob("*") if f.is_file()}
 
 
+@needs_pybullet
 def test_bullet_loads_everything_in_silence(world: World, tmp_path: Path) -> None:
     """Its warnings go to the C library's standard output, so that another process is asked."""
     write_urdf(world, tmp_path, looks={})

@@ -6,11 +6,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.physics.world import Shape, World
+from tests.engines import NO_PYBULLET
+
+pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
 
 FLOOR, THING = 0.6, 0.24
 # The geometric mean; the product is 0.144, the larger 0.6, the mean 0.42.

@@ -5,10 +5,12 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 
 from openrooms_usd.physics.world import World
+from tests.engines import NO_PYBULLET
+
+pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
 
 STEP = 0.002
 # Of the door about its hinge: a thin plate about its edge, m w^2 / 3, and its thickness.

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pybullet
 import pytest
 
 from openrooms_usd.geometry.triangulation import TriangleMesh
@@ -16,6 +15,9 @@ from openrooms_usd.usd.textures import read_texture
 from orusd_urdf.assets import Assets, picture_bytes
 from orusd_urdf.looks import Look, look_of
 from orusd_urdf.urdf import write_urdf
+from tests.engines import NO_PYBULLET
+
+pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
 
 QUAD = np.array([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]])
 ROWS = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)

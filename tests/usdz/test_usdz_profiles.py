@@ -224,7 +224,7 @@ def apple() -> Check:
     """What Apple's rules say of a file; runs where `.ci/install-usdchecker` has been."""
     python = os.environ.get("ORUSD_USDCHECKER_PYTHON", str(ROOT / ".venv-usdchecker/bin/python"))
     if not Path(python).is_file():
-        pytest.skip(f"no checker: {python} (.ci/install-usdchecker, ORUSD_USDCHECKER_PYTHON)")
+        pytest.skip("usdchecker is missing (.ci/install-usdchecker, ORUSD_USDCHECKER_PYTHON)")
 
     def check(file: Path) -> list[str]:
         command = [python, "-P", str(Path(__file__).parent / "check.py"), str(file)]

@@ -47,7 +47,8 @@ def asked(server: Server, path: str, given: Any = None) -> tuple[int, bytes]:
         with urllib.request.urlopen(request) as answer:
             return answer.status, answer.read()
     except urllib.error.HTTPError as error:
-        return error.code, error.read()
+        with error:
+            return error.code, error.read()
 
 
 def test_pictures_are_those_of_the_library_and_nothing_else_has_a_name(materials: Server) -> None:

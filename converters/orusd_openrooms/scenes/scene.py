@@ -254,7 +254,7 @@ def _hole(one: Placed) -> Hole:
     along = final[:3, 0] * [1.0, 1.0, 0.0]
     along = along / max(float(np.linalg.norm(along)), 1e-9)
     spread = np.ptp(box @ along)
-    low, high = box[:, 2].min() + 0.5 * _FRAME_M, box[:, 2].max() - 0.5 * _FRAME_M
+    low, high = float(box[:, 2].min()) + 0.5 * _FRAME_M, float(box[:, 2].max()) - 0.5 * _FRAME_M
     low = 0.0 if low < _THRESHOLD_M else low
     center = np.array([*box[:, :2].mean(axis=0), 0.5 * (low + high)])
     width, height = float(spread) - _FRAME_M, float(high - low)

@@ -115,8 +115,8 @@ def _stops(space: FreeSpace, cameras: Sequence[Array]) -> list[_Stop]:
     middle = places.mean(axis=0)
     while len(found) < _LEAST_STOPS:
         taken = space.places(np.array([stop.cell for stop in found]))
-        apart = np.linalg.norm(places[:, None] - taken, axis=2).min(axis=1)
-        far = int(np.argmax(apart))
+        nearest = np.linalg.norm(places[:, None] - taken, axis=2).min(axis=1)
+        far = int(np.argmax(nearest))
         i, j = space.usable[far]
         back = middle - places[far]
         found.append(_Stop((int(i), int(j)), float(np.arctan2(back[1], back[0])), 0.0))

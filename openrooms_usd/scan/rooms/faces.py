@@ -164,7 +164,8 @@ def _extents(plan: Array) -> Array:
     filled[tuple(pixel.T)] = True
     joined = ndimage.binary_dilation(filled, np.ones((3, 3), dtype=np.bool_))
     groups, _ = ndimage.label(joined, np.ones((3, 3)))
-    spans = [[rows.stop - rows.start for rows in place] for place in ndimage.find_objects(groups)]
+    places = [place for place in ndimage.find_objects(groups) if place is not None]
+    spans = [[rows.stop - rows.start for rows in place] for place in places]
     extents = np.array([0.0, *(_PIXEL_M * max(span) for span in spans)])
     return np.asarray(extents[groups[tuple(pixel.T)]])
 

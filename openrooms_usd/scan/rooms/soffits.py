@@ -62,11 +62,9 @@ class Ceilings:
         Returns:
             (N,) on that side and (N,) on the other; infinite where none was scanned.
         """
-        one, other = (
-            np.max([self.above(places + sign * depth * across) for depth in _DEPTHS_M], axis=0)
-            for sign in (1.0, -1.0)
-        )
-        return one, other
+        found = [self.above(places + depth * across) for depth in _DEPTHS_M]
+        other = [self.above(places - depth * across) for depth in _DEPTHS_M]
+        return np.stack(found).max(axis=0), np.stack(other).max(axis=0)
 
 
 NO_CEILINGS: Final = Ceilings(np.zeros(2), np.full((1, 1), np.inf))

@@ -232,7 +232,7 @@ def _separating(barrier: Mask) -> Mask:
     from scipy import ndimage
 
     groups, count = ndimage.label(barrier, np.ones((3, 3)))
-    places = ndimage.find_objects(groups)
+    places = [place for place in ndimage.find_objects(groups) if place is not None]
     extents = [max(rows.stop - rows.start for rows in place) for place in places]
     large = np.array([False, *(extent * PIXEL_M > _FREESTANDING_M for extent in extents)])
     return np.asarray(large[groups]) if count else barrier

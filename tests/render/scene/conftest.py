@@ -44,12 +44,10 @@ def open_stage(request: pytest.FixtureRequest) -> Open:
     """The core alone, and each of Mitsuba's backends that works on this machine."""
     if request.param == "core":
         return lambda stage: open_with(Dark(), stage)
-    pytest.importorskip("mitsuba")
-    from orusd_mitsuba import MitsubaRenderer, variants
+    from orusd_mitsuba import MitsubaRenderer
 
-    # The faster one chooses the library, which must happen before Mitsuba is imported.
-    if variants.choose("auto").variant == "scalar_rgb" and request.param != "scalar":
-        pytest.skip(f"no usable {request.param}: {variants.diagnose()[request.param]}")
+    if request.param == "llvm":
+        request.getfixturevalue("vectorized")
     return lambda stage: open_with(MitsubaRenderer(), stage, {"variant": request.param})
 
 

@@ -44,7 +44,9 @@ def laid(small: Maps, order: Order, count: int) -> Maps:
         albedo=with_mean(shaded, small.albedo.mean(axis=(0, 1))),
         height=_tiled(height, count),
         roughness=_tiled(rough, count) + _MAX_ROUGHNESS * (wave - wave.mean()),
-        metallic=small.metallic if np.isscalar(small.metallic) else _tiled(small.metallic, count),  # type: ignore[arg-type]
+        metallic=_tiled(small.metallic, count)
+        if isinstance(small.metallic, np.ndarray)
+        else small.metallic,
     )
 
 
