@@ -13,6 +13,7 @@ import sys
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Final
 
 from openrooms_usd.errors import MissingPackageError, RenderError
@@ -111,6 +112,8 @@ def choose(name: str = "auto") -> Backend:
     llvm = None if backend.variant == NAMES["cuda"] else _find("llvm")
     if llvm is not None and llvm.library is not None:
         llvm.library.prepare()
+    else:
+        _import_in_silence()
     return backend
 
 
@@ -151,6 +154,21 @@ def _check_usable() -> None:
         # Dr.Jit's wheels take it from the system; minimal ones lack it.
         remedy = "Debian, Ubuntu: apt-get install libatomic1; Fedora, RHEL: dnf install libatomic"
     raise RenderError(f"Mitsuba cannot be used on this machine: {probe.detail}", remedy=remedy)
+
+
+def _import_in_silence() -> None:
+    """Import Dr.Jit without what its library prints where it finds no LLVM: we say it in words."""
+    if "drjit" in sys.modules:
+        return
+    sys.stderr.flush()
+    kept = os.dup(2)
+    try:
+        with Path(os.devnull).open("wb") as nowhere:
+            os.dup2(nowhere.fileno(), 2)
+            import drjit  # noqa: F401
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def _llvm_in_words(backend: Backend | None) -> str:

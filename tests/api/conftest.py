@@ -15,7 +15,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> ou.Scene:
 
 
 @pytest.fixture(scope="package")
-def rendered(scene: ou.Scene) -> ou.Render:
+def rendered(vectorized: str, scene: ou.Scene) -> ou.Render:
     """Both views of it with channels of every kind."""
     return ou.render(scene, channels=CHANNELS, samples=1, grid=(4, 3))
 

@@ -40,7 +40,9 @@ def render(scene: Path, out: Path, size: tuple[int, int], channels: str, *words:
 
 
 @pytest.fixture(scope="session")
-def rendered(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def rendered(
+    vectorized: str, composed_demo: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     """One camera of the small room with 48x36 pixels, 12x9 hemispheres and all lights."""
     out = tmp_path_factory.mktemp("loading") / "render"
     words = ("--grid", "12x9", "--camera", "view_0")

@@ -86,6 +86,7 @@ def test_from_the_front_it_is_a_surface(build: Any, open_stage: Any) -> None:
     assert found["depth"] == pytest.approx(np.ones_like(found["depth"]), abs=1e-4)
 
 
+@pytest.mark.usefixtures("vectorized")
 def test_who_sees_its_back_is_lit_through_it(build: Any) -> None:
     """A panel that shows a floor its back leaves the light of a lamp behind; its front does not."""
 
