@@ -1,5 +1,6 @@
 """What tests of all areas share: is a stage valid, a room composed once, the time they may take."""
 
+import gc
 import importlib.util
 import os
 import signal
@@ -64,6 +65,20 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         grouped = item.get_closest_marker("xdist_group")
         if isinstance(item, pytest.Function) and not grouped and (group := shared_by(item)):
             item.add_marker(pytest.mark.xdist_group(group))
+
+
+def pytest_sessionstart() -> None:
+    """While thousands of tests are collected there is no garbage, only looking for it."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    gc.enable()
+    gc.freeze()
+
+
+def pytest_sessionfinish() -> None:
+    gc.unfreeze()
 
 
 def shared_by(test: pytest.Function) -> str | None:

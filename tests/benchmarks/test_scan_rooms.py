@@ -56,6 +56,7 @@ def test_the_outline_is_where_walls_stop_rays_from_inside(read):
         assert np.linalg.norm(place - origin) == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_openings_are_holes_in_their_walls_counter_clockwise_from_inside(read):
     stage, room = read
     layout = room.truth.rooms[0]

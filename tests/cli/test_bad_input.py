@@ -128,6 +128,7 @@ def _with(value: float) -> np.ndarray:
     return pixels
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("name", "content", "fragment"),
     [

@@ -30,6 +30,7 @@ BLIND = "hashlib.pbkdf2_hmac('sha256', b'', b'', 200_000_000)"
 AWAKE = "import time; time.sleep(60)"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are others there")
 @pytest.mark.parametrize("compute", [BLIND, AWAKE])
 @pytest.mark.parametrize("is_there", [False, True])

@@ -103,6 +103,7 @@ def test_a_room_meets_its_own_picture(room: Path, tmp_path: Path) -> None:
     assert found.depth is None  # a list of boxes has no points
 
 
+@pytest.mark.slow
 def test_a_shifted_picture_is_told(room: Path, tmp_path: Path) -> None:
     right = compared(room, tmp_path / "a", pictures=photographed(room, tmp_path / "p", 0)).frames[0]
     wrong = compared(room, tmp_path / "b", pictures=photographed(room, tmp_path / "q", 20)).frames[
@@ -124,6 +125,7 @@ def test_a_missing_photograph_is_named(room: Path, tmp_path: Path) -> None:
     assert written == {"comparison.json", "contact_sheet.png", "frames"}
 
 
+@pytest.mark.slow
 def test_the_same_again_gives_the_same_bytes(room: Path, tmp_path: Path) -> None:
     files = ("comparison.json", "contact_sheet.png", "frames/7.png")
     compared(room, tmp_path / "o")

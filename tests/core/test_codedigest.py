@@ -233,6 +233,7 @@ def parsed(name: str) -> set[str]:
     return {module for module in found if module.partition(".")[0] in FOLDERS}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("part", range(3))
 def test_imports_are_those_of_the_syntax_trees(part: int) -> None:
     for name in list(MODULES)[part::3]:

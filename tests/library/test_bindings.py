@@ -10,6 +10,7 @@ from openrooms_usd.library.furniture import CATEGORIES, part_of
 from tests.library.pieces import piece
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", sorted(CATEGORIES))
 def test_every_part_of_every_style_has_a_finish(name: str) -> None:
     spec = CATEGORIES[name]

@@ -41,6 +41,7 @@ def test_each_substance_has_its_dozen() -> None:
     assert min(counts) >= 14 and sum(counts) == len(FAMILIES)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", FAMILIES)
 def test_values_are_finite_and_plausible(name: str) -> None:
     maps = made(name, 3)
@@ -130,6 +131,7 @@ THREADS = {
 }  # fmt: skip
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", THREADS)
 def test_threads_are_as_many_as_stated(name: str) -> None:
     size = FAMILIES[name].size

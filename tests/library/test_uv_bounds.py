@@ -8,6 +8,7 @@ from openrooms_usd.library.furniture import CATEGORIES, make
 from tests.library.pieces import piece
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("category", CATEGORIES)
 def test_texture_coordinates_of_furniture_are_metric_and_hardly_stretched(category: str) -> None:
     spec = CATEGORIES[category]

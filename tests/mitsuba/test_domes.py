@@ -61,6 +61,7 @@ def pictures() -> dict[str, Array]:
     return some
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pictures())
 def test_they_bring_what_they_hold(
     build: Any, open_stage: Any, save_picture: Any, tmp_path: Path, name: str

@@ -92,6 +92,7 @@ def test_one_shape_for_each_prim_with_names_that_differ(build, save_picture, tmp
     assert all((tmp_path / file).is_file() and not file.startswith(("/", "..")) for file in files)
 
 
+@pytest.mark.slow
 def test_equal_stages_give_equal_bytes(build, save_picture, tmp_path):
     digests = []
     for name in ("first", "second"):

@@ -172,6 +172,7 @@ def test_environment_maps_look_it_up(build: Any, lit: Any) -> None:
     assert (np.abs(bias) <= 4.0 * error + 0.02 * reference.mean(axis=0)).all()
 
 
+@pytest.mark.slow
 def test_hemispheres_in_a_box_that_emits_all_over(small: None, build: Any, lit: Any) -> None:
     """L straight, and L (1 + a + a^2 + ...) in all, in every cell: light samples and directions
     share the straight light, and nothing is counted twice."""
@@ -233,6 +234,7 @@ def test_hemispheres_that_look_it_up_have_equal_bits(small: None, build: Any, li
     assert found[0] == found[1] == found[2]
 
 
+@pytest.mark.slow
 def test_the_file_holds_it(
     small: None, build: Any, lit: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -216,6 +216,7 @@ def test_visibility_is_a_share_of_what_is_not_hidden(found: Passes) -> None:
         assert ((hidden > 0.1) & (hidden < 0.9)).mean() > 0.01 < (hidden > 0.99).mean()
 
 
+@pytest.mark.slow
 def test_of_exactly_lambertian_surfaces_irradiance_tells_the_picture(build: Any, lit: Any) -> None:
     """White: pi (direct + indirect) = irradiance, though one follows the materials' BSDFs."""
     looks = {"base_color": (1.0, 1.0, 1.0), "roughness": 1.0, "ior": 1.0}

@@ -57,7 +57,7 @@ def truth(session: Any) -> Any:
 
 
 # Of emission the edges of lamps are all there is: what hardly ever meets one has no estimate.
-@pytest.mark.one_in(3)
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in LIT if name != "emission"])
 def test_the_estimated_error_is_the_error_that_was_made(
     renders: list[Any], truth: Any, name: str

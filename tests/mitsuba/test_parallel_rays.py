@@ -47,6 +47,7 @@ LOW = (ACROSS > 0) & (ACROSS < 1)
 HIGH = (ACROSS > -1) & (ACROSS < 0.5)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     ("clipping", "high", "low"),
     [
@@ -76,6 +77,7 @@ def test_things_are_as_wide_however_far_they_are(
     assert view.projection == "orthographic"
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("f_stop", [0.0, 2.0])
 @pytest.mark.parametrize(("near", "far"), [(4.0, 100.0), (0.5, 4.0)])
 def test_planes_cut_what_a_pinhole_and_a_lens_see(

@@ -60,6 +60,7 @@ def turned() -> Array:
     return np.asarray(z @ x)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("at", [(0.5, -0.4), (0.9, 0.3), (-1.1, 0.8), (0.4, -2.0)])
 def test_lux_below_follow_the_inverse_square(
     build: Any, lit: Any, file: str, at: tuple[float, float]

@@ -80,6 +80,7 @@ SOFA = [(0.0, 0.0, 0.05, 1.9, 0.85, 0.42), (0.0, 0.65, 0.42, 1.9, 0.85, 0.85),
 CARTON = [(0.0, 0.0, 0.0, 0.5, 0.4, 0.4)]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("blocks", "word"),
     [

@@ -20,6 +20,7 @@ def house(lower: tuple[tuple[float, float], ...], upper: tuple[tuple[float, floa
     return Cloud(np.concatenate([below, above + np.array([0.0, 0.0, RISE])]))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("larger", ["below", "above"])
 def test_the_larger_of_two_storeys_is_taken_alone(larger: str):
     cloud = house(LARGE, SMALL) if larger == "below" else house(SMALL, LARGE)
@@ -33,6 +34,7 @@ def test_the_larger_of_two_storeys_is_taken_alone(larger: str):
     assert np.ptp(found.cloud.points[:, 2]) < 2.9
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("storey", [0, 1])
 def test_another_storey_is_taken_where_that_is_asked(storey: int):
     found = find_rooms(house(LARGE, SMALL), LayoutOptions(storey=storey))

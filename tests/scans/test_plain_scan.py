@@ -33,6 +33,7 @@ def test_metres_and_z_up_stay_as_they_are(tmp_path: Path) -> None:
     assert "from: scan" in capture.remedy
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("unit", ["mm", "auto", "0.001"])
 def test_millimetres(tmp_path: Path, unit: str) -> None:
     capture = read_capture("scan", stored(tmp_path, 1000 * ROOM), {"unit": unit})
@@ -52,6 +53,7 @@ def test_coordinates_of_a_map_keep_their_digits(tmp_path: Path) -> None:
     assert back == pytest.approx(ROOM + far, abs=1e-9)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("up", ["y", "0,1,0", "0,-2,0.2", "0,0,-1", "1,1,1", "z"])
 def test_up_becomes_z(tmp_path: Path, up: str) -> None:
     normals = np.tile(np.array([[0.0, 0.6, 0.8]], "f4"), (len(ROOM), 1))

@@ -21,6 +21,7 @@ POINTS = np.random.default_rng(0).uniform(-3, 3, (500, 3))
 FAR = np.array([4e5, 5e6, 0.0])
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("ending", ["obj", "glb", "stl", "off", "ply"])
 def test_a_box_by_trimesh(tmp_path: Path, ending: str) -> None:
     scene = trimesh.Scene()

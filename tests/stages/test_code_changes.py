@@ -68,6 +68,7 @@ def fingerprints(room: Room, folder: Path) -> dict[str, str]:
     }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("file", "changed"),
     [

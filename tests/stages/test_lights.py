@@ -302,6 +302,7 @@ def test_equal_bytes(tmp_path: Path) -> None:
         assert path.read_bytes() == (two / "lights" / path.name).read_bytes()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("profile", ["spot", "bare bulb", "lamp.ies"])
 def test_a_profiled_lamp_keeps_its_lumens(tmp_path: Path, profile: str) -> None:
     (tmp_path / "lamp.ies").write_text(profile_text(beam_profile("batwing"), "batwing"))

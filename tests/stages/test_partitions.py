@@ -42,6 +42,7 @@ def stage(tmp_path_factory: pytest.TempPathFactory) -> Usd.Stage:
     return Usd.Stage.Open(str(folder / "out" / names.SCENE))
 
 
+@pytest.mark.slow
 def test_they_are_walls_with_colliders_and_looks(stage: Usd.Stage, assert_valid) -> None:
     assert_valid(Path(stage.GetRootLayer().realPath))
     for name in ("partition_0", "screen"):

@@ -56,6 +56,7 @@ def test_a_process_that_fails_takes_nothing(monkeypatch):
     assert not any(is_missing(*search) for search in searches())
 
 
+@pytest.mark.slow
 def test_nothing_is_started_for_one_worker_or_for_what_is_there(monkeypatch):
     monkeypatch.setattr(ahead, "_started", lambda *_: pytest.fail("it was started"))
     search_ahead(searches(), 1)
@@ -75,6 +76,7 @@ def test_the_longest_searches_come_first(monkeypatch):
     )
 
 
+@pytest.mark.slow
 def test_a_search_that_nothing_can_come_of_stops_no_other(monkeypatch):
     monkeypatch.setattr(ahead, "_started", lambda *_: None)
     empty = Part("nothing", np.zeros((500, 3)), np.zeros((1000, 3), np.int32))

@@ -113,6 +113,7 @@ def test_what_is_seen_lies_where_the_stage_has_it(
         np.testing.assert_allclose(bounds.max(axis=0), of_stage.max(axis=0), atol=2e-5)
 
 
+@pytest.mark.slow
 def test_rest_poses_agree(exported: Path, world: World, model: Any, client: int) -> None:
     """After a second neither engine has moved anything that stands on the floor by 2 mm."""
     bodies = load_bullet(exported / "urdf", client)
