@@ -46,6 +46,7 @@ def stage_with(kind: str, name: str, type_name: str, value: object) -> Usd.Stage
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2, rest="long")
 @pytest.mark.parametrize("kind", concrete())
 def test_a_value_of_another_type_is_a_scene_or_a_sentence(kind: str) -> None:
     definition = Usd.SchemaRegistry().FindConcretePrimDefinition(kind)

@@ -135,7 +135,7 @@ def test_the_hall_has_as_many_objects_as_asked_for(monkeypatch, tmp_path):
     assert len(places) == 37
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_light(vectorized, tmp_path):
     asked = ("radiance", "environment", "hard", "honesty")
     sections = [word for name in asked for word in ("--section", name)]

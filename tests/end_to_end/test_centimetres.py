@@ -73,12 +73,14 @@ def transformed(vectors: Vt.Vec3fArray, matrix: Gf.Matrix4d) -> Vt.Vec3fArray:
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2, rest="long")
 @pytest.mark.parametrize("convert", [under_a_transform, rewritten])
 def test_the_same_room_in_another_frame(convert, demo: Path, tmp_path: Path, show, fastest) -> None:
     compare(convert, demo, tmp_path, show, fastest)
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2, rest="long")
 def test_every_room_in_another_frame(room: Path, tmp_path: Path, show, fastest) -> None:
     stage = Usd.Stage.Open(str(room))
     first = str(stage.GetPrimAtPath("/World/Cameras").GetChildren()[0].GetPath())

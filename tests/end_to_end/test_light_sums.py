@@ -50,6 +50,7 @@ def assert_adds_up(view: RenderedView) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), [("bedroom", 12), ("kitchen", 16), ("office", 19)])
+@pytest.mark.one_in(3, rest="long")
 def test_light_that_was_taken_apart_adds_up(
     vectorized: str,
     kind: str,

@@ -54,6 +54,7 @@ def first_camera(scene: Path) -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.one_in(2, rest="long")
 def test_every_room_is_the_same_in_one_file(room: Path, tmp_path: Path, show, fastest) -> None:
     home = tmp_path / "room"
     shutil.copytree(room.parent, home)

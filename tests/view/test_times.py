@@ -89,6 +89,7 @@ def test_a_slider_goes_from_the_light_of_one_time_to_that_of_another(
     assert page.evaluate("document.querySelector('#times output').textContent") == "noon to evening"
 
 
+@pytest.mark.long
 def test_a_window_has_one_switch_for_all_times(
     page: Page, alone: dict[str, tuple[Array, Array]]
 ) -> None:
