@@ -3,6 +3,7 @@
 import os
 import platform
 import re
+import sys
 from dataclasses import asdict, dataclass
 from importlib import import_module, metadata
 from typing import Any, Final
@@ -116,6 +117,9 @@ def _extras() -> dict[str, str]:
     """The packages that only an extra brings; nothing is missing without them."""
     found = {}
     for line in _requirements():
+        older = re.search(r"python_version < ['\"]3\.(\d+)['\"]", line)
+        if older and sys.version_info >= (3, int(older[1])):
+            continue  # it has no wheel for this Python
         if extra := re.search(r"extra == ['\"]([\w-]+)['\"]", line):
             name = _name(line)
             missing = f"not installed: pip install {_DISTRIBUTION}[{extra[1]}]"

@@ -99,7 +99,9 @@ def libraries() -> Iterator[Library]:
     packaged = _packaged()
     if named:
         known = {str(library.path): library for library in packaged}
-        yield known.get(named) or Library(Path(named), f"named in {VARIABLE}")
+        path = Path(named)
+        version = _version(path.resolve())
+        yield known.get(named) or Library(path, f"named in {VARIABLE}", version=version)
     elif "drjit" in sys.modules:
         yield Library(None, "found by Dr.Jit, which was imported before openrooms_usd")
     else:
@@ -110,14 +112,16 @@ def libraries() -> Iterator[Library]:
 
 def remedy() -> str:
     """How to get a library that works on this machine."""
+    package = _package_for_this_machine()
+    missing = f"pip install {package}" if package and package not in _versions() else ""
+    if os.environ.get(VARIABLE):
+        first = f"unset the environment variable {VARIABLE}, or name a library in it that works"
+        return f"{first}; then {missing}" if missing else first
     system = (
         f"install LLVM {LEAST_VERSION} or newer (Debian, Ubuntu: apt-get install libllvm19; macOS: "
         f"brew install llvm), or name its library in the environment variable {VARIABLE}"
     )
-    package = _package_for_this_machine()
-    if package and not os.environ.get(VARIABLE) and package not in _versions():
-        return f"pip install {package}; or {system}"
-    return system
+    return f"{missing}; or {system}" if missing else system
 
 
 def _package_for_this_machine() -> str | None:

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from openrooms_usd.errors import MissingPackageError, RenderError
-from orusd_mitsuba.llvm import VARIABLE, Library, libraries, remedy
+from orusd_mitsuba.llvm import LEAST_VERSION, VARIABLE, Library, libraries, remedy
 
 NAMES: Final = {"cuda": "cuda_ad_rgb", "llvm": "llvm_ad_rgb", "scalar": "scalar_rgb"}
 _PROBE_SECONDS: Final = 30.0  # seconds; a probe takes about half of one
@@ -104,7 +104,7 @@ def choose(name: str = "auto") -> Backend:
     _check_usable()
     if backend is None:
         raise RenderError(
-            f"Mitsuba's {name} backend does not work on this machine: {diagnose()[name]}",
+            f"Mitsuba's {name} backend is {diagnose()[name]}",
             remedy=(remedy() if name == "llvm" else "install NVIDIA's driver")
             + "; or choose --variant auto",
         )
@@ -174,8 +174,7 @@ def _import_in_silence() -> None:
 def _llvm_in_words(backend: Backend | None) -> str:
     if backend is not None:
         return f"works, LLVM {backend.version} ({backend.library})"
-    tried = "; ".join(f"{library}: {_llvm(library).detail}" for library in _candidates())
-    return f"not usable: {tried}; to get it, {remedy()}"
+    return "not usable: " + "; ".join(f"{one}: {_llvm(one).detail}" for one in _candidates())
 
 
 def vectorized_remedy() -> str:
@@ -184,11 +183,13 @@ def vectorized_remedy() -> str:
 
 
 def _scalar_advice() -> str:
-    """What a user misses without LLVM, and how to get it."""
+    """What a user misses without LLVM, why, and how to get it."""
+    named = [one for one in _candidates() if one.origin.startswith("named")]
+    why = f" ({named[0]}: {_llvm(named[0]).detail})" if named else ""
     return (
-        "without LLVM rendering takes about three times as long and gives radiance alone: no light "
-        "by source, irradiance or environment maps, no probes, no lightmaps, no light cache; to "
-        f"get them, {remedy()}"
+        f"without LLVM{why} rendering takes several times as long, and of light there is radiance "
+        "alone: no light by source, irradiance or environment maps, no probes, no lightmaps, no "
+        f"light cache; to get them, {remedy()}"
     )
 
 
@@ -235,7 +236,10 @@ def _cuda() -> Probe:
 @cache
 def _llvm(library: Library) -> Probe:
     if library.too_old:
-        return Probe(False, f"LLVM {library.version[0]} is too old")
+        old = f"LLVM {library.version[0]} is too old, {LEAST_VERSION} or newer is needed"
+        return Probe(False, old)
+    if library.path and library.path.is_absolute() and not library.path.is_file():
+        return Probe(False, "there is no such file")
     return _probe(NAMES["llvm"], library)
 
 

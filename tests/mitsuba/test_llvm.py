@@ -96,7 +96,8 @@ def test_what_the_user_names_is_meant(machine: Any, monkeypatch: pytest.MonkeyPa
     machine("llvm_nanobind.libs/libLLVM-a6b1.so.21.1", "llvm-nanobind")
     monkeypatch.setenv(llvm.VARIABLE, "/own/libLLVM.so")
     assert [library.path for library in llvm.libraries()] == [Path("/own/libLLVM.so")]
-    assert "pip install" not in llvm.remedy()
+    # Nothing that is installed would be used: the variable has to go first.
+    assert llvm.remedy().startswith(f"unset the environment variable {llvm.VARIABLE}")
 
 
 def test_a_library_that_is_loaded_already_cannot_be_exchanged(
@@ -112,7 +113,14 @@ def test_old_ones_are_not_even_tried(machine: Any, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(variants, "_probe", lambda *_: pytest.fail("it is tried"))
     assert Library(None, "here", version=(15, 1)).too_old
     assert not Library(None, "here", version=(17, 0)).too_old and not Library(None, "here").too_old
-    assert "too old" in variants._llvm(Library(Path("/a/libLLVM-15.so"), "x", (), (15,))).detail
+    detail = variants._llvm(Library(Path("/a/libLLVM-15.so"), "x", (), (15,))).detail
+    assert detail == "LLVM 15 is too old, 17 or newer is needed"
+    assert "no such file" in variants._llvm(Library(Path("/nowhere/libLLVM.so"), "x")).detail
+
+
+def test_what_the_user_names_may_be_too_old(machine: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(llvm.VARIABLE, "/usr/lib/llvm-15/lib/libLLVM-15.so.1")
+    assert next(llvm.libraries()).too_old
 
 
 @pytest.mark.parametrize(
