@@ -103,7 +103,7 @@ def libraries() -> Iterator[Library]:
         version = _version(path.resolve())
         yield known.get(named) or Library(path, f"named in {VARIABLE}", version=version)
     elif "drjit" in sys.modules:
-        yield Library(None, "found by Dr.Jit, which was imported before openrooms_usd")
+        yield Library(None, "found by Dr.Jit, which was imported before the first render")
     else:
         yield from packaged
         yield from _installed()
