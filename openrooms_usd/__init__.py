@@ -15,6 +15,7 @@ from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
+    from openrooms_usd.api.camera import Camera as Camera
     from openrooms_usd.api.datasets import dataset as dataset
     from openrooms_usd.api.datasets import plan_dataset as plan_dataset
     from openrooms_usd.api.datasets import run_dataset as run_dataset
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
     from openrooms_usd.api.rendered import Render as Render
     from openrooms_usd.api.rendered import View as View
     from openrooms_usd.api.rendered import read_render as read_render
+    from openrooms_usd.api.renderer import OpenRenderer as OpenRenderer
+    from openrooms_usd.api.renderer import Picture as Picture
+    from openrooms_usd.api.renderer import open_renderer as open_renderer
     from openrooms_usd.api.renders import compare as compare
     from openrooms_usd.api.renders import render as render
     from openrooms_usd.api.rooms import copy_example as copy_example
@@ -41,15 +45,20 @@ if TYPE_CHECKING:
     from openrooms_usd.api.scenes import open as open
     from openrooms_usd.api.scenes import simulate as simulate
     from openrooms_usd.api.scenes import validate as validate
+    from openrooms_usd.description.rendering import RenderSettings as RenderSettings
     from openrooms_usd.description.room import Room as Room
     from openrooms_usd.errors import OrusdError as OrusdError
 
 _HOME = {
+    "Camera": "openrooms_usd.api.camera",
     "Lightmaps": "openrooms_usd.api.light",
+    "OpenRenderer": "openrooms_usd.api.renderer",
     "OrusdError": "openrooms_usd.errors",
+    "Picture": "openrooms_usd.api.renderer",
     "Probe": "openrooms_usd.api.light",
     "Probes": "openrooms_usd.api.light",
     "Render": "openrooms_usd.api.rendered",
+    "RenderSettings": "openrooms_usd.description.rendering",
     "Room": "openrooms_usd.description.room",
     "Scene": "openrooms_usd.api.scenes",
     "View": "openrooms_usd.api.rendered",
@@ -63,6 +72,7 @@ _HOME = {
     "import_capture": "openrooms_usd.api.rooms",
     "load": "openrooms_usd.api.rooms",
     "open": "openrooms_usd.api.scenes",
+    "open_renderer": "openrooms_usd.api.renderer",
     "plan_dataset": "openrooms_usd.api.datasets",
     "probe": "openrooms_usd.api.light",
     "read_render": "openrooms_usd.api.rendered",
@@ -77,11 +87,15 @@ _HOME = {
 }
 
 __all__ = [
+    "Camera",
     "Lightmaps",
+    "OpenRenderer",
     "OrusdError",
+    "Picture",
     "Probe",
     "Probes",
     "Render",
+    "RenderSettings",
     "Room",
     "Scene",
     "View",
@@ -96,6 +110,7 @@ __all__ = [
     "import_capture",
     "load",
     "open",
+    "open_renderer",
     "plan_dataset",
     "probe",
     "read_render",

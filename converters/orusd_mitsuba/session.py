@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
+from openrooms_usd.description.rendering import CACHE, REFERENCE, Method
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
-from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
+from openrooms_usd.render.contract import GUIDES, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import report_simplified, with_model
@@ -222,8 +223,7 @@ class MitsubaSession:
         """
         self._activate()
         check_vectorized(self._variant, "make lightmaps")
-        how = RenderRequest(None, (), 1, 1, bounces=request.bounces, method=request.method)
-        light = self._room_light(how)
+        light = self._room_light(request.method, request.bounces)
         paths: Paths = (
             light.paths(by_light=True)
             if light
@@ -281,7 +281,7 @@ class MitsubaSession:
                 camera,
                 *size,
             )
-        light = self._room_light(request)
+        light = self._room_light(request.method, request.bounces)
         if render_pass is ENVIRONMENT:
             seen = replace(camera, K=coarse(camera, size, request.grid))
             return HemisphereIntegrator(
@@ -313,17 +313,17 @@ class MitsubaSession:
             paths=light.paths(by_light=by_light) if light else None,
         )  # fmt: skip
 
-    def _room_light(self, request: RenderRequest) -> RoomLight | None:
-        """The cache that a request looks light up in, if it asks for that."""
-        if request.method != CACHE or request.bounces < LEAST_BOUNCES:
+    def _room_light(self, method: Method, bounces: int) -> RoomLight | None:
+        """The cache that light is looked up in, if the method does that."""
+        if method != CACHE or bounces < LEAST_BOUNCES:
             return None
         if self._builder.table is None or self._index.is_linked:
             return None
-        if request.bounces not in self._room_lights:
-            self._room_lights[request.bounces] = RoomLight(
-                self._scene, self._built, self._builder, self._index, self._white, request.bounces
+        if bounces not in self._room_lights:
+            self._room_lights[bounces] = RoomLight(
+                self._scene, self._built, self._builder, self._index, self._white, bounces
             )
-        return self._room_lights[request.bounces]
+        return self._room_lights[bounces]
 
     @cached_property
     def _glazed(self) -> Any:

@@ -6,13 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from openrooms_usd.api.given import AnyPath, path_of, points_of, size_of, unknown_name, usd_file
+from openrooms_usd.api.given import AnyPath, path_of, points_of, unknown_name, usd_file
+from openrooms_usd.api.settings import BAKE, PROBE, settings_of, takes_settings
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from openrooms_usd.description.rendering import RenderSettings
     from openrooms_usd.render.relight import Relit
 
 _PROBES: Final = "probes"
@@ -145,19 +147,16 @@ class Probes(Mapping[str, Probe], os.PathLike[str]):
         return f"Probes({str(self.folder)!r}: {', '.join(self)})"
 
 
+@takes_settings(*PROBE, samples="Paths for each pixel; 64 by default.")
 def probe(
     scene: AnyPath,
     out: AnyPath | None = None,
     *,
     at: Sequence[Point] = (),
     openings: bool = False,
-    resolution: tuple[int, int] = (256, 128),
-    samples: int | None = None,
-    seed: int = 0,
-    bounces: int | None = None,
-    renderer: str = "mitsuba",
-    options: Mapping[str, str] | None = None,
+    settings: "RenderSettings | None" = None,
     progress: Progress = silent,
+    **fields: Any,
 ) -> Probes:
     """Make light probes in a scene, as real-time engines use them.
 
@@ -166,13 +165,10 @@ def probe(
         out: The folder to write; by default ``probes`` beside the scene.
         at: Positions, world, metres; they are named ``probe_0``, ``probe_1``, …
         openings: Whether there is a probe in the centre of every opening too.
-        resolution: Width and height of the panoramas, pixels.
-        samples: Paths for each pixel; 64 by default.
-        seed: Fixes every random number.
-        bounces: At most this many scatterings between a light and a probe; 7 by default.
-        renderer: A registered renderer.
-        options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
+        settings: What is asked for, in one record; its resolution is that of the panoramas,
+            256x128 by default.
         progress: Called with what is done and the finished fraction.
+        **fields: The same, by name:
 
     Returns:
         The probes by name: ``.panorama``, ``.radiance`` and ``.irradiance``.
@@ -182,25 +178,15 @@ def probe(
         OutputError: The folder cannot be written.
         RenderError: The renderer makes no probes.
     """
-    from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
     from openrooms_usd.render.probes import probe_stage
     from openrooms_usd.usd.diagnostics import quiet
 
     file = usd_file(scene)
     folder = file.parent / _PROBES if out is None else path_of(out)
+    points, wanted = points_of(at, "at"), settings_of(settings, fields, PROBE)
     with quiet():
         manifest = probe_stage(
-            file,
-            folder,
-            at=points_of(at, "at"),
-            at_openings=openings,
-            resolution=size_of(resolution, "resolution"),
-            samples=DEFAULT_SAMPLES if samples is None else samples,
-            seed=seed,
-            bounces=DEFAULT_BOUNCES if bounces is None else bounces,
-            renderer=renderer,
-            options=options or {},
-            progress=progress,
+            file, folder, wanted, at=points, at_openings=openings, progress=progress
         )
     return Probes(folder, manifest)
 
@@ -261,19 +247,16 @@ class Lightmaps(os.PathLike[str]):
         return read_picture(self.folder / rows[atlas]["lights"][self.lights.index(light)])
 
 
+@takes_settings(*BAKE, samples="Paths for each texel; 256 by default.")
 def bake(
     scene: AnyPath,
     out: AnyPath | None = None,
     *,
     texel: float = 0.05,
     max_texels: int | None = None,
-    samples: int | None = None,
-    seed: int = 0,
-    bounces: int | None = None,
-    method: str | None = None,
-    renderer: str = "mitsuba",
-    options: Mapping[str, str] | None = None,
+    settings: "RenderSettings | None" = None,
     progress: Progress = silent,
+    **fields: Any,
 ) -> Lightmaps:
     """Write the light of a scene as lightmaps, as real-time engines use them.
 
@@ -283,15 +266,9 @@ def bake(
         texel: Side of a texel on the surfaces, metres.
         max_texels: Of all atlases together; texels grow until there are no more. 4 million by
             default.
-        samples: Paths for each texel; 256 by default.
-        seed: Fixes every random number.
-        bounces: At most this many scatterings of light on its way, the one at the texel included;
-            7 by default.
-        method: ``reference`` follows every path to its end, without bias; ``cache`` computes what
-            is smooth once for the room. By default what takes less time.
-        renderer: A registered renderer.
-        options: What is asked of the renderer, by name: Mitsuba has ``variant`` and ``bsdf``.
+        settings: What is asked for, in one record.
         progress: Called with what is done and the finished fraction.
+        **fields: The same, by name:
 
     Returns:
         The textures as arrays: ``.irradiance()`` and ``.irradiance("window_0")``; ``.layer`` and
@@ -303,23 +280,13 @@ def bake(
         OutputError: The folder cannot be written.
         RenderError: The renderer lights no texels.
     """
-    from openrooms_usd.render.bake.baking import MOST_TEXELS, SAMPLES, BakeSettings, bake_stage
-    from openrooms_usd.render.contract import DEFAULT_BOUNCES
-    from openrooms_usd.render.given import check_method
+    from openrooms_usd.render.bake.baking import MOST_TEXELS, AtlasLayout, bake_stage
     from openrooms_usd.usd.diagnostics import quiet
 
     file = usd_file(scene)
     folder = file.parent / _LIGHTMAPS if out is None else path_of(out)
-    settings = BakeSettings(
-        texel_m=texel,
-        samples=SAMPLES if samples is None else samples,
-        seed=seed,
-        bounces=DEFAULT_BOUNCES if bounces is None else bounces,
-        most_texels=MOST_TEXELS if max_texels is None else max_texels,
-        method=check_method(method),
-    )
+    wanted = settings_of(settings, fields, BAKE)
+    layout = AtlasLayout(texel, most_texels=MOST_TEXELS if max_texels is None else max_texels)
     with quiet():
-        manifest = bake_stage(
-            file, folder, settings, renderer=renderer, options=options or {}, progress=progress
-        )
+        manifest = bake_stage(file, folder, wanted, layout, progress=progress)
     return Lightmaps(folder, manifest)

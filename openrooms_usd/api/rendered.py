@@ -160,6 +160,31 @@ def _remedy(channel: str) -> str | None:
     return f"render again with {asked!r} among the channels"
 
 
+def form_of(channel: str, pixels: "NDArray[np.float32]") -> "NDArray[Any]":
+    """The pixels of a channel in the form that its meaning has.
+
+    Args:
+        channel: Its name.
+        pixels: (height, width, components); of a grid its tiles side by side.
+
+    Returns:
+        As of `View`.
+    """
+    import numpy as np
+
+    from openrooms_usd.channels import definition
+    from openrooms_usd.geometry.hemisphere import untiled
+
+    row = definition(channel)
+    if row.scope == "grid":
+        return untiled(pixels)
+    if row.unit == "id":
+        return pixels[..., 0].astype(np.int64)
+    if row.name in _MASKS:
+        return pixels[..., 0] > 0.5
+    return pixels[..., 0] if len(row.components) == 1 else pixels
+
+
 def _array(view: "RenderedView", channel: str) -> "NDArray[Any]":
     """The pixels of a channel in the form that its meaning has."""
     from openrooms_usd.channels import CHANNELS, definition
@@ -177,6 +202,4 @@ def _array(view: "RenderedView", channel: str) -> "NDArray[Any]":
     else:
         base, _, light = channel.rpartition("_")
         pixels = view.lights[base][int(light)]
-    if row.name in _MASKS:
-        return pixels[..., 0] > 0.5
-    return pixels[..., 0] if len(row.components) == 1 else pixels
+    return form_of(channel, pixels)

@@ -5,8 +5,8 @@ from pathlib import Path
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import renderer_options
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, METHODS, Method
+from openrooms_usd.cli.settings import settings_options
+from openrooms_usd.description.rendering import RenderSettings
 
 
 @click.command()
@@ -18,15 +18,17 @@ from openrooms_usd.render.contract import DEFAULT_BOUNCES, METHODS, Method
               help="Of all atlases together; texels grow until there are no more.")  # fmt: skip
 @click.option("--atlas", "side", type=int, default=4096, show_default=True, metavar="TEXELS",
               help="Side of an atlas at most.")  # fmt: skip
-@click.option("--spp", type=int, default=256, show_default=True, help="Paths for each texel.")
-@click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
-@click.option(
-    "--method", type=click.Choice(METHODS),
-    help="How light is computed: reference follows every path to its end, without bias; cache "
-    "computes what is smooth once for the room. By default what takes less time.",
-)  # fmt: skip
-@renderer_options(variant="The backend: auto, cuda or llvm.")
+@settings_options(
+    "samples",
+    "seed",
+    "bounces",
+    "method",
+    "default_light",
+    "texture_side",
+    "time_code",
+    defaults={"samples": 256},
+    helps={"samples": "Paths for each texel."},
+)
 @json_option
 def bake(
     stage: Path,
@@ -34,12 +36,7 @@ def bake(
     texel: float,
     max_texels: int,
     side: int,
-    spp: int,
-    seed: int,
-    bounces: int,
-    method: Method | None,
-    renderer: str,
-    options: dict[str, str],
+    settings: RenderSettings,
     as_json: bool,
 ) -> None:
     """Write the light of a USD stage as lightmaps, for real-time engines.
@@ -47,14 +44,12 @@ def bake(
     OUT receives lightmaps.usda, a layer with a second set of texture coordinates; baked.usda, the
     stage under that layer; lightmaps.json; and for each light an irradiance texture, and their sum.
     """
-    from openrooms_usd.render.bake.baking import BakeSettings, bake_stage
+    from openrooms_usd.render.bake.baking import AtlasLayout, bake_stage
     from openrooms_usd.usd.diagnostics import quiet
 
-    settings = BakeSettings(texel, spp, seed, bounces, side, max_texels, method)
+    layout = AtlasLayout(texel, side, max_texels)
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
-        found = bake_stage(
-            stage, out, settings, renderer=renderer, options=options, progress=progress
-        )
+        found = bake_stage(stage, out, settings, layout, progress=progress)
     if as_json:
         print_json(found)
         return

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import renderer_options
+from openrooms_usd.cli.settings import settings_options
+from openrooms_usd.description.rendering import RenderSettings
 
 if TYPE_CHECKING:
     from openrooms_usd.comparison.driver import ComparedFrame, Comparison
@@ -26,8 +27,16 @@ if TYPE_CHECKING:
 @click.option("--frame", "frames", multiple=True, metavar="ID", help="Repeatable.")
 @click.option("--count", type=int, default=8, show_default=True, help="Frames, evenly spread.")
 @click.option("--width", type=int, default=480, show_default=True, help="Of pictures, pixels.")
-@click.option("--spp", type=int, default=32, show_default=True, help="Samples a pixel.")
-@renderer_options()
+@settings_options(
+    "samples",
+    "seed",
+    "bounces",
+    "method",
+    "default_light",
+    "texture_side",
+    "time_code",
+    defaults={"samples": 32, "method": "reference"},
+)
 @json_option
 def compare(
     stage: Path,
@@ -37,9 +46,7 @@ def compare(
     frames: tuple[str, ...],
     count: int,
     width: int,
-    spp: int,
-    renderer: str,
-    options: dict[str, str],
+    settings: RenderSettings,
     as_json: bool,
 ) -> None:
     """Render a room from the cameras of its photographs, and put all side by side.
@@ -55,14 +62,12 @@ def compare(
         found = compare_stage(
             stage,
             out,
+            settings,
             description=description,
             pictures=pictures,
             frames=frames,
             count=count,
             width=width,
-            samples=spp,
-            renderer=renderer,
-            options=options,
             progress=progress,
         )
     if as_json:

@@ -121,7 +121,9 @@ def demo(ctx: click.Context, out: Path, spp: int, as_json: bool) -> None:
     # With --json the story of the two commands is told beside the document.
     with redirect_stdout(sys.stderr) if as_json else nullcontext():
         ctx.invoke(compose, description=room, out=out, usdz=True)
-        ctx.invoke(render, stage=out / names.SCENE, out=out / "render", spp=spp, denoise=clean)
+        ctx.invoke(
+            render, stage=out / names.SCENE, out=out / "render", samples=spp, denoise=clean or None
+        )
     if as_json:
         paths = {"description": room, "scene": out / names.SCENE, "render": out / "render"}
         print_json({name: str(path) for name, path in paths.items()})

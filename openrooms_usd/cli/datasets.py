@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Literal
 import click
 
 from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import pairs_of
+from openrooms_usd.cli.settings import pairs_of
 
 if TYPE_CHECKING:
     from openrooms_usd.dataset.scratch import Root

@@ -4,15 +4,19 @@ from pathlib import Path
 from typing import Any
 
 from openrooms_usd.cli.console import echo, print_json, progress_bar
+from openrooms_usd.description.rendering import RenderSettings
 
 
-def film(stage: Path, out: Path, spec: str, as_json: bool, **how: Any) -> None:
+def film(
+    stage: Path, out: Path, spec: str, settings: RenderSettings, as_json: bool, **how: Any
+) -> None:
     """Render a path and say what came of it.
 
     Args:
         stage: The USD file.
         out: The folder.
         spec: The path, as `openrooms_usd.render.paths.rendering.render_path` takes it.
+        settings: What is asked for.
         as_json: Whether to print JSON.
         how: What else it takes.
     """
@@ -20,7 +24,7 @@ def film(stage: Path, out: Path, spec: str, as_json: bool, **how: Any) -> None:
     from openrooms_usd.usd.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
-        summary = render_path(stage, out, spec, progress=progress, **how)
+        summary = render_path(stage, out, spec, settings, progress=progress, **how)
     if as_json:
         print_json(summary.as_dict())
         return

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import renderer_options
+from openrooms_usd.cli.settings import renderer_options
 
 
 @click.group()
@@ -62,7 +62,7 @@ def list_(as_json: bool) -> None:
     "--width", type=click.IntRange(64, 65536), metavar="PIXELS",
     help="Reduce a sheet that is wider.",
 )  # fmt: skip
-@renderer_options(variant="The backend: auto, cuda, llvm or scalar.")
+@renderer_options
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (needs the extra 'denoise').")
 @json_option
 def sheet(

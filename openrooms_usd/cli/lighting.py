@@ -1,14 +1,13 @@
 """The commands ``relight`` and ``probe``."""
 
 import math
-import re
 from pathlib import Path
 
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import renderer_options
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
+from openrooms_usd.cli.settings import settings_options
+from openrooms_usd.description.rendering import RenderSettings
 
 Position = tuple[float, float, float]
 
@@ -42,13 +41,6 @@ def _positions(
             raise click.BadParameter(f"{text!r} is not like 1.0,2.5,1.2", ctx, param) from None
         found.append((x, y, z))
     return tuple(found)
-
-
-def _resolution(ctx: click.Context, param: click.Parameter, value: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,9})[x×](\d{1,9})", value.strip().lower())
-    if found is None:
-        raise click.BadParameter(f"{value!r} is not a size like 256x128", ctx, param)
-    return int(found[1]), int(found[2])
 
 
 @click.command()
@@ -86,25 +78,24 @@ def relight(
 @click.option("--at", multiple=True, callback=_positions, metavar="X,Y,Z",
               help="A position, world, metres. Repeatable.")  # fmt: skip
 @click.option("--openings", is_flag=True, help="Also in the centre of every opening.")
-@click.option("--resolution", default="256x128", show_default=True, callback=_resolution,
-              metavar="WxH", help="Of the panoramas.")  # fmt: skip
-@click.option("--spp", type=int, default=DEFAULT_SAMPLES, show_default=True,
-              help="Paths for each pixel.")  # fmt: skip
-@click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
-@renderer_options(variant="The backend: auto, cuda or llvm.")
+@settings_options(
+    "resolution",
+    "samples",
+    "seed",
+    "bounces",
+    "default_light",
+    "texture_side",
+    "time_code",
+    defaults={"resolution": (256, 128)},
+    helps={"resolution": "Of the panoramas.", "samples": "Paths for each pixel; 64 by default."},
+)
 @json_option
 def probe(
     stage: Path,
     out: Path,
     at: tuple[Position, ...],
     openings: bool,
-    resolution: tuple[int, int],
-    spp: int,
-    seed: int,
-    bounces: int,
-    renderer: str,
-    options: dict[str, str],
+    settings: RenderSettings,
     as_json: bool,
 ) -> None:
     """Make light probes in a USD stage, for real-time engines.
@@ -116,10 +107,7 @@ def probe(
     from openrooms_usd.usd.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
-        found = probe_stage(
-            stage, out, at=at, at_openings=openings, resolution=resolution, samples=spp, seed=seed,
-            bounces=bounces, renderer=renderer, options=options, progress=progress,
-        )  # fmt: skip
+        found = probe_stage(stage, out, settings, at=at, at_openings=openings, progress=progress)
     if as_json:
         print_json(found)
         return

@@ -7,7 +7,7 @@ from typing import get_args
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import renderer_options
+from openrooms_usd.cli.settings import renderer_options
 from openrooms_usd.description.substances import Substance
 
 _SUBSTANCES = click.Choice(get_args(Substance))
@@ -63,7 +63,7 @@ def list_(as_json: bool) -> None:
     "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
 )
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (extra denoise).")
-@renderer_options(variant="The backend: auto, cuda, llvm or scalar.")
+@renderer_options
 @json_option
 def sheet(
     out: Path,

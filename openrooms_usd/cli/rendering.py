@@ -1,6 +1,5 @@
 """The command ``render``."""
 
-import re
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -9,19 +8,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
-from openrooms_usd.cli.renderer import renderer_options
 from openrooms_usd.cli.reports import check_report, report_option, write_report
-from openrooms_usd.render.contract import (
-    COMPLETE,
-    DEFAULT_BOUNCES,
-    DEFAULT_GRID,
-    DEFAULT_RATE,
-    DEFAULT_SAMPLES,
-    METHODS,
-    PHOTOGRAPH,
-    STORAGES,
-    TONES,
-)
+from openrooms_usd.cli.settings import settings_options
+from openrooms_usd.description.rendering import RenderSettings, flag_of
+from openrooms_usd.render.contract import DEFAULT_RATE
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -36,90 +26,61 @@ _SURE_STANDARD_ERRORS: Final = 4.0
 _EVERY: Final = "every"
 
 
-def _resolution(
-    ctx: click.Context, param: click.Parameter, value: str | None
-) -> tuple[int, int] | None:
-    """A size in pixels, such as ``640x480``."""
-    if value is None:
-        return None
-    found = re.fullmatch(r"(\d{1,9})[x×](\d{1,9})", value.strip().lower())
-    if found is None:
-        raise click.BadParameter(f"{value!r} is not a size like 640x480", ctx, param)
-    return int(found[1]), int(found[2])
+_FILM: Final = (
+    "resolution",
+    "samples",
+    "seed",
+    "bounces",
+    "method",
+    "tone",
+    "denoise",
+    "default_light",
+    "texture_side",
+    "renderer",
+    "options",
+)
+"""The settings that a video has; others are those of single views."""
+
+_SETTINGS: Final = (
+    "channels",
+    "resolution",
+    "field_of_view",
+    "grid",
+    "error_maps",
+    "samples",
+    "error",
+    "seconds",
+    "seed",
+    "bounces",
+    "method",
+    "tone",
+    "f_stop",
+    "storage",
+    "denoise",
+    "denoise_light",
+    "default_light",
+    "texture_side",
+    "time_code",
+)
 
 
 @click.command()
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
 @click.option("--camera", "cameras", multiple=True, metavar="NAME_OR_PATH", help="Repeatable.")
-@click.option(
-    "--channels", default="usual", show_default=True,
-    help="Names with commas; usual: those without + in `orusd channels`; all: every one.",
-)  # fmt: skip
-@click.option(
-    "--resolution", metavar="WxH", callback=_resolution, help="By default what the stage says."
+@settings_options(
+    *_SETTINGS,
+    shorthands={
+        "variant": "The backend: auto, cuda, llvm or scalar.",
+        "bsdf": "How surfaces reflect: auto, openrooms or preview.",
+    },
 )
-@click.option(
-    "--fov", type=float, metavar="DEGREES",
-    help="Horizontal field of view of all cameras; by default what each has.",
-)  # fmt: skip
-@click.option(
-    "--grid", metavar="WxH", callback=_resolution, help="Hemispheres of environment; 160x120."
-)
-@click.option("--error-maps", is_flag=True, help="Write the estimated error of every pixel too.")
-@click.option("--spp", type=int, help=f"Samples a pixel; {DEFAULT_SAMPLES} by default.")
-@click.option("--error", type=float, help="Stop at this estimated robust error.")
-@click.option("--time", "seconds", type=float, help="Stop each view after these seconds.")
-@click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--bounces", type=int, default=DEFAULT_BOUNCES, show_default=True)
-@click.option(
-    "--method", type=click.Choice(METHODS),
-    help="How light is computed: reference follows every path to its end, without bias; cache "
-    "computes what is smooth once for the room. By default what takes less time.",
-)  # fmt: skip
-@renderer_options(
-    variant="The backend: auto, cuda, llvm or scalar.",
-    bsdf="How surfaces reflect: auto, openrooms or preview.",
-)
-@click.option(
-    "--tone", type=click.Choice(TONES), default=PHOTOGRAPH, show_default=True,
-    help="How PNGs show light: photograph as a camera does, film by the curve alone, srgb with "
-    "nothing but the encoding. EXRs are never toned.",
-)  # fmt: skip
-@click.option(
-    "--f-stop", type=float,
-    help="Depth of field: F-number of a lens before film 36 mm wide, such as 2.8, focused as the "
-    "camera says or else on the middle of the picture. Ground truth stays that of a pinhole.",
-)  # fmt: skip
-@click.option(
-    "--storage", type=click.Choice(STORAGES), default=COMPLETE, show_default=True,
-    help="How files hold channels: compact is some ten times smaller, light with a small loss "
-    "(docs/storage.md).",
-)  # fmt: skip
-@click.option("--denoise", is_flag=True, help="Write a denoised radiance beside the raw one.")
-@click.option(
-    "--denoise-light", is_flag=True,
-    help="Write denoised versions of every channel of light that can bear it, too.",
-)  # fmt: skip
 @click.option(
     "--path", "spec", metavar="PATH",
     help="Write a video instead: walk, a camera that moves, or a file of keys (docs/paths.md).",
 )  # fmt: skip
 @click.option("--duration", type=float, help="Seconds of the video; 10 for a walk.")
 @click.option("--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default.")
-@click.option(
-    "--time-code", type=float, metavar="T",
-    help="When a stage that moves is seen; by default at the first sample of everything.",
-)  # fmt: skip
-@click.option(
-    "--default-light/--no-default-light", default=True,
-    help="Whether a stage without any light gets one, even and from above, or stays dark.",
-)  # fmt: skip
-@click.option(
-    "--texture-side", type=int, metavar="PIXELS",
-    help="The longest side of textures: longer ones are halved until they fit. By default 4096, or "
-    "less where all together would take more than 2 GB.",
-)  # fmt: skip
 @click.option(
     "--frames", is_flag=False, flag_value=_EVERY, metavar="[A:B:STEP]",
     help="Render a stage that moves at these time codes, into a folder for each; alone, with "
@@ -141,30 +102,10 @@ def render(
     stage: Path,
     out: Path,
     cameras: tuple[str, ...],
-    channels: str,
-    resolution: tuple[int, int] | None,
-    fov: float | None,
-    grid: tuple[int, int] | None,
-    error_maps: bool,
-    spp: int | None,
-    error: float | None,
-    seconds: float | None,
-    seed: int,
-    bounces: int,
-    method: str | None,
-    tone: str,
-    f_stop: float | None,
-    storage: str,
-    renderer: str,
-    options: dict[str, str],
-    denoise: bool,
-    denoise_light: bool,
+    settings: RenderSettings,
     spec: str | None,
     duration: float | None,
     fps: int | None,
-    time_code: float | None,
-    default_light: bool,
-    texture_side: int | None,
     frames: str | None,
     root: Path | None,
     layout: Literal["split", "merged"],
@@ -188,53 +129,33 @@ def render(
     # Held until the end, so that its files are read once.
     _held = _warn_of_units(stage)
     if spec is not None:
-        _check_stills(
-            cameras, channels, fov, grid, error_maps, error, seconds, f_stop, root,
-            storage != COMPLETE, time_code, frames if frames != _EVERY else None, report_file,
-        )  # fmt: skip
+        _check_film(settings, cameras, root, report_file, frames)
         film(
-            stage, out, spec, as_json, seconds=duration, rate=fps or DEFAULT_RATE,
-            resolution=resolution, samples=spp, seed=seed, bounces=bounces, method=method,
-            tone=tone, renderer=renderer, options=options, denoise=denoise,
+            stage,
+            out,
+            spec,
+            settings,
+            as_json,
+            seconds=duration,
+            rate=fps or DEFAULT_RATE,
             keep_frames=frames is not None,
-        )  # fmt: skip
+        )
         return
     if duration is not None or fps is not None or frames == _EVERY:
         raise click.UsageError("--duration, --fps and --frames without a range belong to --path")
     if frames is not None and report_file is not None:
         raise click.UsageError("with --frames there is no --report: frames have manifests")
     check_report(report_file, stage, out)
-    renders = _renders(out, time_code, frames, root)
+    renders = _renders(out, settings.time_code, frames, root)
     for folder in renders:
         _tell_what_goes(folder)
     # What cannot be written should not be rendered first.
     writer: DatasetWriter | None = adapters.load(adapters.DATASETS, "openrooms") if root else None
-    asked: dict[str, Any] = {
-        "cameras": cameras,
-        "channels": _names(channels),
-        "resolution": resolution,
-        "field_of_view": fov,
-        "grid": grid or DEFAULT_GRID,
-        "error_maps": error_maps,
-        "samples": spp,
-        "error": error,
-        "seconds": seconds,
-        "seed": seed,
-        "bounces": bounces,
-        "method": method,
-        "tone": tone,
-        "f_stop": f_stop,
-        "storage": storage,
-        "renderer": renderer,
-        "options": options,
-        "denoise": "all" if denoise_light else denoise,
-        "default_light": default_light,
-        "texture_side": texture_side,
-    }
     summaries: list[RenderSummary] = []
     for folder, when in renders.items():
+        wanted = settings if when is None else settings.replace(time_code=when)
         with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
-            summary = render_stage(stage, folder, time_code=when, progress=progress, **asked)
+            summary = render_stage(stage, folder, wanted, cameras=cameras, progress=progress)
         if not as_json:
             _print_summary(summary)
         summaries.append(summary)
@@ -250,13 +171,26 @@ def render(
         print_dataset(written)
 
 
-def _check_stills(*given: Any) -> None:
-    """Refuse what a video has not."""
-    if any(value not in ((), "usual", None, False) for value in given):
+def _check_film(
+    settings: RenderSettings,
+    cameras: tuple[str, ...],
+    root: Path | None,
+    report_file: Path | None,
+    frames: str | None,
+) -> None:
+    """Refuse what a video does not have."""
+    given = [flag_of(name) for name in _SETTINGS if name in settings.model_fields_set - {*_FILM}]
+    others = {
+        "--camera": cameras,
+        "--dataset": root,
+        "--report": report_file,
+        "range of --frames": frames not in (None, _EVERY),
+    }
+    given += [flag for flag, value in others.items() if value]
+    if given:
         raise click.UsageError(
-            "with --path there is no --camera, --channels, --fov, --grid, --error-maps, --error, "
-            "--time, --f-stop, --storage, --dataset, --time-code, --report or range of --frames: "
-            "frames have --spp, and --frames alone keeps them with their ground truth"
+            f"with --path there is no {', '.join(given)}: each frame has --spp samples, and "
+            "--frames alone keeps the frames with their ground truth"
         )
 
 
@@ -299,10 +233,6 @@ def _tell_what_goes(out: Path) -> None:
         what = "a render with the view" if len(earlier) == 1 else "a render with the views"
         said = f"{out} holds {what} {some}: this one takes its place"
         echo(f"note: {said}; another -o keeps both", err=True)
-
-
-def _names(text: str) -> list[str]:
-    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 def _print_summary(summary: "RenderSummary") -> None:

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import adapters, atomic, claims
+from openrooms_usd import atomic, claims
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.comparison import sheets
 from openrooms_usd.comparison.edges import (
@@ -21,16 +21,16 @@ from openrooms_usd.comparison.edges import (
 )
 from openrooms_usd.comparison.photographs import Photographs, chosen_frames, read_photographs
 from openrooms_usd.comparison.scandepth import DepthError, depth_error, scan_depth, spacing
-from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.description.rendering import REFERENCE, RenderSettings
+from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, part, silent
-from openrooms_usd.render.contract import NO_OPTIONS, Renderer, RenderRequest, View
-from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
-from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.render.context import RenderContext
+from openrooms_usd.render.denoise import DENOISED, is_usable
+from openrooms_usd.render.opening import check_settings, open_for_rendering
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import MOST_VIEWS, Tile, reduced, write_sheet
 from openrooms_usd.stages.photographs import intrinsics_for
 from openrooms_usd.usd.cameras import PinholeCamera
-from openrooms_usd.usd.diagnostics import reading
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.textures import read_texture
 
@@ -106,15 +106,13 @@ class Comparison:
 def compare_stage(
     path: Path,
     out: Path,
+    settings: RenderSettings | None = None,
     *,
     description: Path | None = None,
     pictures: Path | None = None,
     frames: Sequence[str] = (),
     count: int = DEFAULT_COUNT,
     width: int = DEFAULT_WIDTH,
-    samples: int = DEFAULT_SAMPLES,
-    renderer: str = "mitsuba",
-    options: Mapping[str, str] = NO_OPTIONS,
     progress: Progress = silent,
 ) -> Comparison:
     """Render a room from the cameras of its photographs, and put all side by side.
@@ -126,14 +124,13 @@ def compare_stage(
     Args:
         path: The composed stage.
         out: The folder to write.
+        settings: What is asked for; its samples are `DEFAULT_SAMPLES` by default, its method is
+            ``reference``, and it is denoised where the denoiser is installed.
         description: The room.yaml it was composed from; by default beside the stage's folder.
         pictures: Where the photographs lie; by default where the capture does.
         frames: Identifiers of the frames; by default ``count`` of all, evenly spread.
         count: How many frames at most.
         width: Of the pictures, pixels; at most the photograph's.
-        samples: Samples a pixel.
-        renderer: A registered renderer.
-        options: What is asked of it.
         progress: Called with the frame's name and the finished fraction.
 
     Raises:
@@ -142,17 +139,21 @@ def compare_stage(
         OutputError: The folder cannot be written.
         RenderError: The renderer cannot do it.
     """
-    if count < 1 or width < 16 or samples < 1:
-        raise InputError("counts of frames, pixels and samples are positive")
-    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
-    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    stage = open_stage(path)
-    taken = read_photographs(stage, path, description, pictures)
+    if count < 1 or width < 16:
+        raise InputError("give at least one frame, and pictures at least 16 pixels wide")
+    settings = settings or RenderSettings()
+    settings = settings.replace(
+        channels=(_COLOR, *_EXACT),
+        samples=settings.samples or DEFAULT_SAMPLES,
+        method=settings.method or REFERENCE,
+        # These pictures are for people.
+        denoise=is_usable(),
+    )
+    check_settings(settings)
+    taken = read_photographs(open_stage(path), path, description, pictures)
     chosen = chosen_frames(taken.frames, frames, count)
     with claims.claimed(out, _LEDGER) as kept:
-        with reading(path):
-            opened = open_with(adapter, stage, options)
-        painter = _Painter(opened, _denoiser(), samples)
+        context = open_for_rendering(path, settings)
         scan = spacing(taken.points) if taken.points is not None and len(taken.points) else None
         done: list[ComparedFrame] = []
         rows: list[list[Tile]] = []
@@ -161,7 +162,7 @@ def compare_stage(
             (beside / _FRAMES).mkdir()
             for index, frame in enumerate(chosen):
                 share = part(progress, frame.id, index, len(chosen))
-                found, tiles = _compared(frame, taken, scan, painter, width)
+                found, tiles = _compared(frame, taken, scan, context, width)
                 if frame.picture and found.picture is None:
                     missing.append(frame.picture)
                 write_sheet(beside / _FRAMES / f"{_plain(frame.id)}.png", [tiles[:2], tiles[2:]])
@@ -179,34 +180,17 @@ def compare_stage(
     return result
 
 
-@dataclass(frozen=True, eq=False)
-class _Painter:
-    """An opened stage, and how its pictures are made."""
-
-    opened: OpenedStage
-    denoiser: Denoiser | None
-    samples: int
-
-    def paint(self, name: str, camera: PinholeCamera, size: tuple[int, int]) -> View:
-        asked: tuple[str, ...] = (_COLOR, *_EXACT)
-        guides = self.denoiser is not None
-        request = RenderRequest(name, asked, *size, samples=self.samples, guides=guides)
-        view = self.opened.picture(camera, request)
-        return self.denoiser.complete(view) if self.denoiser else view
-
-
 def _compared(
     frame: CapturedFrame,
     taken: Photographs,
     scan: tuple[Array, float] | None,
-    painter: _Painter,
+    context: RenderContext,
     width: int,
 ) -> tuple[ComparedFrame, list[Tile]]:
     size = _size(frame, width)
     K = intrinsics_for(frame, size)
-    view = painter.paint(
-        f"/photographs/{frame.id}", PinholeCamera(K, frame.world_from_camera), size
-    )
+    camera = PinholeCamera(K, frame.world_from_camera)
+    view = context.shoot(camera, f"/photographs/{frame.id}", size=size)
     depth, normal, instance = (
         np.asarray(view.images[name].pixels, dtype=np.float64) for name in _EXACT
     )
@@ -253,14 +237,6 @@ def _photograph(path: Path, size: tuple[int, int]) -> Bytes:
     )
     values = np.asarray(small.get_pixels(OpenImageIO.FLOAT))
     return np.asarray(np.clip(np.round(255.0 * values), 0, 255), dtype=np.uint8)
-
-
-def _denoiser() -> Denoiser | None:
-    """The denoiser, if there is one: these pictures are for people."""
-    try:
-        return load_denoiser()
-    except MissingPackageError:
-        return None
 
 
 def _plain(name: str) -> str:

@@ -113,19 +113,12 @@ def check_wishes(dataset: Dataset) -> None:
     Raises:
         InputError: A channel, a renderer or a form of files is unknown.
     """
-    from openrooms_usd.render.job import RenderJob
+    from openrooms_usd.render.opening import check_settings
     from openrooms_usd.render.sensors.recording import check_sensor
 
-    light = dataset.rendering
-    job = RenderJob.of(
-        channels=dataset.channels,
-        renderer=light.renderer,
-        options=light.options,
-        method=light.method,
-        denoise=light.denoise,
-    )
+    plan = check_settings(dataset.settings())
     if dataset.sensor:
-        check_sensor(dataset.sensor, job.request.channels)
+        check_sensor(dataset.sensor, plan.asked)
     for output in dataset.outputs:
         check_needs(output.kind)
 

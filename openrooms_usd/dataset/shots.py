@@ -17,7 +17,7 @@ from openrooms_usd.description.dataset import DatasetViews
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.pinhole import panorama_intrinsics, rotations
 from openrooms_usd.geometry.rotations import pose
-from openrooms_usd.render.job import OpenedJob
+from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.paths.camera_path import CameraPath, frame_times
 from openrooms_usd.render.paths.choosing import stage_walk
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PINHOLE, PinholeCamera
@@ -54,7 +54,7 @@ class Shot:
     after: PinholeCamera | None = None
 
 
-def shots_of(views: DatasetViews, opened: OpenedJob) -> list[Shot]:
+def shots_of(views: DatasetViews, opened: RenderContext) -> list[Shot]:
     """The shots of all views of a room, by their numbers.
 
     Args:
@@ -92,7 +92,7 @@ def shot(shots: Sequence[Shot], number: int, room: str) -> Shot:
     return shots[number]
 
 
-def _chosen(views: DatasetViews, opened: OpenedJob, cameras: Sequence[str]) -> Iterator[Shot]:
+def _chosen(views: DatasetViews, opened: RenderContext, cameras: Sequence[str]) -> Iterator[Shot]:
     """The first cameras; for those whose views are of no use, the next ones that nobody took."""
     spare = iter(cameras[views.count : views.count + views.replace])
     for name in cameras[: views.count]:
@@ -115,8 +115,8 @@ def _chosen(views: DatasetViews, opened: OpenedJob, cameras: Sequence[str]) -> I
             yield replace(_shot(views, opened, name), rejected=tuple(rejected[1:]))
 
 
-def _shot(views: DatasetViews, opened: OpenedJob, view: str) -> Shot:
-    return Shot(opened.views[view], _projected(views, opened.camera(view)), view)
+def _shot(views: DatasetViews, opened: RenderContext, view: str) -> Shot:
+    return Shot(opened.views[view], _projected(views, opened.camera(opened.views[view])), view)
 
 
 def _projected(views: DatasetViews, camera: PinholeCamera) -> PinholeCamera:
@@ -135,24 +135,22 @@ def _projected(views: DatasetViews, camera: PinholeCamera) -> PinholeCamera:
     )
 
 
-def _faults(views: DatasetViews, opened: OpenedJob, taken: Shot) -> list[str]:
+def _faults(views: DatasetViews, opened: RenderContext, taken: Shot) -> list[str]:
     """What is wrong with a view, or one of a pair, by its geometry: no light is computed for it."""
-    request = replace(opened.request, camera=taken.name, channels=JUDGED, guides=False)
+    request = opened.request(taken.name, channels=JUDGED, guides=False)
     eyes = [taken.camera]
     if views.stereo is not None:
         eyes.append(_beside(taken.camera, views.stereo))
-    found = (camera_faults(opened.opened.picture(eye, request)) for eye in eyes)
+    found = (camera_faults(opened.picture(eye, request)) for eye in eyes)
     return list(dict.fromkeys(fault for faults in found for fault in faults))
 
 
-def _frames(views: DatasetViews, opened: OpenedJob) -> Iterator[Shot]:
+def _frames(views: DatasetViews, opened: RenderContext) -> Iterator[Shot]:
     """The frames of a walk past the stage's cameras, each with the camera after it."""
     rate = views.rate or DEFAULT_RATE
     # One more than is asked for: the last frame has one after it, too.
     times = frame_times((views.count + 1) / rate, rate)
-    request = opened.request
-    size = request.width, request.height
-    path: CameraPath = stage_walk(opened.stage, opened.opened, size, times, rate)
+    path: CameraPath = stage_walk(opened, opened.resolution, times, rate)
     cameras = [_projected(views, camera) for camera in path.cameras]
     for number, camera in enumerate(cameras[:-1]):
         told = {"frame": {"path": path.name, "number": number, "seconds": float(times[number])}}
@@ -178,7 +176,7 @@ def _beside(camera: PinholeCamera, metres: float) -> PinholeCamera:
     return replace(camera, world_from_camera=pose)
 
 
-def _listed(opened: OpenedJob) -> list[str]:
+def _listed(opened: RenderContext) -> list[str]:
     """The stage's cameras in its own order: that of the room.yaml, or of the capture.
 
     Those of selected views that are kept in case come after the others.

@@ -26,8 +26,8 @@ from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
 from openrooms_usd.errors import InputError, OrusdError
+from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.folder import OPENINGS_FOLDER
-from openrooms_usd.render.job import OpenedJob, RenderJob
 from openrooms_usd.render.manifest import by_light
 from openrooms_usd.render.run import check_view, describe_view, write_openings, write_view
 from openrooms_usd.render.sensors.recording import record_sensor
@@ -111,7 +111,7 @@ class _OpenRoom:
 
     job: Job
     store: Store
-    opened: OpenedJob
+    opened: RenderContext
     dataset: Dataset
     shots: Sequence[Shot]
     rows: tuple[ReportRow, ...]
@@ -127,6 +127,7 @@ class _OpenRoom:
             job: Its job.
             held: Takes the claim of the render's folder.
         """
+        from openrooms_usd.render.opening import open_for_rendering
         from openrooms_usd.usd.diagnostics import quiet
 
         held.enter_context(quiet())
@@ -145,14 +146,20 @@ class _OpenRoom:
         coverage = coverage_of(job, described, base)
         made = compose_room(described, store.scene(job), base=base, workers=task["threads"])
         composed = time.perf_counter() - began
-        opened = _render_job(dataset, job).open(made.scene, views=dataset.views.units)
+        opened = open_for_rendering(
+            # Rooms that share a seed would share the pattern of their noise.
+            made.scene,
+            dataset.settings(job.seed),
+            views=dataset.views.units,
+            flow=dataset.has_flow,
+        )
         # Lights are worked out when they are first asked for; all views share them, too.
         assert opened.lights is not None
         shots = shots_of(dataset.views, opened)
         took = {"compose": composed, "translation": time.perf_counter() - began - composed}
         took["threads"] = task["threads"]
         rows = tuple(opened.report.rows)
-        materials = material_names(opened.stage, opened.opened.legend.material)
+        materials = material_names(opened.stage, opened.legend.material)
         room = cls(job, store, opened, dataset, shots, rows, materials, took)
         room._share({"type": described.room, "coverage": coverage})
         return room
@@ -190,11 +197,11 @@ class _OpenRoom:
         began = time.perf_counter()
         view = opened.shoot(taken.camera, taken.name, after=taken.after)
         rendered = time.perf_counter()
-        request, lights = opened.listed, opened.lights
+        request, lights, settings = opened.listed, opened.lights, opened.settings
         check_view(name, view, request, len(lights))
         with atomic.appearing(store.render(job) / name) as beside:
-            stored = storing(view, request.storage)
-            previews = write_view(beside, view, stored, request.tone)
+            stored = storing(view, settings.storage)
+            previews = write_view(beside, view, stored, settings.tone)
             shown = opened.photograph(taken.view) if taken.view else None
             entry = describe_view(beside, name, view, stored, previews, lights, shown)
             entry = {**entry, **taken.told}
@@ -211,32 +218,9 @@ class _OpenRoom:
             "rejected": [dict(one) for one in taken.rejected],
             "told": [{"prim": row[0], "outcome": row[1], "reason": row[2]} for row in told],
             "quality": assess(view, self.dataset.budget.error, each(request.channels, len(lights))),
-            **tally(view, opened.opened.legend.semantic, self.materials),
+            **tally(view, opened.legend.semantic, self.materials),
             "files": store.digests(job, name),
         }
         took = {"render": rendered - began, "output": time.perf_counter() - rendered}
         timing = {**self.took, **took, "channels": channel_seconds(view)}
         store.finish(job, number, record, timing)
-
-
-def _render_job(dataset: Dataset, job: Job) -> RenderJob:
-    budget, light = dataset.budget, dataset.rendering
-    return RenderJob.of(
-        channels=dataset.channels,
-        resolution=dataset.views.resolution,
-        field_of_view=dataset.views.fov,
-        grid=light.grid,
-        error_maps=light.error_maps,
-        samples=budget.samples,
-        error=budget.error,
-        seconds=budget.seconds,
-        # Rooms that share a seed would share the pattern of their noise.
-        seed=job.seed,
-        bounces=light.bounces,
-        method=light.method,
-        storage=dataset.storage,
-        renderer=light.renderer,
-        options=light.options,
-        denoise=light.denoise,
-        flow=dataset.views.source == "path" and dataset.views.projection == "pinhole",
-    )

@@ -14,12 +14,18 @@ from openrooms_usd.description.model import (
     Model,
     Number,
     PrimName,
-    Switch,
     Whole,
     by_source,
     peek,
     peek_list,
     peek_text,
+)
+from openrooms_usd.description.rendering import (
+    COMPACT,
+    Budget,
+    Rendering,
+    RenderSettings,
+    StorageName,
 )
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.sensor import Sensor
@@ -35,9 +41,6 @@ _MOST_ROOMS: Final = 10_000_000
 _SHARES_TOLERANCE: Final = 1e-6
 
 _Share = Annotated[Number, Field(ge=0, le=1)]
-_Samples = Annotated[Whole, Field(ge=1, le=2**20)]
-_Error = Annotated[Number, Field(ge=1e-9, le=1e3)]
-_Seconds = Annotated[Number, Field(ge=1e-3, le=1e7)]
 _Text = Annotated[str, Field(min_length=1)]
 
 
@@ -134,43 +137,6 @@ class DatasetViews(CheckedModel):
             yield Found(("rate",), "only a path has frames a second (from: path)")
 
 
-class Budget(CheckedModel):
-    """When a view is good enough: one of the three."""
-
-    samples: _Samples | None = None
-    """Samples a pixel; 64 where nothing else is said."""
-    error: _Error | None = None
-    """Estimated robust error of the radiance."""
-    seconds: _Seconds | None = None
-    """Seconds a view; how much is done in them no two runs have alike."""
-
-    @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
-        """More than one of them."""
-        has = [name for name in cls.model_fields if peek(given, name) is not None]
-        for name in has[1:]:
-            yield Found((name,), f"a view stops by one of these; {has[0]} is given already")
-
-
-class Rendering(Model):
-    """How light is computed."""
-
-    renderer: _Text = "mitsuba"
-    """A registered renderer."""
-    options: dict[str, str] = Field(default_factory=dict)
-    """What is asked of it, by name, such as the variant of Mitsuba."""
-    method: Literal["cache", "reference"] | None = None
-    """As `orusd render --method`; by default what takes less time."""
-    bounces: Annotated[Whole, Field(ge=0, le=1024)] = 7
-    """At most this many scatterings on the way from a light to the camera."""
-    grid: tuple[Pixels, Pixels] = (160, 120)
-    """Columns and rows of hemispheres of environment."""
-    error_maps: Switch = False
-    """Whether views have the estimated error of every pixel."""
-    denoise: Switch = False
-    """Whether views have a denoised radiance beside the raw one."""
-
-
 class Output(Model):
     """A form in which finished rooms are written besides."""
 
@@ -235,7 +201,7 @@ class Dataset(CheckedModel):
     """How light is computed."""
     sensor: Sensor | None = None
     """What a real camera would make of each view, written beside the truth; by default nothing."""
-    storage: Literal["complete", "compact"] = "compact"
+    storage: StorageName = COMPACT
     """How the files of views hold channels: ``compact`` is some ten times smaller, light with a
     small loss, all else without (docs/storage.md)."""
     outputs: tuple[Output, ...] = ()
@@ -257,6 +223,28 @@ class Dataset(CheckedModel):
         found = self.model_copy()
         found._folder = folder
         return found
+
+    def settings(self, seed: int = 0) -> RenderSettings:
+        """What each view is asked for.
+
+        Args:
+            seed: Fixes every random number.
+        """
+        parts = self.budget, self.rendering
+        given = {name: getattr(part, name) for part in parts for name in type(part).model_fields}
+        return RenderSettings(
+            **given,
+            channels=self.channels,
+            resolution=self.views.resolution,
+            field_of_view=self.views.fov,
+            seed=seed,
+            storage=self.storage,
+        )
+
+    @property
+    def has_flow(self) -> bool:
+        """Whether views are frames of a path, which have the optical flow to the next one."""
+        return self.views.source == "path" and self.views.projection == "pinhole"
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:

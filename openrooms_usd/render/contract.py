@@ -3,12 +3,18 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Literal, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
+from openrooms_usd.description.rendering import (
+    DEFAULT_BOUNCES,
+    DEFAULT_GRID,
+    REFERENCE,
+    Method,
+)
 from openrooms_usd.render.bias import Bias
 from openrooms_usd.render.halves import KeptHalves
 
@@ -17,28 +23,7 @@ if TYPE_CHECKING:
     from openrooms_usd.render.scene.rays import RayTracer
     from openrooms_usd.usd.cameras import PinholeCamera, Projection
 
-DEFAULT_BOUNCES: Final = 7
-DEFAULT_SAMPLES: Final = 64
 DEFAULT_RATE: Final = 24  # frames of a video a second
-DEFAULT_GRID: Final = (160, 120)
-
-Method = Literal["cache", "reference"]
-REFERENCE: Final = "reference"
-"""Every path is followed to its end: without bias, and what other methods are measured by."""
-CACHE: Final = "cache"
-"""What is smooth is computed once for the room, and looked up by every view."""
-METHODS: Final[tuple[Method, ...]] = (CACHE, REFERENCE)
-
-ToneName = Literal["photograph", "film", "srgb"]
-PHOTOGRAPH: Final = "photograph"
-TONES: Final[tuple[ToneName, ...]] = ("photograph", "film", "srgb")
-"""How pictures for people show light (`openrooms_usd.render.tone`)."""
-
-StorageName = Literal["complete", "compact"]
-COMPLETE: Final = "complete"
-COMPACT: Final = "compact"
-STORAGES: Final[tuple[StorageName, ...]] = (COMPLETE, COMPACT)
-"""How the files of views hold their channels (`openrooms_usd.render.storage`)."""
 
 GUIDES: Final = ("base_color", "normal")
 """What a denoiser is guided by, named as the channels that tell it of pixels' centres."""
@@ -68,13 +53,9 @@ class RenderRequest:
         bounces: At most this many scatterings on the way from a light to the camera.
         grid: Columns and rows of hemispheres for channels of the scope ``grid``.
         halves: Whether images shall have their two halves.
-        tone: How pictures for people show light; data is never toned.
         method: How light is computed; one of those that the session has (`MethodicalSession`).
         measure_bias: Whether images shall have their bias where the method is not `REFERENCE`.
         guides: Whether the view shall have what a denoiser is guided by (`GUIDES`).
-        f_stop: F-number of a lens before film 36 mm wide, in place of the camera's own; None leaves
-            that. Who makes the camera heeds it, not the renderer.
-        storage: How the files of views hold their channels.
     """
 
     camera: str | None
@@ -88,12 +69,9 @@ class RenderRequest:
     bounces: int = DEFAULT_BOUNCES
     grid: tuple[int, int] = DEFAULT_GRID
     halves: bool = False
-    tone: ToneName = PHOTOGRAPH
     method: Method = REFERENCE
     measure_bias: bool = True
     guides: bool = False
-    f_stop: float | None = None
-    storage: StorageName = COMPLETE
 
 
 @dataclass(frozen=True)

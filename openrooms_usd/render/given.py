@@ -7,15 +7,13 @@ from typing import Final
 
 from openrooms_usd import adapters
 from openrooms_usd.channels import CHANNELS, RENDERED
-from openrooms_usd.errors import InputError, MissingPackageError, RenderError
+from openrooms_usd.description.rendering import CACHE, REFERENCE, Method
+from openrooms_usd.errors import MissingPackageError, RenderError
 from openrooms_usd.render import friction, shading
 from openrooms_usd.render.contract import (
-    CACHE,
-    METHODS,
-    REFERENCE,
-    Method,
     MethodicalSession,
     Renderer,
+    RenderRequest,
     RenderSession,
 )
 
@@ -53,22 +51,6 @@ def _gives(renderer: str, channel: str) -> bool:
     return channel in available(tuple(adapter.channels))
 
 
-def check_method(asked: str | None) -> Method | None:
-    """The name of a method, where it is one.
-
-    Raises:
-        InputError: No method has that name.
-    """
-    for method in METHODS:
-        if asked == method:
-            return method
-    if asked is None:
-        return None
-    raise InputError(
-        f"there is no method {asked!r}", place="method", remedy=f"one of: {', '.join(METHODS)}"
-    )
-
-
 def choose_method(asked: Method | None, session: RenderSession, paths: float = 0.0) -> Method:
     """The method of a render: what is asked for, or what takes less time.
 
@@ -87,7 +69,31 @@ def choose_method(asked: Method | None, session: RenderSession, paths: float = 0
     if asked is not None and asked not in has:
         raise RenderError(
             f"{session.backend} does not have the method {asked!r}",
-            remedy=f"it has {' and '.join(has)}; --method may be left away",
+            remedy=f"it has {' and '.join(has)}; omit --method",
         )
     worth = CACHE in has and paths >= PATHS_WORTH_A_CACHE
     return asked or (CACHE if worth else REFERENCE)
+
+
+def check_request(request: RenderRequest, own: tuple[str, ...], session: RenderSession) -> None:
+    """See that a picture can be made.
+
+    Args:
+        request: What is asked for.
+        own: The channels that the renderer gives.
+        session: What renders.
+
+    Raises:
+        RenderError: Nothing gives a channel, or it has no pixels.
+    """
+    choose_method(request.method, session)
+    for name in request.channels:
+        if name not in own and name not in EXACT:
+            raise RenderError(
+                f"this renderer does not give the channel {name!r}", remedy=remedy_for(name)
+            )
+    if request.width < 1 or request.height < 1 or request.bounces < 0:
+        raise RenderError(
+            f"no picture has {request.width}x{request.height} pixels and {request.bounces} bounces",
+            remedy="give a positive resolution and no negative number of bounces",
+        )

@@ -33,7 +33,7 @@ from openrooms_usd.render.storage import Storing
 from openrooms_usd.version import __version__
 
 if TYPE_CHECKING:
-    from openrooms_usd.render.opened import OpenedStage
+    from openrooms_usd.render.context import RenderContext
 
 FORMAT: Final = 1
 CONVENTIONS: Final = {
@@ -76,40 +76,31 @@ CONVENTIONS: Final = {
 Plain = dict[str, Any]
 
 
-def run_entry(
-    stage: Path,
-    renderer: str,
-    opened: "OpenedStage",
-    request: RenderRequest,
-    *,
-    time_code: float | None = None,
-) -> Plain:
+def run_entry(context: "RenderContext", request: RenderRequest) -> Plain:
     """What all views of a run share.
 
     Args:
-        stage: The rendered file; only its name is kept.
-        renderer: The name under which the renderer is registered.
-        opened: The opened stage.
-        request: What every view was asked for.
-        time_code: When the stage is seen, where that was asked for.
+        context: The opened stage; of its file only the name is kept.
+        request: What every view was asked for, and which channels are listed.
     """
-    session = opened.session
+    session, settings = context.session, context.settings
     asked = {"samples": request.samples, "error": request.error, "seconds": request.seconds}
+    when = {} if settings.time_code is None else {"time_code": settings.time_code}
     return {
         "format": FORMAT,
         "generator": f"{names.CREATOR} {__version__}",
-        "stage": stage.name,
-        **({} if time_code is None else {"time_code": time_code}),
-        "renderer": {"name": renderer, "backend": session.backend, **session.settings},
+        "stage": context.path.name,
+        **when,
+        "renderer": {"name": settings.renderer, "backend": session.backend, **session.settings},
         "seed": request.seed,
         "bounces": request.bounces,
         "method": request.method,
-        "storage": request.storage,
+        "storage": settings.storage,
         "stop": {name: value for name, value in asked.items() if value is not None},
         "conventions": {**CONVENTIONS, **session.conventions},
         "channels": {name: _definition(name) for name in request.channels},
-        "lights": [_light(light, request) for light in opened.lights],
-        "legend": {part.name: dict(getattr(opened.legend, part.name)) for part in fields(Legend)},
+        "lights": [_light(light, request) for light in context.lights],
+        "legend": {part.name: dict(getattr(context.legend, part.name)) for part in fields(Legend)},
     }
 
 

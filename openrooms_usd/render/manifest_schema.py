@@ -12,9 +12,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from pydantic_core import ErrorDetails
 
 from openrooms_usd.description.mistakes import shown, written
+from openrooms_usd.description.rendering import COMPLETE, REFERENCE, Method, StorageName
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import is_rotation
-from openrooms_usd.render.contract import COMPLETE, REFERENCE, Method, StorageName
 from openrooms_usd.render.folder import MANIFEST, OPENINGS_FOLDER, load_manifest
 from openrooms_usd.render.manifest import FORMAT
 from openrooms_usd.render.scene.lights import Gaussian, LightKind, LightRecord, LobeName

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
 from openrooms_usd.colorimetry import srgb_from_linear
+from openrooms_usd.description.rendering import PHOTOGRAPH, ToneName
 from openrooms_usd.geometry.hemisphere import tiled, untiled
 from openrooms_usd.render import color
-from openrooms_usd.render.contract import PHOTOGRAPH, ToneName
 from openrooms_usd.render.tone import Balance, Tone, fitted_tone
 
 Pixels = NDArray[np.float32]

@@ -1,6 +1,6 @@
 """Light probes: all light that arrives at a point, as a panorama and as spherical harmonics."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -9,14 +9,15 @@ from typing import Any, Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from openrooms_usd import adapters, atomic, names
+from openrooms_usd import atomic, names
+from openrooms_usd.description.rendering import DEFAULT_BOUNCES, DEFAULT_SAMPLES, RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics
 from openrooms_usd.geometry.hemisphere import PANORAMA, cosine_weights, panorama_cells
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render import exr
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES, NO_OPTIONS, Image
+from openrooms_usd.render.contract import Image
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview
 from openrooms_usd.version import __version__
@@ -115,15 +116,10 @@ def openings(stage: Any) -> list[Place]:
 def probe_stage(
     path: Path,
     out: Path,
+    settings: RenderSettings | None = None,
     *,
     at: Sequence[tuple[float, float, float]] = (),
     at_openings: bool = False,
-    resolution: tuple[int, int] = RESOLUTION,
-    samples: int = DEFAULT_SAMPLES,
-    seed: int = 0,
-    bounces: int = DEFAULT_BOUNCES,
-    renderer: str = "mitsuba",
-    options: Mapping[str, str] = NO_OPTIONS,
     progress: Progress = silent,
 ) -> dict[str, Any]:
     """Make light probes in a USD stage.
@@ -134,14 +130,10 @@ def probe_stage(
     Args:
         path: The USD file.
         out: The folder to write.
+        settings: What is asked for; its resolution is that of the panoramas, `RESOLUTION` by
+            default, and its samples are paths for each pixel.
         at: Positions, world, metres.
         at_openings: Whether there is a probe in the centre of every opening too.
-        resolution: Width and height of the panoramas, pixels.
-        samples: Paths for each pixel.
-        seed: Of random numbers.
-        bounces: At most this many scatterings between a light and a probe.
-        renderer: A registered renderer.
-        options: What is asked of the renderer, by the names that it declares.
         progress: Called with what is done and the finished fraction.
 
     Returns:
@@ -152,26 +144,33 @@ def probe_stage(
         OutputError: The folder cannot be written.
         RenderError: The renderer makes no probes.
     """
-    from openrooms_usd.render.opened import open_with
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.render.opening import open_for_rendering
 
-    _check(at, resolution, samples, bounces)
-    adapter = adapters.load(adapters.RENDERERS, renderer)
-    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    stage = open_stage(path)
+    settings = settings or RenderSettings()
+    width, height = settings.resolution or RESOLUTION
+    _check(at, (width, height))
+    context = open_for_rendering(path, settings)
     places = [Place(f"probe_{number}", point) for number, point in enumerate(at)]
-    places += openings(stage) if at_openings else []
+    places += openings(context.stage) if at_openings else []
     if not places:
         raise InputError(
             "there is no opening" if at_openings else "there is no place to probe",
             place=path,
             remedy="give --at x,y,z" if at_openings else "give --at x,y,z or --openings",
         )
-    session = open_with(adapter, stage, options).session
+    session = context.session
     if not isinstance(session, Prober):
-        raise RenderError(f"the renderer {renderer} makes no probes", remedy="--renderer mitsuba")
-    positions = tuple(place.position for place in places)
-    request = ProbeRequest(positions, *resolution, samples, seed, bounces)
+        raise RenderError(
+            f"the renderer {settings.renderer} makes no probes", remedy="--renderer mitsuba"
+        )
+    request = ProbeRequest(
+        positions=tuple(place.position for place in places),
+        width=width,
+        height=height,
+        samples=settings.samples or DEFAULT_SAMPLES,
+        seed=settings.seed,
+        bounces=settings.bounces,
+    )
     images = session.probe(request, partial(progress, f"{len(places)} probes"))
     return _write(out, path, request, places, images)
 
@@ -248,23 +247,14 @@ def irradiance(panorama: NDArray[np.float32], normal: ArrayLike) -> NDArray[np.f
     return np.asarray(np.einsum("rc,rcx->x", weights, panorama.astype(np.float64)))
 
 
-def _check(
-    at: Sequence[tuple[float, float, float]], resolution: tuple[int, int], samples: int,
-    bounces: int,
-) -> None:  # fmt: skip
+def _check(at: Sequence[tuple[float, float, float]], resolution: tuple[int, int]) -> None:
     for point in at:
         if not np.isfinite(point).all():
-            raise InputError(f"{point} is no position", place="at", remedy="x,y,z in metres")
+            raise InputError(f"{point} is not a position", place="at", remedy="x,y,z in metres")
     width, height = resolution
     if min(width, height) < 4 or width * height > _MAX_CELLS:
         raise InputError(
-            f"{width}x{height} is no size of a panorama", place="resolution", remedy="256x128"
-        )
-    if samples < 1 or bounces < 0:
-        raise InputError(
-            f"{samples} paths a pixel with {bounces} bounces make no probe",
-            place="spp" if samples < 1 else "bounces",
-            remedy="give at least one path, and no negative number of bounces",
+            f"{width}x{height} is not the size of a panorama", place="resolution", remedy="256x128"
         )
 
 

@@ -14,12 +14,19 @@ from numpy.typing import NDArray
 from openrooms_usd import atomic
 from openrooms_usd.channels import definition, each
 from openrooms_usd.convert import Report
+from openrooms_usd.description.rendering import (
+    COMPACT,
+    COMPLETE,
+    PHOTOGRAPH,
+    StorageName,
+    ToneName,
+)
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.ledger import Ledger
 from openrooms_usd.render import exr, folder, manifest, sheet
-from openrooms_usd.render.contract import COMPACT, PHOTOGRAPH, RenderRequest, ToneName, View
+from openrooms_usd.render.contract import RenderRequest, View
 from openrooms_usd.render.fits import write_fits
 from openrooms_usd.render.previews import Preview, preview
 from openrooms_usd.render.scene.lights import LightRecord
@@ -57,6 +64,8 @@ class Run:
         report: What became of every prim; the manifest has what it says when a view is added.
         written: The ledger of ``out``, which this process has claimed.
         lights: Those of the scene, by their numbers.
+        storage: How files hold channels.
+        tone: How pictures show light.
 
     Attributes:
         stay: Views of an earlier run that are not described any more, and not ours to remove.
@@ -69,7 +78,11 @@ class Run:
         report: Report,
         written: Ledger,
         lights: Sequence[LightRecord] = (),
+        *,
+        storage: StorageName = COMPLETE,
+        tone: ToneName = PHOTOGRAPH,
     ) -> None:
+        self._storage, self._tone = storage, tone
         self.manifest: manifest.Plain = {**entry, "views": {}}
         self.timing: manifest.Plain = {"views": {}}
         self._out = out
@@ -112,8 +125,8 @@ class Run:
             atomic.filling(self._out) as lists,
             atomic.appearing(self._out / name) as beside,
         ):
-            stored = storing(view, request.storage)
-            previews = write_view(beside, view, stored, request.tone, check)
+            stored = storing(view, self._storage)
+            previews = write_view(beside, view, stored, self._tone, check)
             check()
             entry = describe_view(beside, name, view, stored, previews, self._lights, photograph)
             took = {

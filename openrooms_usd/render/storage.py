@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import Channel, definition
-from openrooms_usd.render.contract import COMPLETE, StorageName, View
+from openrooms_usd.description.rendering import COMPLETE, StorageName
+from openrooms_usd.render.contract import View
 from openrooms_usd.render.exr import ZIP, Rows, Scaled
 from openrooms_usd.render.folder import (
     CHANNELS_FILE,

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import LUMINANCE, srgb_from_linear
+from openrooms_usd.description.rendering import ToneName
 from openrooms_usd.render.color import (
     MIDDLE_GREY,
     block_means,
@@ -26,7 +27,6 @@ from openrooms_usd.render.color import (
     fitted_exposure,
     lit_blocks,
 )
-from openrooms_usd.render.contract import ToneName
 
 Array = NDArray[np.floating[Any]]
 Balance = tuple[float, float, float]

@@ -5,15 +5,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from openrooms_usd import adapters
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.contract import NO_OPTIONS, Renderer
-from openrooms_usd.render.denoise import load_denoiser
+from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.folder import check_writable
 from openrooms_usd.render.sheet import Tile, write_sheet
-from openrooms_usd.showroom.photograph import photograph
+from openrooms_usd.showroom.photograph import photograph, photograph_settings
 from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE
 
 _COLUMNS: Final = 7
@@ -57,12 +55,11 @@ def draw_material_sheets(
         OutputError: A file cannot be written.
         RenderError: The renderer cannot do it.
     """
-    from openrooms_usd.render.opened import open_with
+    from openrooms_usd.render.opening import check_settings, open_for_rendering
     from openrooms_usd.showroom.balls import Sample, ball_camera, build_balls
 
-    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
-    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    denoiser = load_denoiser() if denoise else None
+    settings = photograph_settings(renderer, options, denoise=denoise, samples=samples, size=size)
+    check_settings(settings)
     check_writable(folder)
     chosen = list(dict.fromkeys(substances)) or list(FAMILIES)
     total, done, files = sum(len(FAMILIES[kind]) for kind in chosen), 0, []
@@ -71,9 +68,10 @@ def draw_material_sheets(
         tiles: list[Tile] = []
         with tempfile.TemporaryDirectory(prefix="orusd-") as scratch:
             shown = [Sample(name, number) for name in FAMILIES[kind]]
-            opened = open_with(adapter, build_balls(shown, texels, Path(scratch)), options)
+            stage = build_balls(shown, texels, Path(scratch))
+            opened = open_for_rendering(stage, settings)
             for sample in shown:
-                picture = photograph(opened, ball_camera(sample), size, samples, 0, denoiser)
+                picture = photograph(opened, ball_camera(sample))
                 tiles.append((_caption(sample.name), picture))
                 done += 1
                 progress(sample.name, done / total)

@@ -1,43 +1,64 @@
 """One picture of one camera, as sheets show it."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
-from openrooms_usd.render.contract import RenderRequest
-from openrooms_usd.render.denoise import DENOISED, SOURCE, Denoiser
+from openrooms_usd.description.rendering import RenderSettings
+from openrooms_usd.render.denoise import DENOISED, SOURCE
 from openrooms_usd.render.previews import Bytes, preview
 
 if TYPE_CHECKING:
-    from openrooms_usd.render.opened import OpenedStage
+    from openrooms_usd.render.context import RenderContext
 
 _BOUNCES: Final = 4
 
 
-def photograph(
-    opened: "OpenedStage",
-    camera: str,
-    size: int,
+def photograph_settings(
+    renderer: str,
+    options: Mapping[str, str],
+    *,
+    denoise: bool,
     samples: int,
-    seed: int,
-    denoiser: Denoiser | None,
-) -> Bytes:
+    size: int,
+    seed: int = 0,
+) -> RenderSettings:
+    """What a picture of a sheet is asked for.
+
+    Args:
+        renderer: A registered renderer.
+        options: What is asked of it, by the names that it declares.
+        denoise: Whether noise is taken away.
+        samples: Samples a pixel.
+        size: Pixels along each side.
+        seed: Fixes the noise.
+    """
+    return RenderSettings(
+        renderer=renderer,
+        options=options,
+        channels=(SOURCE,),
+        denoise=denoise,
+        samples=samples,
+        resolution=(size, size),
+        seed=seed,
+        bounces=_BOUNCES,
+        method="reference",
+    )
+
+
+def photograph(opened: "RenderContext", camera: str, times: int = 1) -> Bytes:
     """(size, size, 3) the exposed picture of a camera.
 
     Args:
-        opened: What a renderer opened.
+        opened: A stage, opened with `photograph_settings`.
         camera: The camera's prim path.
-        size: Pixels along each side.
-        samples: Samples a pixel.
-        seed: Fixes the noise.
-        denoiser: What takes the noise away; None leaves it.
+        times: So many times the samples.
 
     Raises:
         RenderError: The renderer cannot do it.
     """
-    request = RenderRequest(
-        camera, (SOURCE,), size, size, samples=samples, seed=seed, bounces=_BOUNCES,
-        guides=denoiser is not None,
-    )  # fmt: skip
+    request = opened.request(camera, samples=times * (opened.settings.samples or 1))
     view = opened.render(request)
+    denoiser = opened.plan.denoiser
     if denoiser:
         view = denoiser.complete(view)
     shown = view.images[DENOISED if denoiser else SOURCE].pixels

@@ -5,14 +5,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
-from openrooms_usd import adapters
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.contract import NO_OPTIONS, Renderer
-from openrooms_usd.render.denoise import Denoiser, load_denoiser
+from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.folder import check_writable
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.showroom.exhibits import Exhibit
-from openrooms_usd.showroom.photograph import photograph
+from openrooms_usd.showroom.photograph import photograph, photograph_settings
 
 DEFAULT_SIZE: Final = 160
 DEFAULT_SAMPLES: Final = 64
@@ -55,15 +54,18 @@ def draw_sheet(
         OutputError: The file cannot be written.
         RenderError: The renderer cannot do it.
     """
-    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
-    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    denoiser = load_denoiser() if denoise else None
+    from openrooms_usd.render.opening import check_settings
+
+    settings = photograph_settings(
+        renderer, options, denoise=denoise, samples=samples, size=size, seed=seed
+    )
+    check_settings(settings)
     check_writable(path.parent)
     tiles: dict[str, Tile] = {}
     # Lamps have a studio of their own: each light that is not seen costs samples of those that are.
     for lamps in (False, True):
         hall = [item for item in exhibits if item.emits == lamps]
-        for item, tile in _hall(adapter, hall, seed, size, samples, options, denoiser):
+        for item, tile in _hall(hall, settings):
             tiles[item.name] = tile
             progress(item.name, len(tiles) / len(exhibits))
     ordered = [tiles[item.name] for item in exhibits]
@@ -71,27 +73,18 @@ def draw_sheet(
     write_sheet(path, rows, below=True, widest=widest)
 
 
-def _hall(
-    adapter: Renderer,
-    exhibits: Sequence[Exhibit],
-    seed: int,
-    size: int,
-    samples: int,
-    options: Mapping[str, str],
-    denoiser: Denoiser | None,
-) -> Iterator[tuple[Exhibit, Tile]]:
+def _hall(exhibits: Sequence[Exhibit], settings: RenderSettings) -> Iterator[tuple[Exhibit, Tile]]:
     """Captions and pictures of some exhibits that stand in one studio."""
-    from openrooms_usd.render.opened import open_with
+    from openrooms_usd.render.opening import open_for_rendering
     from openrooms_usd.showroom.studio import build, camera_of, triangles_of
 
     if not exhibits:
         return
     with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
-        stage = build(exhibits, seed, Path(folder))
-        opened = open_with(adapter, stage, options)
+        stage = build(exhibits, settings.seed, Path(folder))
+        opened = open_for_rendering(stage, settings)
         for item in exhibits:
-            more = samples * (_LAMP_SAMPLES if item.emits else 1)
-            picture = photograph(opened, camera_of(item), size, more, seed, denoiser)
+            picture = photograph(opened, camera_of(item), _LAMP_SAMPLES if item.emits else 1)
             yield item, (_caption(item, triangles_of(stage, item)), picture)
 
 

@@ -8,22 +8,24 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
-from openrooms_usd import adapters, names
+from openrooms_usd import names
+from openrooms_usd.description.rendering import REFERENCE, RenderSettings
 from openrooms_usd.errors import MissingPackageError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Body, World
-from openrooms_usd.render.contract import Renderer, RenderRequest, View
+from openrooms_usd.render.context import RenderContext
+from openrooms_usd.render.contract import View
 from openrooms_usd.render.denoise import Denoiser, load_denoiser
-from openrooms_usd.render.friction import FRICTION, FrictionMap, read_materials
-from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.render.friction import FRICTION, FrictionMap
+from openrooms_usd.render.opening import load_renderer, open_for_rendering
 from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import CAMERA, COLORS
 from openrooms_usd.simulation.settledlayer import choose_look
@@ -36,6 +38,8 @@ from openrooms_usd.usd.meshes import define_mesh
 Array = NDArray[np.float64]
 
 RGB: Final = "radiance"
+RESOLUTION: Final = (160, 120)
+SAMPLES: Final = 16
 SEEN: Final = (RGB, "depth", "normal", "semantic")
 
 _ROBOTS: Final = f"{names.WORLD}/Robots"
@@ -54,28 +58,31 @@ class RobotCameras:
         self,
         path: str | os.PathLike[str],
         world: World,
+        settings: RenderSettings | None = None,
         *,
-        renderer: str = "mitsuba",
-        resolution: tuple[int, int] = (160, 120),
-        samples: int = 16,
         look: str | None = None,
+        **fields: Any,
     ) -> None:
         """Open a room.
 
         Args:
             path: The USD file that the world was read from.
             world: The room, with its robots.
-            renderer: The renderer's name.
-            resolution: Width and height, pixels.
-            samples: Samples a pixel of the channels that need many.
+            settings: What is asked for; `RESOLUTION` and `SAMPLES` by default.
             look: Choose this variant of every object that has it.
+            **fields: What is asked for, by the names of the settings.
 
         Raises:
             InputError: The file is no USD, or nothing has that look.
         """
-        self._renderer: Renderer = adapters.load(adapters.RENDERERS, renderer)
-        self._resolution = resolution
-        self._samples = samples
+        settings = (settings or RenderSettings()).replace(**fields)
+        self._resolution = settings.resolution or RESOLUTION
+        self._settings = settings.replace(
+            resolution=self._resolution,
+            samples=settings.samples or SAMPLES,
+            method=settings.method or REFERENCE,
+        )
+        load_renderer(self._settings)
         self._world = world
         self._denoiser = _denoiser()
         self._robots = Sdf.Layer.CreateAnonymous(".usda")
@@ -111,20 +118,16 @@ class RobotCameras:
         """
         wanted = tuple(channels)
         self._opened.move(dict(self._motions(simulation)))
-        width, height = self._resolution
         needed = FrictionMap.needs(wanted) if FRICTION in wanted else wanted
         denoiser = self._denoiser if RGB in wanted else None
         found = {}
         for name, pose in cameras.items():
-            request = RenderRequest(
-                _key(name), needed, width, height, samples=self._samples,
-                guides=denoiser is not None,
-            )  # fmt: skip
+            request = self._opened.request(_key(name), channels=needed, guides=denoiser is not None)
             view = self._opened.picture(self._pinhole(pose, fov_degrees), request)
             if denoiser is not None:
                 view = denoiser.complete(view)
             if FRICTION in wanted:
-                view = self._friction.complete(view, (*view.images, FRICTION))
+                view = self._opened.friction.complete(view, (*view.images, FRICTION))
             found[name] = view
         return found
 
@@ -134,13 +137,9 @@ class RobotCameras:
         return self._opened.legend.semantic
 
     @cached_property
-    def _opened(self) -> OpenedStage:
+    def _opened(self) -> RenderContext:
         """The room with its robots, translated and opened once, when the first picture is asked."""
-        return open_with(self._renderer, self._stage)
-
-    @cached_property
-    def _friction(self) -> FrictionMap:
-        return FrictionMap(read_materials(self._stage, self._opened.legend.material))
+        return open_for_rendering(self._stage, self._settings)
 
     def _motions(self, simulation: Simulation) -> Iterator[tuple[str, Array]]:
         """By prim path, how everything has moved since the stage; robots since the origin."""

@@ -11,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from openrooms_usd import adapters
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.model import Model, Number, Switch, Whole
+from openrooms_usd.description.rendering import PHOTOGRAPH, REFERENCE, RenderSettings
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.render.color import quantize
-from openrooms_usd.render.contract import PHOTOGRAPH, Renderer, RenderRequest, View
+from openrooms_usd.render.context import RenderContext
+from openrooms_usd.render.contract import View
 from openrooms_usd.render.denoise import load_denoiser
-from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.render.opening import load_renderer, open_for_rendering
 from openrooms_usd.render.tone import fitted_tone
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.layers import open_stage
@@ -69,12 +70,12 @@ class Tracing:
 
     Attributes:
         path: The stage.
-        renderer: The name of what renders.
+        settings: What renders, and how.
     """
 
     path: Path
-    renderer: str = "mitsuba"
-    _opened: tuple[tuple[int, ...], OpenedStage] | None = None
+    settings: RenderSettings = field(default_factory=RenderSettings)
+    _opened: tuple[tuple[int, ...], RenderContext] | None = None
     _stop: threading.Event = field(default_factory=threading.Event)
     _thread: threading.Thread | None = None
     _told: dict[str, Any] = field(default_factory=lambda: {"state": "nothing"})
@@ -86,7 +87,7 @@ class Tracing:
         Raises:
             MissingPackageError: The renderer or the denoiser is not installed.
         """
-        adapters.load(adapters.RENDERERS, self.renderer)
+        load_renderer(self.settings)
         if asked.denoise:
             load_denoiser()
         self.stop(Nothing())
@@ -137,11 +138,18 @@ class Tracing:
         guides: Mapping[str, Floats] = {}
         while done < asked.samples and not stop.is_set():
             now = min(max(done, _FIRST_SAMPLES), asked.samples - done)
-            request = RenderRequest(
-                _CAMERA, ("radiance_i",) if asked.weights else ("radiance",), asked.width,
-                asked.height, samples=now, seed=done, measure_bias=False,
+            request = opened.request(
+                _CAMERA,
+                channels=("radiance_i",) if asked.weights else ("radiance",),
+                width=asked.width,
+                height=asked.height,
+                samples=now,
+                seed=done,
+                method=self.settings.method or REFERENCE,
+                measure_bias=False,
+                halves=False,
                 guides=asked.denoise and not guides,
-            )  # fmt: skip
+            )
 
             def tell(share: float, first: int = done, count: int = now) -> None:
                 fraction = (first + share * count) / asked.samples
@@ -157,7 +165,7 @@ class Tracing:
             self._show(clean, done, asked)
         self._told = {"state": "ready", "samples": done, "fraction": done / asked.samples}
 
-    def _stage(self, stop: threading.Event) -> OpenedStage | None:
+    def _stage(self, stop: threading.Event) -> RenderContext | None:
         """The stage as it is now, opened anew where a file of it has changed; None when stopped."""
         # Who stops this thread may hold the stages, and waits for it.
         while not STAGES.acquire(timeout=_TURN_S):
@@ -168,8 +176,7 @@ class Tracing:
             files = [layer.realPath for layer in stage.GetLayerStack() if layer.realPath]
             stamps = tuple(Path(file).stat().st_mtime_ns for file in files)
             if self._opened is None or self._opened[0] != stamps:
-                renderer: Renderer = adapters.load(adapters.RENDERERS, self.renderer)
-                opened = open_with(renderer, stage)
+                opened = open_for_rendering(self.path, self.settings)
                 # Read here: pictures are made while others have the stages.
                 _ = opened.lights
                 self._opened = stamps, opened
@@ -198,7 +205,7 @@ def _camera(asked: Trace) -> PinholeCamera:
     return PinholeCamera(K, np.array(asked.world_from_camera))
 
 
-def _light(view: View, opened: OpenedStage, asked: Trace) -> NDArray[np.float64]:
+def _light(view: View, opened: RenderContext, asked: Trace) -> NDArray[np.float64]:
     """(H, W, 3) nits, each light as the page has it."""
     if not asked.weights:
         return view.images["radiance"].pixels.astype(np.float64)

@@ -19,7 +19,7 @@ def translated(path: Path) -> str:
     import numpy as np
 
     from openrooms_usd.errors import OrusdError
-    from openrooms_usd.render.opened import translate
+    from openrooms_usd.render.scene.translate import translate
     from openrooms_usd.usd.cameras import framing_camera, list_cameras, read_camera
     from openrooms_usd.usd.diagnostics import quiet, reading
     from openrooms_usd.usd.layers import open_stage

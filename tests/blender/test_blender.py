@@ -17,12 +17,12 @@ from openrooms_usd.demo import write_starter
 from openrooms_usd.edits.adopting import adopt
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.cameras import FLIP, read_camera
 from openrooms_usd.usd.lights import MeshLight, define_dome, read_lights
 from openrooms_usd.validate import validate_stage
 from orusd_usdz import UsdzExporter
 from tests.blender.conftest import Blender
+from tests.opening import open_with
 
 pytestmark = pytest.mark.slow
 

@@ -17,10 +17,10 @@ from openrooms_usd import names
 from openrooms_usd.channels import numbered
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from tests.blender.conftest import Blender
 from tests.handmade import Build
+from tests.opening import open_with
 
 pytestmark = pytest.mark.slow
 

@@ -7,6 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from openrooms_usd.cli import orusd
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import probes
 from openrooms_usd.render import relight as relighting
 from openrooms_usd.render.bake import baking
@@ -44,17 +45,17 @@ def test_relight_refuses_what_is_no_pair(text: str, tmp_path: Path) -> None:
 def test_probe_takes_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     seen: list[Any] = []
 
-    def made(stage: Path, out: Path, **how: Any) -> dict[str, Any]:
-        seen.append(how)
+    def made(stage: Path, out: Path, settings: Any, **how: Any) -> dict[str, Any]:
+        seen.append((settings, how))
         return {"probes": [{"name": "probe_0", "estimated_robust_error": 0.01}]}
 
     monkeypatch.setattr(probes, "probe_stage", made)
     found = run("probe", "scene.usda", "-o", str(tmp_path), "--at", "-1,2,0.5", "--at", "0,0,1",
                 "--openings", "--resolution", "64x32", "--spp", "8")  # fmt: skip
     assert found.exit_code == 0, found.output
-    (how,) = seen
+    ((settings, how),) = seen
     assert how["at"] == ((-1.0, 2.0, 0.5), (0.0, 0.0, 1.0))
-    assert (how["at_openings"], how["resolution"], how["samples"]) == (True, (64, 32), 8)
+    assert (how["at_openings"], settings.resolution, settings.samples) == (True, (64, 32), 8)
 
 
 @pytest.mark.parametrize(
@@ -67,8 +68,8 @@ def test_probe_refuses_what_it_cannot_read(option: tuple[str, str], tmp_path: Pa
 def test_bake_says_what_it_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     seen: list[Any] = []
 
-    def made(stage: Path, out: Path, settings: Any, **how: Any) -> dict[str, Any]:
-        seen.append((settings, how["options"]))
+    def made(stage: Path, out: Path, settings: Any, layout: Any, **how: Any) -> dict[str, Any]:
+        seen.append((settings, layout))
         return {"texel": {"asked_m": 0.1, "side_m": 0.2}, "lights": [{}, {}], "left_out": [{}],
                 "atlases": [{"size": [64, 32], "lit_texels": 1234}], "estimated_error": 0.01,
                 "layer": "lightmaps.usda"}  # fmt: skip
@@ -77,9 +78,9 @@ def test_bake_says_what_it_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     found = run("bake", "scene.usda", "-o", str(tmp_path), "--texel", "0.1", "--spp", "8",
                 "--atlas", "512", "--max-texels", "2048", "--variant", "llvm")  # fmt: skip
     assert found.exit_code == 0, found.output
-    ((settings, options),) = seen
-    assert settings == baking.BakeSettings(0.1, 8, 0, 7, 512, 2048)
-    assert options == {"variant": "llvm"}
+    ((settings, layout),) = seen
+    assert settings == RenderSettings(samples=8, options={"variant": "llvm"})
+    assert layout == baking.AtlasLayout(0.1, 512, 2048)
     assert "64x32, 1,234 texels" in found.output and "20 cm, not 10 cm" in found.output
 
 
@@ -87,7 +88,9 @@ def test_bake_offers_what_the_core_has_by_default() -> None:
     from openrooms_usd.cli.baking import bake
 
     offered = {option.name: option.default for option in bake.params}
-    own = baking.BakeSettings()
-    assert (offered["texel"], offered["spp"], offered["side"], offered["max_texels"]) == (
-        own.texel_m, own.samples, own.side, own.most_texels,
-    )  # fmt: skip
+    own = baking.AtlasLayout()
+    assert (offered["texel"], offered["side"], offered["max_texels"]) == (
+        own.texel_m,
+        own.side,
+        own.most_texels,
+    )

@@ -15,13 +15,14 @@ from openrooms_usd.cli.comparing import compare as command
 from openrooms_usd.comparison.driver import Comparison, compare_stage
 from openrooms_usd.comparison.photographs import Photographs
 from openrooms_usd.compose import compose_room
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.render.contract import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.previews import preview
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_preview import PreviewRenderer
+from tests.opening import open_with
 
 # A camera 1.3 m high that looks along +X.
 LOOKING = [[0, 0, 1, 0.4], [-1, 0, 0, 1.6], [0, -1, 0, 1.3], [0, 0, 0, 1]]
@@ -78,7 +79,8 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def compared(room: Path, out: Path, **asked: object) -> Comparison:
     """The room's comparison by the quick renderer."""
-    return compare_stage(room / "out/scene.usda", out, renderer="preview", **asked)  # type: ignore[arg-type]
+    settings = RenderSettings(renderer="preview")
+    return compare_stage(room / "out/scene.usda", out, settings, **asked)  # type: ignore[arg-type]
 
 
 def photographed(room: Path, folder: Path, shift: int) -> Path:

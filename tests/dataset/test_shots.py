@@ -11,8 +11,10 @@ from openrooms_usd.dataset.shots import shot, shots_of
 from openrooms_usd.dataset.variants import with_cameras
 from openrooms_usd.description import parse_room
 from openrooms_usd.description.dataset import Dataset, DatasetViews
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render.job import OpenedJob, RenderJob
+from openrooms_usd.render.context import RenderContext
+from openrooms_usd.render.opening import open_for_rendering
 
 ROOM = """\
 name: small
@@ -31,19 +33,21 @@ cameras:
     - {eye: [0.5, 2.5, 1.5], target: [2.0, 1.4, 0.5]}
 """
 
-Open = Callable[..., OpenedJob]
+Open = Callable[..., RenderContext]
 
 
 @pytest.fixture(scope="module")
 def opened(tmp_path_factory: pytest.TempPathFactory) -> Open:
     """The small room with the cameras that a dataset asks for."""
 
-    def of(views: DatasetViews, text: str = ROOM) -> OpenedJob:
+    def of(views: DatasetViews, text: str = ROOM) -> RenderContext:
         room = with_cameras(parse_room(text, "room.yaml"), views)
         out = tmp_path_factory.mktemp("room")
         made = compose_room(room, out, base=out)
-        job = RenderJob.of(channels=("depth",), resolution=views.resolution, renderer="preview")
-        return job.open(made.scene)
+        settings = RenderSettings(
+            channels=("depth",), resolution=views.resolution, renderer="preview"
+        )
+        return open_for_rendering(made.scene, settings)
 
     return of
 

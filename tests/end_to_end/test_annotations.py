@@ -12,6 +12,7 @@ from pxr import Gf, Usd, UsdGeom, Vt
 
 from openrooms_usd.cli import orusd
 from openrooms_usd.cli.labelling import labels
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.boxes import _tightest, boxes
@@ -69,7 +70,9 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def shots(scene: Path, fastest: str) -> Path:
     out = scene.with_name("shots")
     render_stage(
-        scene, out, channels=CHANNELS, resolution=(WIDTH, HEIGHT), options={"variant": fastest}
+        scene,
+        out,
+        RenderSettings(channels=CHANNELS, resolution=(WIDTH, HEIGHT), options={"variant": fastest}),
     )
     return out
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.reading import RenderedView, read_render
 
@@ -60,7 +61,11 @@ def test_light_that_was_taken_apart_adds_up(
     fastest: str,
 ) -> None:
     render_stage(
-        generated(kind, seed), tmp_path, resolution=SIZE, options={"variant": fastest},
-        channels=CHANNELS, samples=16, cameras=["view_0"],
-    )  # fmt: skip
+        generated(kind, seed),
+        tmp_path,
+        RenderSettings(
+            resolution=SIZE, options={"variant": fastest}, channels=CHANNELS, samples=16
+        ),
+        cameras=["view_0"],
+    )
     assert_adds_up(read_render(tmp_path).views["view_0"])

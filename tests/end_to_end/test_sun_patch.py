@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.compose import compose_room
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import exr, render_stage
 
 REFLECTED = 0.5
@@ -101,7 +102,11 @@ def test_the_sun_falls_where_geometry_says(case: str, tmp_path: Path) -> None:
         text = text.replace(word, str(value))
     (tmp_path / "room.yaml").write_text(text)
     scene = compose_room(tmp_path / "room.yaml", tmp_path / "room").scene
-    render_stage(scene, tmp_path / "out", channels=["radiance", "position"], samples=16, bounces=1)
+    render_stage(
+        scene,
+        tmp_path / "out",
+        RenderSettings(channels=["radiance", "position"], samples=16, bounces=1),
+    )
     images = exr.read_channels(tmp_path / "out" / "down" / "channels.exr")
     points = images["position"].astype(np.float64)
     light = images["radiance"].astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722])

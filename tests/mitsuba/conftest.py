@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdLux
 
 from openrooms_usd.render import RenderRequest, View
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import MitsubaRenderer, variants
 from tests.handmade import Build
+from tests.opening import open_with
 
 Open = Callable[[Usd.Stage], Any]
 

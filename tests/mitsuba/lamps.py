@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 from pxr import UsdGeom
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import MitsubaRenderer
+from tests.opening import open_with
 
 Array = NDArray[np.float64]
 NITS = 40.0

@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from openrooms_usd.cli import orusd
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.rotations import inverse
@@ -33,8 +34,12 @@ def room(half_hidden: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def rendered(room: Path, out: Path, **how: Any) -> Any:
-    wanted = {"rate": 4, "resolution": SIZE, "samples": 8, "keep_frames": True} | how
-    return render_path(room / "room.usda", out, str(room / "tour.json"), **wanted)
+    fields = {"resolution": SIZE, "samples": 8} | {
+        name: how.pop(name) for name in [*how] if name in RenderSettings.model_fields
+    }
+    wanted = {"rate": 4, "keep_frames": True} | how
+    settings = RenderSettings(**fields)
+    return render_path(room / "room.usda", out, str(room / "tour.json"), settings, **wanted)
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +102,7 @@ def test_what_is_not_ours_is_not_replaced(room: Path, tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="not of an earlier path"):
         rendered(room, tmp_path)
     with pytest.raises(InputError, match="does not move"):
-        render_path(room / "room.usda", tmp_path / "out", "Camera", resolution=SIZE)
+        render_path(room / "room.usda", tmp_path / "out", "Camera", RenderSettings(resolution=SIZE))
     with pytest.raises(InputError, match="frames a second"):
         rendered(room, tmp_path, rate=0)
     with pytest.raises(InputError, match="seconds"):

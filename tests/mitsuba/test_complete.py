@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render.opened import open_with
 from orusd_mitsuba import MitsubaRenderer
 from tests.mitsuba.lamps import closed_room, lamp
 from tests.mitsuba.test_light_identities import (
@@ -20,6 +19,7 @@ from tests.mitsuba.test_light_identities import (
     of_lights,
     render,
 )
+from tests.opening import open_with
 
 SEEDS = range(12)
 WHOLE = (

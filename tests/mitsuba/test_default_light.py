@@ -10,12 +10,13 @@ from pxr import Sdf, UsdGeom, UsdLux
 
 from openrooms_usd import names
 from openrooms_usd.convert import convert_stage
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import RenderRequest, render_stage
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene.default_light import BRIGHTEST_FROM, EXPOSURE, TOLD
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import MitsubaRenderer
+from tests.opening import open_with
 
 NORMALS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (1, 2, 3)]
 
@@ -113,12 +114,14 @@ def test_what_merely_glows_lights_nothing(build: Any) -> None:
 def test_pictures_have_its_exposure_and_files_its_words(build: Any, tmp_path: Path) -> None:
     made = facing(build, (0, 0, 1), path=tmp_path / "stage.usda")
     made.stage.Save()
-    asked: Any = {"resolution": (16, 12), "samples": 4}
-    lit = render_stage(tmp_path / "stage.usda", tmp_path / "lit", **asked)
+    asked = RenderSettings(resolution=(16, 12), samples=4)
+    lit = render_stage(tmp_path / "stage.usda", tmp_path / "lit", asked)
     assert any(row["reason"] == TOLD for row in lit.manifest["report"]["losses"])
     view = lit.manifest["views"]["Camera"]
     assert view["exposure"] == EXPOSURE
-    dark = render_stage(tmp_path / "stage.usda", tmp_path / "dark", default_light=False, **asked)
+    dark = render_stage(
+        tmp_path / "stage.usda", tmp_path / "dark", asked.replace(default_light=False)
+    )
     assert dark.manifest["views"]["Camera"]["channels"]["radiance"]["samples"] == 4
     assert not any(row["reason"] == TOLD for row in dark.manifest["report"]["losses"])
 

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import connect_portals, define_portal
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.plugins.memory import aligned
 from tests.mitsuba.passes import LIT, PASSES
 from tests.mitsuba.test_portals import window_portal
+from tests.opening import open_with
 
 
 def room(build: Any) -> Any:

@@ -7,8 +7,8 @@ import pytest
 from pxr import UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from orusd_mitsuba import MitsubaRenderer
+from tests.opening import open_with
 
 
 def before_a_wall(build: Any, *, light: bool = True) -> Any:

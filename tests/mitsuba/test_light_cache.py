@@ -9,11 +9,11 @@ from pxr import Gf, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
 from openrooms_usd.render import RenderRequest, light_store
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.materials import define_preview_surface
 from openrooms_usd.usd.surfaces import PreviewSurface
 from orusd_mitsuba import MitsubaRenderer
 from tests.mitsuba.test_transport import integrator_of, little_room, passes
+from tests.opening import open_with
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import pytest
 from pxr import Usd
 
 from openrooms_usd.channels import CHANNELS, RENDERED
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest, opened, render_stage
 from openrooms_usd.render.exr import read_channels
@@ -44,10 +45,12 @@ def test_the_scalar_backend_says_before_it_starts_what_it_cannot(
         render_stage(
             file,
             tmp_path / "out",
-            channels=["depth", name],
-            options={"variant": "scalar"},
-            resolution=(8, 6),
-            samples=1,
+            RenderSettings(
+                channels=["depth", name],
+                options={"variant": "scalar"},
+                resolution=(8, 6),
+                samples=1,
+            ),
         )
     assert "--variant llvm" in str(caught.value)
     assert not began

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.complete import integrator as complete_integrator
 from orusd_mitsuba.transport import incident
 from tests.mitsuba.passes import LIT, PASSES
+from tests.opening import open_with
 
 SIZE = {"width": 24, "height": 18, "grid": (6, 4)}
 

@@ -10,15 +10,16 @@ import pytest
 from pxr import Gf, Usd, UsdGeom
 
 import openrooms_usd as ou
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, MissingPackageError, RenderError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.bake.baking import BakeSettings, bake_stage
-from openrooms_usd.render.opened import open_with
+from openrooms_usd.render.bake.baking import AtlasLayout, bake_stage
 from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba import MitsubaRenderer
 from tests.mitsuba import lightmap_client as client
+from tests.opening import open_with
 
 NITS = 1000.0
 
@@ -78,7 +79,9 @@ def differences(source: Path, baked: Path, camera: str, samples: int) -> tuple[f
 def test_a_client_sees_the_diffuse_part_of_the_picture(half_hidden: Any, tmp_path: Path) -> None:
     """A room with two lamps and what throws shadows; a picture upside down would fail."""
     source = saved(half_hidden(), tmp_path)
-    found = bake_stage(source, tmp_path / "out", BakeSettings(texel_m=0.15, samples=96))
+    found = bake_stage(
+        source, tmp_path / "out", RenderSettings(samples=96), AtlasLayout(texel_m=0.15)
+    )
     ratio, relative = differences(source, tmp_path / "out/baked.usda", "/Camera", 256)
     assert ratio == pytest.approx(1.0, abs=0.02)
     assert relative.mean() < 0.1
@@ -98,8 +101,8 @@ def test_a_client_sees_the_diffuse_part_of_the_picture(half_hidden: Any, tmp_pat
 def test_so_it_is_in_a_furnished_room(method: Any, tmp_path: Path) -> None:
     """The bundled example, through its own camera; what the noise of both leaves is told."""
     source = ou.compose(ou.copy_example(tmp_path / "room"), tmp_path / "out").path
-    settings = BakeSettings(texel_m=0.1, samples=64, method=method)
-    found = bake_stage(source, tmp_path / "lit", settings)
+    settings = RenderSettings(samples=64, method=method)
+    found = bake_stage(source, tmp_path / "lit", settings, AtlasLayout(texel_m=0.1))
     assert found["method"] == method
     camera = str(list_cameras(Usd.Stage.Open(str(source)))[0].GetPath())
     ratio, relative = differences(source, tmp_path / "lit/baked.usda", camera, 256)
@@ -114,7 +117,9 @@ def test_an_even_sky_gives_pi_times_its_radiance(build: Any, tmp_path: Path) -> 
     room.quad("/Plate", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
               material=room.material("/Black", base_color=(0.0,) * 3))  # fmt: skip
     room.dome(radiance=NITS)
-    bake_stage(saved(room.stage, tmp_path), tmp_path / "out", BakeSettings(0.1, samples=16))
+    bake_stage(
+        saved(room.stage, tmp_path), tmp_path / "out", RenderSettings(samples=16), AtlasLayout(0.1)
+    )
     plate = client.load(tmp_path / "out/baked.usda")
     points = np.array([[x, y, 0.0] for x in (0.01, 0.5, 0.99) for y in (0.01, 0.3, 0.99)])
     rows = (points[:, 1] > points[:, 0]).astype(np.int64)
@@ -149,7 +154,7 @@ def _two_of_a_kind(build: Any, folder: Path) -> Path:
 def test_instances_have_light_of_their_own_and_stay_instances(build: Any, tmp_path: Path) -> None:
     source = _two_of_a_kind(build, tmp_path)
     before = source.read_bytes()
-    found = bake_stage(source, tmp_path / "out", BakeSettings(0.1, samples=16))
+    found = bake_stage(source, tmp_path / "out", RenderSettings(samples=16), AtlasLayout(0.1))
     stage = Usd.Stage.Open(str(tmp_path / "out/baked.usda"))
     a, b = (stage.GetPrimAtPath(f"/World/{name}") for name in "ab")
     assert a.IsInstance() and a.GetPrototype() == b.GetPrototype()
@@ -167,7 +172,7 @@ def test_instances_have_light_of_their_own_and_stay_instances(build: Any, tmp_pa
 def test_equal_seeds_give_equal_files(build: Any, tmp_path: Path) -> None:
     source = _two_of_a_kind(build, tmp_path)
     for name in ("a", "b"):
-        bake_stage(source, tmp_path / name, BakeSettings(0.2, samples=2))
+        bake_stage(source, tmp_path / name, RenderSettings(samples=2), AtlasLayout(0.2))
     files = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))
     assert len(files) == 8
     for file in files:
@@ -176,14 +181,18 @@ def test_equal_seeds_give_equal_files(build: Any, tmp_path: Path) -> None:
 
 def test_texels_grow_until_they_fit(build: Any, tmp_path: Path) -> None:
     source = _two_of_a_kind(build, tmp_path)
-    found = bake_stage(source, tmp_path / "out", BakeSettings(0.05, samples=1, most_texels=8000))
+    found = bake_stage(
+        source, tmp_path / "out", RenderSettings(samples=1), AtlasLayout(0.05, most_texels=8000)
+    )
     assert found["texel"]["side_m"] > found["texel"]["asked_m"]
     assert sum(np.prod(atlas["size"]) for atlas in found["atlases"]) <= 8000
     assert json.loads((tmp_path / "out/lightmaps.json").read_text()) == json.loads(
         json.dumps(found)
     )
     with pytest.raises(InputError, match="do not fit"):
-        bake_stage(source, tmp_path / "none", BakeSettings(0.05, samples=1, most_texels=256))
+        bake_stage(
+            source, tmp_path / "none", RenderSettings(samples=1), AtlasLayout(0.05, most_texels=256)
+        )
 
 
 def test_what_makes_no_lightmap_is_refused(
@@ -192,17 +201,22 @@ def test_what_makes_no_lightmap_is_refused(
     source = _two_of_a_kind(build, tmp_path)
     for wrong in (
         {"texel_m": 0.0},
-        {"samples": 0},
-        {"bounces": 0},
         {"side": 1},
         {"most_texels": 1},
     ):
         with pytest.raises(InputError):
-            bake_stage(source, tmp_path / "out", BakeSettings(**wrong))
+            bake_stage(source, tmp_path / "out", RenderSettings(), AtlasLayout(**wrong))
+    with pytest.raises(InputError, match="scattered 0 times"):
+        bake_stage(source, tmp_path / "out", RenderSettings(bounces=0))
     with pytest.raises(RenderError, match="scalar"):
-        bake_stage(source, tmp_path / "out", BakeSettings(0.5), options={"variant": "scalar"})
+        bake_stage(
+            source,
+            tmp_path / "out",
+            RenderSettings(options={"variant": "scalar"}),
+            AtlasLayout(0.5),
+        )
     with pytest.raises(RenderError, match="lights no texels"):
-        bake_stage(source, tmp_path / "out", BakeSettings(0.5), renderer="preview")
+        bake_stage(source, tmp_path / "out", RenderSettings(renderer="preview"), AtlasLayout(0.5))
     nothing = build()
     nothing.dome()
     (tmp_path / "empty").mkdir()
@@ -217,7 +231,7 @@ def test_what_makes_no_lightmap_is_refused(
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(MissingPackageError, match="xatlas") as error:
-        bake_stage(source, tmp_path / "out", BakeSettings(0.5))
+        bake_stage(source, tmp_path / "out", RenderSettings(), AtlasLayout(0.5))
     assert "openrooms-usd[bake]" in str(error.value)
     assert not (tmp_path / "out").exists()
 
@@ -231,7 +245,7 @@ def test_what_is_buried_does_not_darken_what_is_beside_it(build: Any, tmp_path: 
     block.AddTranslateOp().Set(Gf.Vec3d(0, 0, 0.35))
     room.dome(radiance=NITS)
     source = saved(room.stage, tmp_path)
-    bake_stage(source, tmp_path / "out", BakeSettings(0.2, samples=64))
+    bake_stage(source, tmp_path / "out", RenderSettings(samples=64), AtlasLayout(0.2))
     plate = client.load(tmp_path / "out/baked.usda")
     # Beside the block half of the sky is left; below it there is none.
     beside = np.array([[0.352, 0.1, 0.0], [0.352, -0.1, 0.0]])

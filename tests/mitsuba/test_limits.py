@@ -7,11 +7,11 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene import gathering
 from openrooms_usd.render.scene.translate import translate
 from orusd_mitsuba import MitsubaRenderer, limits
 from tests.crowd import crowd
+from tests.opening import open_with
 
 
 def test_instances_that_do_not_fit_are_refused(

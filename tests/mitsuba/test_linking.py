@@ -8,9 +8,9 @@ import pytest
 from pxr import Gf, Sdf, UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene.translate import translate
 from orusd_mitsuba import MitsubaRenderer
+from tests.opening import open_with
 
 RADIUS, HEIGHT, NITS = 0.05, 2.0, 1e4
 # What falls on a point below one of the lamps.

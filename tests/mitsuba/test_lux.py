@@ -9,12 +9,12 @@ import pytest
 from pxr import Gf, UsdGeom, UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene.surroundings import surroundings
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.surfaces import Texture
 from orusd_mitsuba import MitsubaRenderer
 from tests.handmade import Build
+from tests.opening import open_with
 
 HEIGHT = 2.0
 NITS = 1000.0

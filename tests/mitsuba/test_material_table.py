@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene import codes
 from openrooms_usd.render.scene.codes import load_picture
 from openrooms_usd.render.scene.pictures import Picture, evaluate, load
@@ -14,6 +13,7 @@ from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
 from orusd_mitsuba import MitsubaRenderer, variants
 from orusd_mitsuba.plugins import material_table
+from tests.opening import open_with
 
 
 @pytest.fixture

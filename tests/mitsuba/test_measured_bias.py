@@ -10,9 +10,9 @@ import pytest
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.opened import open_with
 from orusd_mitsuba import MitsubaRenderer
 from tests.mitsuba.conftest import Lit
+from tests.opening import open_with
 
 SIZE = (48, 36)
 CHANNELS_HERE = ("radiance", "emission", "indirect", "radiance_i")

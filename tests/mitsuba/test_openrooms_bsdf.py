@@ -8,9 +8,9 @@ import pytest
 from pxr import UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from orusd_mitsuba import MitsubaExporter, MitsubaRenderer
+from tests.opening import open_with
 
 Prepare = Callable[[str], Any]
 

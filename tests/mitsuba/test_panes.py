@@ -260,8 +260,8 @@ def test_hemispheres_see_panes_by_every_method(build: Any, shoot: Any, variant: 
 def test_panes_are_read_and_move(build: Any, shoot: Any, variant: str, closed: bool) -> None:
     """A sash that is opened takes its pane along, and what is looked at is not dimmed any more."""
     from openrooms_usd.render import RenderRequest
-    from openrooms_usd.render.opened import open_with
     from orusd_mitsuba import MitsubaRenderer
+    from tests.opening import open_with
 
     made = build()
     bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(50, 50, 50))
@@ -295,8 +295,8 @@ def test_the_scalar_backend_denoises_what_is_behind_panes(build: Any) -> None:
     """Guides of a denoiser are the core's there: none of the vectorized transport is asked."""
     from openrooms_usd.render import RenderRequest
     from openrooms_usd.render.contract import GUIDES
-    from openrooms_usd.render.opened import open_with
     from orusd_mitsuba import MitsubaRenderer
+    from tests.opening import open_with
 
     made = build()
     made.box("/Room", 2.0, inside=True, material=made.material("/Grey", base_color=(0.5,) * 3))

@@ -6,9 +6,10 @@ import pytest
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.pinhole import intrinsics, look_at, panorama_intrinsics
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from tests.handmade import Build
+from tests.opening import open_with
 
 EYE = (0.3, -0.2, 0.1)
 WIDTH, HEIGHT = 48, 24

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render.exr import read_picture
 from openrooms_usd.render.probes import harmonics, irradiance, probe_stage
 from openrooms_usd.usd.lights import define_mesh_light
@@ -50,8 +51,12 @@ def made(vectorized: str, build: Any, tmp_path_factory: pytest.TempPathFactory) 
     lamp = [(0.2, 0.1, 0.98), (0.2, 0.6, 0.98), (0.7, 0.6, 0.98), (0.7, 0.1, 0.98)]
     define_mesh_light(room.quad("/Lamp", lamp, material=red).GetPrim(), nits=1000.0)
     room.stage.GetRootLayer().Export(str(folder / "scene.usda"))
-    probe_stage(folder / "scene.usda", folder / "out", at=[(0.3, -0.2, 0.1)], resolution=(32, 16),
-                samples=8)  # fmt: skip
+    probe_stage(
+        folder / "scene.usda",
+        folder / "out",
+        RenderSettings(resolution=(32, 16), samples=8),
+        at=[(0.3, -0.2, 0.1)],
+    )
     return folder / "out"
 
 

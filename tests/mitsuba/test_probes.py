@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics as sh
 from openrooms_usd.library import environments
@@ -40,8 +41,12 @@ def test_a_probe_under_an_even_sky(build: Any, tmp_path: Path) -> None:
     room = build()
     room.quad("/Far", [(0, 0, -99), (0.1, 0, -99), (0.1, 0.1, -99), (0, 0.1, -99)])
     room.dome(radiance=NITS)
-    found = probe_stage(saved(room.stage, tmp_path), tmp_path / "out", at=[(1, 2, 3)],
-                        resolution=SIZE, samples=16)  # fmt: skip
+    found = probe_stage(
+        saved(room.stage, tmp_path),
+        tmp_path / "out",
+        RenderSettings(resolution=SIZE, samples=16),
+        at=[(1, 2, 3)],
+    )
     (probe,) = found["probes"]
     radiance, lux = np.array(probe["radiance"]), np.array(probe["irradiance"])
     assert radiance[0, 1] == pytest.approx(NITS * np.sqrt(4 * np.pi), rel=0.01)
@@ -63,8 +68,12 @@ def test_a_lamp_is_where_the_panorama_says(build: Any, tmp_path: Path) -> None:
     corners = [(x, y - half, z - half), (x, y - half, z + half), (x, y + half, z + half),
                (x, y + half, z - half)]  # fmt: skip
     define_mesh_light(room.quad("/Lamp", corners, material=black).GetPrim(), nits=NITS)
-    probe_stage(saved(room.stage, tmp_path), tmp_path / "out", at=[(0, 0, 0)], resolution=SIZE,
-                samples=8)  # fmt: skip
+    probe_stage(
+        saved(room.stage, tmp_path),
+        tmp_path / "out",
+        RenderSettings(resolution=SIZE, samples=8),
+        at=[(0, 0, 0)],
+    )
     pixels = read_picture(tmp_path / "out/probe_0.exr")
     way = np.array([x, y, z]) / np.linalg.norm([x, y, z])
     d = environments.directions(16)
@@ -87,8 +96,12 @@ def test_openings_have_probes_that_look_both_ways(build: Any, tmp_path: Path) ->
     world = np.eye(4)
     world[:3, :3] = np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]).T
     define_portal(room.stage, Portal("/window_3", world, 1.0, 1.0))
-    found = probe_stage(saved(room.stage, tmp_path), tmp_path / "out", at_openings=True,
-                        resolution=SIZE, samples=16)  # fmt: skip
+    found = probe_stage(
+        saved(room.stage, tmp_path),
+        tmp_path / "out",
+        RenderSettings(resolution=SIZE, samples=16),
+        at_openings=True,
+    )
     (probe,) = found["probes"]
     assert probe["name"] == "window_3"
     assert probe["opening"]["outwards"] == pytest.approx([0, 1, 0])
@@ -103,7 +116,9 @@ def test_equal_seeds_give_equal_files(build: Any, tmp_path: Path) -> None:
     room.dome()
     path = saved(room.stage, tmp_path)
     for name in ("a", "b"):
-        probe_stage(path, tmp_path / name, at=[(0, 0, 2)], resolution=SIZE, samples=2)
+        probe_stage(
+            path, tmp_path / name, RenderSettings(resolution=SIZE, samples=2), at=[(0, 0, 2)]
+        )
     for file in ("probes.json", "probe_0.exr", "probe_0.png"):
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes()
 
@@ -119,9 +134,9 @@ def test_what_makes_no_probe_is_refused(build: Any, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no position"):
         probe_stage(path, out, at=[(0, float("nan"), 0)])
     with pytest.raises(InputError, match="no size"):
-        probe_stage(path, out, at=[(0, 0, 0)], resolution=(2, 1))
+        probe_stage(path, out, RenderSettings(resolution=(2, 1)), at=[(0, 0, 0)])
     with pytest.raises(InputError, match="no probe"):
-        probe_stage(path, out, at=[(0, 0, 0)], samples=0)
+        probe_stage(path, out, RenderSettings(samples=0), at=[(0, 0, 0)])
     with pytest.raises(RenderError, match="scalar"):
-        probe_stage(path, out, at=[(0, 0, 0)], options={"variant": "scalar"})
+        probe_stage(path, out, RenderSettings(options={"variant": "scalar"}), at=[(0, 0, 0)])
     assert not out.exists()

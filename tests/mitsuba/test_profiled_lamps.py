@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from pxr import Gf, UsdGeom, UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene.models import without_shaping
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.lights import define_mesh_light
@@ -18,6 +17,7 @@ from openrooms_usd.usd.shaping import define_shaping
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.plugins.light_weights import flux_of
 from tests.mitsuba.lamps import SIZE, blocks, view_of, z_of
+from tests.opening import open_with
 
 Array = NDArray[np.float64]
 WHITE = (1.0, 1.0, 1.0)

@@ -8,7 +8,7 @@ from pxr import Gf, UsdLux
 
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.estimates import relative_mse, robust_error
-from openrooms_usd.render.opened import open_with
+from tests.opening import open_with
 
 KINDS = ("radiance", "emission", "direct", "indirect")
 

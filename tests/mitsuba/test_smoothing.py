@@ -164,8 +164,8 @@ def test_what_a_mirror_shows_stays_sharp_and_a_wide_lobe_is_smooth(mi: Any) -> N
 def test_pictures_of_a_room_are_smoother_and_add_up(small: None, half_hidden: Any) -> None:
     from openrooms_usd.render import RenderRequest
     from openrooms_usd.render.estimates import robust_error
-    from openrooms_usd.render.opened import open_with
     from orusd_mitsuba import MitsubaRenderer
+    from tests.opening import open_with
 
     channels = (
         "radiance", "direct", "indirect", "emission", "diffuse", "specular", "radiance_i",

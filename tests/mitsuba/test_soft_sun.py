@@ -8,8 +8,8 @@ import pytest
 from pxr import UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import open_with
 from orusd_mitsuba import MitsubaRenderer
+from tests.opening import open_with
 
 ANGLE, HEIGHT = 8.0, 1.0
 # How far from under the edge of a shadow its last light falls.

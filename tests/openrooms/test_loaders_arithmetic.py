@@ -12,6 +12,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.datasets import DatasetOptions, write_dataset
 from openrooms_usd.render.reading import RenderedView, read_render
@@ -31,9 +32,16 @@ CHANNELS = (
 def rendered(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("real") / "render"
     render_stage(
-        composed_demo, folder, channels=list(CHANNELS),
-        resolution=(64, 48), grid=(COLUMNS, ROWS), samples=16, field_of_view=57.95,
-    )  # fmt: skip
+        composed_demo,
+        folder,
+        RenderSettings(
+            channels=list(CHANNELS),
+            resolution=(64, 48),
+            grid=(COLUMNS, ROWS),
+            samples=16,
+            field_of_view=57.95,
+        ),
+    )
     return folder
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdLux
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import read_render
@@ -36,9 +37,15 @@ def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
     connect_portals(dome.GetPrim(), [portal.GetPrim()])
     stage.Save()
     render_stage(
-        folder / "scene.usda", folder / "out", channels=["radiance", "instance"],
-        options={"variant": "scalar"}, resolution=(8, 6), samples=1,
-    )  # fmt: skip
+        folder / "scene.usda",
+        folder / "out",
+        RenderSettings(
+            channels=["radiance", "instance"],
+            options={"variant": "scalar"},
+            resolution=(8, 6),
+            samples=1,
+        ),
+    )
     return folder / "out"
 
 

@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.datasets import DatasetOptions, write_dataset
@@ -22,9 +23,16 @@ FOV_DEG = 57.95
 def rendered(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pictures") / "render"
     render_stage(
-        composed_demo, folder, channels=["radiance", "instance"], options={"variant": "scalar"},
-        resolution=(16, 12), samples=1, field_of_view=FOV_DEG,
-    )  # fmt: skip
+        composed_demo,
+        folder,
+        RenderSettings(
+            channels=["radiance", "instance"],
+            options={"variant": "scalar"},
+            resolution=(16, 12),
+            samples=1,
+            field_of_view=FOV_DEG,
+        ),
+    )
     return folder
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,9 +10,11 @@ import pytest
 from openrooms_usd import adapters
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.convert import Report
-from openrooms_usd.render import Image, Legend, RenderRequest, View, opened
+from openrooms_usd.render import Image, Legend, RenderRequest, View, opening
+from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.usd.cameras import PinholeCamera
 
 
 def numbers(name: str, height: int, width: int, seed: int) -> np.ndarray:
@@ -73,10 +76,6 @@ class FakeRenderer:
         self.opened += 1
         return self
 
-    @property
-    def session(self) -> "FakeRenderer":
-        return self
-
     def render(self, request: RenderRequest, progress: Callable[[float], None]) -> View:
         self.requests.append(request)
         progress(0.5)
@@ -102,14 +101,33 @@ class FakeRenderer:
         )
 
 
+class FakeContext(RenderContext):
+    """A stage that a fake renderer has opened: cameras, legend and lights are the fake's."""
+
+    def __init__(self, path: Any, stage: Any, scene: Any, renderer: Any, plan: Any) -> None:
+        self.path, self.stage, self.plan, self.settings = path, stage, plan, plan.settings
+        self.session = renderer.open(scene)
+        self.cameras, self.legend, self.report = renderer.cameras, renderer.legend, renderer.report
+        self.resolution = self.settings.resolution or renderer.resolution
+        self._sources = renderer.lights
+        self.__dict__["lights"] = renderer.lights
+
+    def camera(self, path: str | None, size: tuple[int, int] | None = None) -> PinholeCamera:
+        return PinholeCamera(np.eye(3), np.eye(4))
+
+    def picture(self, camera: Any, request: RenderRequest, progress: Any = None) -> View:
+        view: View = self.session.render(request, progress)  # type: ignore[call-arg, assignment]
+        return view
+
+
 @pytest.fixture
 def renderer(monkeypatch: pytest.MonkeyPatch) -> FakeRenderer:
     fake = FakeRenderer()
     monkeypatch.setattr(adapters, "load", lambda group, name: fake)
     # What the scene is does not matter: cameras, legend and lights are the fake's too.
-    monkeypatch.setattr(
-        opened, "open_with", lambda adapter, stage, options, **how: adapter.open(stage)
-    )
+    monkeypatch.setattr(opening, "RenderContext", FakeContext)
+    monkeypatch.setattr(opening, "translate", lambda stage, **how: None)
+    monkeypatch.setattr(opening, "asked_cameras", lambda stage: fake.requested)
     return fake
 
 

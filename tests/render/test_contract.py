@@ -12,13 +12,15 @@ from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd import adapters
 from openrooms_usd.channels import CHANNELS, each
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.render import Image, RenderRequest, exr, render_stage
+from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.given import EXACT, available
-from openrooms_usd.render.opened import OpenedStage, open_with
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.rays import CastingTracer
+from tests.opening import open_with
 
 SIZE = (16, 12)
 
@@ -114,7 +116,9 @@ def test_a_lamp_that_is_off_has_its_number_whoever_renders(stage: Usd.Stage) -> 
 
 def test_the_driver_writes_all_of_it(even: Even, file: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    summary = render_stage(file, out, renderer="even", resolution=SIZE, options={"nits": "3"})
+    summary = render_stage(
+        file, out, RenderSettings(renderer="even", resolution=SIZE, options={"nits": "3"})
+    )
     stored = exr.read_channels(out / "Camera" / "channels.exr")
     usual = {name for name in available(even.channels) if not CHANNELS[name].extra}
     assert set(stored) == usual - {"denoised"}
@@ -130,7 +134,7 @@ def test_a_channel_that_nobody_gives_is_refused_with_who_does(
     channel: str, even: Even, file: Path, stage: Usd.Stage, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=channel) as caught:
-        render_stage(file, tmp_path / "out", renderer="even", channels=[channel])
+        render_stage(file, tmp_path / "out", RenderSettings(renderer="even", channels=[channel]))
     assert "--renderer mitsuba" in str(caught.value)
     assert not (tmp_path / "out").exists()
     with pytest.raises(RenderError, match=channel):
@@ -143,7 +147,9 @@ def test_a_channel_that_no_renderer_gives_says_so(
     point = EntryPoint("even", "nowhere:Even", adapters.RENDERERS)
     monkeypatch.setattr(adapters, "available", lambda group: {"even": point})
     with pytest.raises(InputError, match="no renderer that is installed gives it"):
-        render_stage(file, tmp_path / "out", renderer="even", channels=["irradiance"])
+        render_stage(
+            file, tmp_path / "out", RenderSettings(renderer="even", channels=["irradiance"])
+        )
 
 
 def test_a_renderer_that_does_not_keep_its_word_is_told_so(stage: Usd.Stage) -> None:
@@ -156,14 +162,17 @@ def test_a_renderer_that_does_not_keep_its_word_is_told_so(stage: Usd.Stage) -> 
 
 def test_an_option_that_a_renderer_does_not_declare(even: Even, file: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="'even' has no option 'variant'") as caught:
-        render_stage(file, tmp_path / "out", renderer="even", options={"variant": "llvm"})
+        render_stage(
+            file, tmp_path / "out", RenderSettings(renderer="even", options={"variant": "llvm"})
+        )
     assert "it has: nits" in str(caught.value)
     assert not (tmp_path / "out").exists()
 
 
 def test_a_method_that_the_renderer_does_not_have(even: Even, file: Path, tmp_path: Path) -> None:
     def render(**how: Any) -> Any:
-        summary = render_stage(file, tmp_path / "out", renderer="even", resolution=SIZE, **how)
+        settings = RenderSettings(renderer="even", resolution=SIZE, **how)
+        summary = render_stage(file, tmp_path / "out", settings)
         return summary.manifest["method"]
 
     with pytest.raises(RenderError, match="even does not have the method 'cache'"):
@@ -236,9 +245,9 @@ def test_large_renders_take_the_cache(
     channels: tuple[str, ...], size: tuple[int, int], samples: int, views: int, method: str
 ) -> None:
     from openrooms_usd.render.given import choose_method
-    from openrooms_usd.render.plan import paths_of, plan
+    from openrooms_usd.render.plan import paths_of
 
-    request = plan(channels, size, samples=samples, error=None, seconds=None, seed=0, bounces=7)
+    request = RenderRequest(None, channels, *size, samples=samples)
     paths = paths_of(request, views)
     session: Any = _Both()
     assert choose_method(None, session, paths) == method

@@ -11,6 +11,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render import Legend, exr, render_stage
 from openrooms_usd.render.coco import coco
@@ -28,7 +29,9 @@ def render(renderer: Any, scene: Path, tmp_path: Path) -> Path:
     renderer.legend = Legend(instance={1: "/World/Floor"}, category={1: "floor"})
     renderer.spoil = lambda name, pixels: np.ones_like(pixels)
     channels = ("radiance", "instance", "semantic_nyu40")
-    render_stage(scene, tmp_path / "out", channels=channels, resolution=SIZE, samples=1)
+    render_stage(
+        scene, tmp_path / "out", RenderSettings(channels=channels, resolution=SIZE, samples=1)
+    )
     return tmp_path / "out"
 
 

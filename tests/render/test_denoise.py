@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.channels import CHANNELS
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, MissingPackageError, RenderError
 from openrooms_usd.render import exr, render_stage
 from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
@@ -114,9 +115,9 @@ def test_the_number_of_threads_changes_no_byte(denoiser: Denoiser) -> None:
 
 def test_the_raw_radiance_is_kept_beside_it(renderer, scene, tmp_path, numbers) -> None:
     channels = ["radiance", "depth"]
-    render_stage(scene, tmp_path / "raw", channels=channels, cameras=["left"])
+    render_stage(scene, tmp_path / "raw", RenderSettings(channels=channels), cameras=["left"])
     summary = render_stage(
-        scene, tmp_path / "out", channels=channels, cameras=["left"], denoise=True
+        scene, tmp_path / "out", RenderSettings(channels=channels, denoise=True), cameras=["left"]
     )
     view = tmp_path / "out" / "left"
     names = {path.name for path in view.iterdir()}
@@ -141,7 +142,12 @@ def test_the_raw_radiance_is_kept_beside_it(renderer, scene, tmp_path, numbers) 
 
 def test_all_light_is_denoised_on_request(renderer, scene, tmp_path) -> None:
     channels = ["radiance", "irradiance", "depth"]
-    render_stage(scene, tmp_path / "out", channels=channels, cameras=["left"], denoise="all")
+    render_stage(
+        scene,
+        tmp_path / "out",
+        RenderSettings(channels=channels, denoise_light=True),
+        cameras=["left"],
+    )
     view = read_render(tmp_path / "out").views["left"]
     assert set(view.pixels) == {*channels, DENOISED}
     assert set(view.denoised) == {*view.entry.denoised} == {"irradiance"}
@@ -161,9 +167,9 @@ def test_it_is_off_unless_asked_for(renderer, scene, tmp_path) -> None:
 
 def test_only_radiance_can_be_denoised(renderer, scene, tmp_path) -> None:
     with pytest.raises(InputError, match="only the channel 'radiance' can be denoised"):
-        render_stage(scene, tmp_path / "out", channels=["depth"], denoise=True)
+        render_stage(scene, tmp_path / "out", RenderSettings(channels=["depth"], denoise=True))
     with pytest.raises(InputError, match="made from others") as caught:
-        render_stage(scene, tmp_path / "out", channels=[DENOISED])
+        render_stage(scene, tmp_path / "out", RenderSettings(channels=[DENOISED]))
     assert "--denoise" in str(caught.value)
     assert not (tmp_path / "out").exists()
 
@@ -173,7 +179,7 @@ def test_without_the_package_it_says_what_to_install(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyoidn", None)
     with pytest.raises(MissingPackageError, match="pyoidn") as caught:
-        render_stage(scene, tmp_path / "out", denoise=True)
+        render_stage(scene, tmp_path / "out", RenderSettings(denoise=True))
     assert "pip install openrooms-usd[denoise]" in str(caught.value)
     assert not (tmp_path / "out").exists()
     assert renderer.opened == 0
@@ -187,5 +193,5 @@ def test_a_denoiser_that_fails_ends_without_a_traceback(
 
     monkeypatch.setattr(load_denoiser().package, "denoise", fail)
     with pytest.raises(RenderError, match="Open Image Denoise failed: out of memory"):
-        render_stage(scene, tmp_path / "out", cameras=["left"], denoise=True)
+        render_stage(scene, tmp_path / "out", RenderSettings(denoise=True), cameras=["left"])
     assert not (tmp_path / "out").exists()

@@ -13,6 +13,7 @@ import pytest
 
 from openrooms_usd import ledger
 from openrooms_usd.channels import CHANNELS, DEFAULT, WRITTEN
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, OutputError, RenderError
 from openrooms_usd.render import exr, folder, render_stage, run, writer
 
@@ -39,7 +40,7 @@ def test_what_lies_there(renderer, scene, tmp_path):
 
 
 def test_pixels_reach_the_files(renderer, scene, tmp_path, numbers):
-    render_stage(scene, tmp_path / "out", seed=5)
+    render_stage(scene, tmp_path / "out", RenderSettings(seed=5))
     back = exr.read_channels(tmp_path / "out" / "left" / "channels.exr")
     for name in DEFAULT:
         assert np.allclose(back[name], numbers(name, 30, 40, 5), rtol=1e-3, atol=1e-6), name
@@ -58,7 +59,9 @@ def test_manifest_says_everything(renderer, scene, tmp_path):
         return pixels
 
     renderer.spoil = spoil
-    render_stage(scene, tmp_path / "out", cameras=["right"], samples=9, seed=2, bounces=3)
+    render_stage(
+        scene, tmp_path / "out", RenderSettings(samples=9, seed=2, bounces=3), cameras=["right"]
+    )
     said = manifest(tmp_path / "out")
     assert said["stage"] == "scene.usda"
     assert said["renderer"] == {"name": "mitsuba", "backend": "fake 1.0", "bsdf": "auto"}
@@ -87,7 +90,7 @@ def test_manifest_says_everything(renderer, scene, tmp_path):
 
 def test_values_that_half_cannot_hold_are_counted(renderer, scene, tmp_path):
     renderer.spoil = lambda name, pixels: pixels * (1e6 if name == "roughness" else 1)
-    render_stage(scene, tmp_path / "out", channels=["roughness"])
+    render_stage(scene, tmp_path / "out", RenderSettings(channels=["roughness"]))
     view = manifest(tmp_path / "out")["views"]["left"]
     stored = exr.read_channels(tmp_path / "out" / "left" / "channels.exr")["roughness"]
     bad = view["channels"]["roughness"]["nonfinite_pixels"]
@@ -107,7 +110,7 @@ def test_two_runs_give_the_same_bytes(renderer, scene, tmp_path, snapshot):
 
 
 def test_timing_names_the_machine(renderer, scene, tmp_path):
-    render_stage(scene, tmp_path / "out", channels=["depth"])
+    render_stage(scene, tmp_path / "out", RenderSettings(channels=["depth"]))
     said = json.loads((tmp_path / "out" / "timing.json").read_text())
     assert said["machine"]["backend"] == "fake 1.0"
     assert said["machine"]["cores"] >= 1
@@ -116,7 +119,7 @@ def test_timing_names_the_machine(renderer, scene, tmp_path):
 
 
 def test_without_radiance_there_is_no_radiance_file(renderer, scene, tmp_path):
-    render_stage(scene, tmp_path / "out", channels=["depth", "valid"])
+    render_stage(scene, tmp_path / "out", RenderSettings(channels=["depth", "valid"]))
     assert names(tmp_path / "out" / "left") == {"channels.exr", "depth.png", "valid.png"}
     assert manifest(tmp_path / "out")["views"]["left"]["files"] == {"channels": "left/channels.exr"}
 
@@ -125,8 +128,8 @@ def test_another_run_replaces_the_earlier_one(renderer, scene, tmp_path, snapsho
     out, fresh = tmp_path / "out", tmp_path / "fresh"
     render_stage(scene, out)
     (out / "notes.txt").write_text("mine")
-    render_stage(scene, out, cameras=["right"], channels=["depth"], seed=1)
-    render_stage(scene, fresh, cameras=["right"], channels=["depth"], seed=1)
+    render_stage(scene, out, RenderSettings(channels=["depth"], seed=1), cameras=["right"])
+    render_stage(scene, fresh, RenderSettings(channels=["depth"], seed=1), cameras=["right"])
     assert snapshot(out) == {**snapshot(fresh), "notes.txt": b"mine"}
 
 
@@ -165,7 +168,7 @@ def test_interrupted_while_writing(renderer, scene, tmp_path, snapshot, monkeypa
 
     monkeypatch.setattr(exr, "write_channels", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        render_stage(scene, out, seed=9)
+        render_stage(scene, out, RenderSettings(seed=9))
     assert snapshot(out) == before
 
 
@@ -292,9 +295,10 @@ def test_output_that_cannot_be_is_refused_before_the_translation(renderer, scene
 def test_bad_input_leaves_nothing(renderer, scene, tmp_path):
     broken = tmp_path / "broken.usda"
     broken.write_text("no usd")
-    for wrong in ({"cameras": ["lefd"]}, {"channels": ["dept"]}, {"samples": 0}):
-        with pytest.raises(InputError):
-            render_stage(scene, tmp_path / "out", **wrong)
+    with pytest.raises(InputError):
+        render_stage(scene, tmp_path / "out", cameras=["lefd"])
+    with pytest.raises(InputError):
+        render_stage(scene, tmp_path / "out", RenderSettings(channels=["dept"]))
     for path in (tmp_path / "missing.usda", broken):
         with pytest.raises(InputError):
             render_stage(path, tmp_path / "out")
@@ -333,7 +337,9 @@ def test_the_manifest_has_what_rendering_adds_to_the_report(renderer, scene, tmp
         return pixels
 
     renderer.spoil = spoil
-    summary = render_stage(scene, tmp_path / "out", cameras=["left"], channels=["depth"])
+    summary = render_stage(
+        scene, tmp_path / "out", RenderSettings(channels=["depth"]), cameras=["left"]
+    )
     said = manifest(tmp_path / "out")
     assert said == json.loads(json.dumps(summary.manifest))
     assert said["report"]["approximated"] == 1
@@ -349,7 +355,7 @@ def test_pixels_where_the_renderer_put_0_count_as_nonfinite(renderer, scene, tmp
         return dataclasses.replace(view, images={**view.images, "radiance": image})
 
     renderer.render = render
-    render_stage(scene, tmp_path / "out", channels=["radiance", "depth"])
+    render_stage(scene, tmp_path / "out", RenderSettings(channels=["radiance", "depth"]))
     channels = manifest(tmp_path / "out")["views"]["left"]["channels"]
     counts = {name: row["nonfinite_pixels"] for name, row in channels.items()}
     assert counts == {"radiance": 3, "depth": 0}

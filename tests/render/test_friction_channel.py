@@ -8,6 +8,7 @@ from scipy.interpolate import RegularGridInterpolator
 
 from openrooms_usd import names
 from openrooms_usd.channels import CHANNELS
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.library.friction import table
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.render import Legend, exr, render_stage
@@ -96,7 +97,7 @@ def test_the_files_of_a_run(renderer, tmp_path, numbers, monkeypatch):
 
     renderer.spoil = few_materials
     out = tmp_path / "out"
-    render_stage(tmp_path / "scene.usda", out, channels=["friction", "depth"])
+    render_stage(tmp_path / "scene.usda", out, RenderSettings(channels=["friction", "depth"]))
     stored = exr.read_channels(out / "left" / "channels.exr")
     assert set(stored) == {"depth", "friction"}, "sources that nobody asked for are not written"
     assert set(renderer.requests[0].channels) == {
@@ -120,5 +121,5 @@ def test_every_renderer_has_it(renderer, scene, tmp_path, monkeypatch):
     """What it is made of is exact, and so the core's."""
     monkeypatch.setattr(type(renderer), "channels", ("radiance",))
     assert derivable(("radiance",)) == () and FRICTION in available(("radiance",))
-    render_stage(scene, tmp_path / "out", channels=["friction"])
+    render_stage(scene, tmp_path / "out", RenderSettings(channels=["friction"]))
     assert set(exr.read_channels(tmp_path / "out" / "left" / "channels.exr")) == {"friction"}

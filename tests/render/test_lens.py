@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.contract import Image, RenderRequest
 from openrooms_usd.render.driver import render_stage
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.cameras import PinholeCamera, define_camera
+from tests.opening import open_with
 
 
 def camera_for(f_stop: float | None, lens: tuple[float, float] | None = None) -> PinholeCamera:
@@ -34,8 +35,8 @@ def camera_for(f_stop: float | None, lens: tuple[float, float] | None = None) ->
         channels=("radiance",),
         open=lambda scene, options: SimpleNamespace(tracer=None, advice="", render=render),
     )
-    request = RenderRequest("/eye", ("radiance",), 8, 6, samples=1, f_stop=f_stop)
-    open_with(renderer, stage).render(request)
+    request = RenderRequest("/eye", ("radiance",), 8, 6, samples=1)
+    open_with(renderer, stage, f_stop=f_stop).render(request)
     return given[0]
 
 
@@ -51,6 +52,4 @@ def test_a_lens_on_request_is_focused_on_the_middle_or_as_the_camera_says() -> N
 
 def test_an_f_stop_that_is_no_lens_is_refused(renderer, scene, tmp_path) -> None:
     with pytest.raises(InputError, match="not between"):
-        render_stage(scene, tmp_path / "out", f_stop=0.0)
-    render_stage(scene, tmp_path / "out", f_stop=2.0)
-    assert renderer.requests[0].f_stop == 2.0
+        render_stage(scene, tmp_path / "out", RenderSettings(f_stop=0.0))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.render import Legend, exr, render_stage
 from openrooms_usd.render.bias import Bias
@@ -46,7 +47,9 @@ def render(renderer: Any, scene: Path, tmp_path: Path) -> Path:
     renderer.lights = LIGHTS
     renderer.legend = Legend(instance={1: "/World/Floor"}, category={1: "floor"})
     renderer.spoil = lambda name, pixels: np.ones_like(pixels)
-    render_stage(scene, tmp_path / "out", channels=CHANNELS, resolution=(8, 6), samples=1)
+    render_stage(
+        scene, tmp_path / "out", RenderSettings(channels=CHANNELS, resolution=(8, 6), samples=1)
+    )
     parts = {f"radiance_{light.number}": np.ones((6, 8, 3), np.float32) for light in LIGHTS}
     for view in ("left", "right"):
         exr.write_channels(tmp_path / "out" / view / "lights.exr", parts)

@@ -7,13 +7,14 @@ import pytest
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import adapters
-from openrooms_usd.render import opened as opening
+from openrooms_usd.render import opening
+from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.render.contract import MovingSession, RenderRequest
-from openrooms_usd.render.opened import OpenedStage, open_with
 from openrooms_usd.render.scene import translate as translation
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.moving import MovingScene
 from openrooms_usd.usd.settled import Motion, author_motions
+from tests.opening import open_with
 
 DESK, LAMP, CHAIR = (f"/World/Furniture/{name}" for name in ("desk", "table_lamp_0", "chair_0"))
 

@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 
 from openrooms_usd.channels import CHANNELS
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.plan import choose_cameras, choose_channels, plan, sized, view_names
+from openrooms_usd.render import render_stage
+from openrooms_usd.render.plan import choose_cameras, choose_channels, view_names
 
 CAMERAS = ("/World/A/left", "/World/B/left", "/World/B/Right", "/World/Cameras/door")
-
-
-def numbers(**given):
-    rest = {"samples": None, "error": None, "seconds": None, "seed": 0, "bounces": 7}
-    return plan(("depth",), given.pop("resolution", (640, 480)), **{**rest, **given})
 
 
 def test_short_names_where_they_are_the_only_ones():
@@ -81,10 +78,10 @@ def test_wrong_channels(names, said):
 
 
 def test_samples_are_64_unless_something_else_is_said():
-    assert numbers().samples == 64
-    assert numbers(samples=3).samples == 3
-    assert numbers(error=0.1).samples is None
-    assert numbers(seconds=2.0).samples is None
+    assert RenderSettings().samples_or_default == 64
+    assert RenderSettings(samples=3).samples_or_default == 3
+    assert RenderSettings(error=0.1).samples_or_default is None
+    assert RenderSettings(seconds=2.0).samples_or_default is None
 
 
 @pytest.mark.parametrize(
@@ -115,17 +112,18 @@ def test_samples_are_64_unless_something_else_is_said():
 )
 def test_absurd_numbers(given):
     with pytest.raises(InputError):
-        numbers(**given)
+        RenderSettings(**given)
 
 
-def test_the_size_of_the_stage_is_checked_too():
+def test_the_size_of_the_stage_is_checked_too(renderer, scene, tmp_path):
+    renderer.resolution = (0, 480)
     with pytest.raises(InputError, match="width"):
-        sized(numbers(resolution=None), (0, 480))
+        render_stage(scene, tmp_path / "out")
 
 
 def test_numbers_of_numpy_become_pythons_own():
     given = {"seed": np.int64(3), "bounces": np.int8(2), "resolution": (np.int64(8), 6)}
-    found = numbers(seconds=np.float32(0.5), **given)
-    rows = (found.seed, found.bounces, found.width, found.height, found.seconds)
+    found = RenderSettings(seconds=np.float32(0.5), **given)
+    rows = (found.seed, found.bounces, *found.resolution, found.seconds)
     assert rows == (3, 2, 8, 6, 0.5)
     assert {type(value) for value in rows} == {int, float}

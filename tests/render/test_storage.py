@@ -9,8 +9,9 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.channels import definition
+from openrooms_usd.description.rendering import COMPACT, COMPLETE, StorageName
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.contract import COMPACT, COMPLETE, Image, StorageName, View
+from openrooms_usd.render.contract import Image, View
 from openrooms_usd.render.manifest_schema import ViewEntry
 from openrooms_usd.render.reading import RenderedView
 from openrooms_usd.render.run import describe_view, write_view

@@ -1,11 +1,13 @@
 """Tones of pictures against closed forms: what is kept, what is balanced, what is never cut."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
 from openrooms_usd.colorimetry import LUMINANCE, luminance
+from openrooms_usd.description.rendering import ToneName
 from openrooms_usd.render.color import MIDDLE_GREY, film
-from openrooms_usd.render.contract import TONES
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.tone import Tone, fitted_tone, white_balance
 
@@ -98,7 +100,7 @@ def test_what_is_asked_for_is_kept_and_told() -> None:
     picture = room(7.0).astype(np.float32)
     tone = fitted_tone("photograph", picture, 0.125, (1.2, 1.0, 0.8))
     assert (tone.exposure, tone.balance) == (0.125, (1.2, 1.0, 0.8))
-    for name in TONES:
+    for name in get_args(ToneName):
         assert "exposure 0.125 (of the camera)" in preview("radiance", picture, 0.125, name).shows
     shown = preview("radiance", picture, tone=tone)
     assert "white balance 1.2 1 0.8" in shown.shows
@@ -117,7 +119,7 @@ def test_grey_stays_grey() -> None:
 def test_nothing_lit_is_black() -> None:
     dark = np.zeros((9, 9, 3), np.float32)
     assert white_balance(dark) == (1.0, 1.0, 1.0)
-    for name in TONES:
+    for name in get_args(ToneName):
         assert not preview("radiance", dark, tone=name).pixels.any()
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from openrooms_usd import adapters
 from openrooms_usd.geometry.pinhole import look_at
-from openrooms_usd.render import opened
+from openrooms_usd.render import opening
 from openrooms_usd.simulation.robot_cameras import RobotCameras, robot_camera
 from openrooms_usd.simulation.robots import rover, with_robot
 from openrooms_usd.usd.layers import open_stage
@@ -24,9 +24,9 @@ def test_many_pictures_of_one_translation(
     simulation = adapters.load(adapters.ENGINES, "mujoco").open(world)
     onlooker = {"onlooker": look_at((3.8, 0.3, 2.2), (0.8, 2.0, 0.2))}
     translations: list[object] = []
-    translate = opened.translate
+    translate = opening.translate
     monkeypatch.setattr(
-        opened,
+        opening,
         "translate",
         lambda stage, **how: (translations.append(stage), translate(stage, **how))[1],
     )

@@ -111,7 +111,7 @@ def test_a_picture_at_this_exposure_is_neither_black_nor_white(
     mitsuba = pytest.importorskip("orusd_mitsuba")
     from openrooms_usd.render import RenderRequest
     from openrooms_usd.render.color import fitted_exposure
-    from openrooms_usd.render.opened import open_with
+    from tests.opening import open_with
 
     stage = compose(tmp_path, lux, lumen=lumen)
     request = RenderRequest(f"{names.CAMERAS}/eye", ("radiance",), width=64, height=48, samples=64)

@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
+from openrooms_usd.render.job import RenderJob
 from pxr import Gf, Usd, UsdGeom, UsdRender
 
-from openrooms_usd.render.job import RenderJob
-from openrooms_usd.render.opened import OpenedStage, open_with
+from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.usd.cameras import read_camera
 from openrooms_usd.usd.fields_of_view import set_field_of_view
 from openrooms_usd.usd.moments import hold
@@ -17,6 +17,7 @@ from openrooms_usd.usd.rendersettings import (
     settings_losses,
 )
 from orusd_preview import PreviewRenderer
+from tests.opening import open_with
 
 
 def new_stage() -> tuple[Usd.Stage, UsdRender.Settings]:

@@ -1,6 +1,6 @@
 """From a stage to its lightmaps."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -8,7 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import adapters, atomic, names
+from openrooms_usd import atomic, names
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.progress import Progress, nested, silent
@@ -25,15 +26,9 @@ from openrooms_usd.render.bake.pictures import Border, Pixels, known_of, picture
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest, TexelLighting
 from openrooms_usd.render.bake.texels import Texels, find_texels
 from openrooms_usd.render.bake.units import Reading, read_units
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, NO_OPTIONS, Method, RenderSession
-from openrooms_usd.render.given import choose_method
 from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.previews import preview
-from openrooms_usd.render.scene.light_records import light_records
 from openrooms_usd.render.scene.lights import LightRecord
-from openrooms_usd.render.scene.rays import CastingTracer
-from openrooms_usd.render.scene.sources import sources_of
-from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.version import __version__
 
 TEXEL_M: Final = 0.05
@@ -58,35 +53,26 @@ _CONVENTIONS: Final = {
 
 
 @dataclass(frozen=True)
-class BakeSettings:
-    """How lightmaps are made.
+class AtlasLayout:
+    """How large texels and atlases are.
 
     Attributes:
         texel_m: Side of a texel on the surfaces, metres.
-        samples: Paths for each texel.
-        seed: Of random numbers.
-        bounces: At most this many scatterings of light on its way, the one at the texel included.
         side: Of an atlas at most, texels.
         most_texels: Of all atlases together; texels grow until there are no more.
-        method: How light is computed; None: as the renderer prefers.
     """
 
     texel_m: float = TEXEL_M
-    samples: int = SAMPLES
-    seed: int = 0
-    bounces: int = DEFAULT_BOUNCES
     side: int = SIDE_TEXELS
     most_texels: int = MOST_TEXELS
-    method: Method | None = None
 
 
 def bake_stage(
     path: Path,
     out: Path,
-    settings: BakeSettings = BakeSettings(),
+    settings: RenderSettings | None = None,
+    layout: AtlasLayout = AtlasLayout(),
     *,
-    renderer: str = "mitsuba",
-    options: Mapping[str, str] = NO_OPTIONS,
     progress: Progress = silent,
 ) -> dict[str, Any]:
     """Write the light of a stage as textures, and a layer that refers to them.
@@ -98,9 +84,9 @@ def bake_stage(
     Args:
         path: The USD file.
         out: The folder to write.
-        settings: How.
-        renderer: A registered renderer.
-        options: What is asked of the renderer, by the names that it declares.
+        settings: What is asked for; its samples are paths for each texel, `SAMPLES` by default, its
+            bounces the scatterings of light on its way, the one at the texel included.
+        layout: Of the textures.
         progress: Called with what is done and the finished fraction.
 
     Returns:
@@ -112,31 +98,30 @@ def bake_stage(
         OutputError: The folder cannot be written.
         RenderError: The renderer lights no texels.
     """
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.render.opening import open_for_rendering
 
-    _check(settings)
-    adapter = adapters.load(adapters.RENDERERS, renderer)
-    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    stage = open_stage(path)
+    settings = settings or RenderSettings()
+    samples = settings.samples or SAMPLES
+    _check(layout, settings.bounces)
+    context = open_for_rendering(path, settings)
+    stage, session = context.stage, context.session
+    if not isinstance(session, TexelLighting):
+        raise RenderError(
+            f"the renderer {settings.renderer} lights no texels", remedy="--renderer mitsuba"
+        )
     # 1. What is baked, and where in which picture.
     progress("laying out", 0.0)
     reading = read_units(stage)
     if not reading.units:
         raise InputError("there is no surface to light", place=path)
     atlases = placed(
-        reading.units, texel_m=settings.texel_m, side=settings.side, most=settings.most_texels
+        reading.units, texel_m=layout.texel_m, side=layout.side, most=layout.most_texels
     )
     # 2. Light.
-    scene = translate(stage)
-    session: RenderSession = adapter.open(scene, options)
-    if not isinstance(session, TexelLighting):
-        raise RenderError(f"the renderer {renderer} lights no texels", remedy="--renderer mitsuba")
-    texels = without_buried(find_texels(atlases), scene, session.tracer or CastingTracer(scene))
-    lights = light_records(stage, scene, sources_of(scene))
-    method = choose_method(settings.method, session, len(texels) * settings.samples)
-    request = IrradianceRequest(
-        texels.points, settings.samples, settings.seed, settings.bounces, method
-    )
+    texels = without_buried(find_texels(atlases), context.scene, context.tracer)
+    lights = context.lights
+    method = context.choose_method(len(texels) * samples)
+    request = IrradianceRequest(texels.points, samples, settings.seed, settings.bounces, method)
     told = nested(progress, "", 0.05, 0.95)
     light = session.irradiance(request, lambda done: told(f"{len(texels)} texels", done))
     # 3. Files.
@@ -146,19 +131,18 @@ def bake_stage(
         files = _write_pictures(beside, atlases, texels, light.values, lights)
         write_layer(beside / LAYER, FOLDER, stage, atlases, files, lights)
         write_lit_stage(beside / LIT, stage, f"./{LAYER}", _relative(path, out))
-        entry = _manifest(path, settings, method, reading, atlases, texels, light, files, lights)
+        entry = _manifest(path, layout, request, reading, atlases, texels, light, files, lights)
         write_json(beside / MANIFEST, entry)
     progress("writing", 1.0)
     return entry
 
 
-def _check(settings: BakeSettings) -> None:
+def _check(layout: AtlasLayout, bounces: int) -> None:
     wrong = {
-        f"no texel is {settings.texel_m:g} m wide": not 0.0 < settings.texel_m < np.inf,
-        f"no light is known by {settings.samples} samples": settings.samples < 1,
-        f"light cannot be scattered {settings.bounces} times": settings.bounces < 1,
-        f"no atlas is {settings.side} texels wide": not 16 <= settings.side <= 1 << 15,
-        f"no lightmap has {settings.most_texels} texels": settings.most_texels < 256,
+        f"no texel is {layout.texel_m:g} m wide": not 0.0 < layout.texel_m < np.inf,
+        f"light cannot be scattered {bounces} times": bounces < 1,
+        f"no atlas is {layout.side} texels wide": not 16 <= layout.side <= 1 << 15,
+        f"no lightmap has {layout.most_texels} texels": layout.most_texels < 256,
     }
     for reason, is_so in wrong.items():
         if is_so:
@@ -207,8 +191,8 @@ def _pictures(
 
 def _manifest(
     path: Path,
-    settings: BakeSettings,
-    method: Method,
+    layout: AtlasLayout,
+    request: IrradianceRequest,
     reading: Reading,
     atlases: Atlases,
     texels: Texels,
@@ -222,11 +206,11 @@ def _manifest(
         "stage": path.name,
         "layer": LAYER,
         "conventions": _CONVENTIONS,
-        "texel": {"asked_m": settings.texel_m, "side_m": atlases.texel_m},
+        "texel": {"asked_m": layout.texel_m, "side_m": atlases.texel_m},
         "samples": light.samples,
-        "seed": settings.seed,
-        "bounces": settings.bounces,
-        "method": method,
+        "seed": request.seed,
+        "bounces": request.bounces,
+        "method": request.method,
         "estimated_error": light.error,
         "nonfinite_texels": light.replaced,
         "atlases": [

@@ -7,7 +7,7 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, REFERENCE, Method
+from openrooms_usd.description.rendering import DEFAULT_BOUNCES, REFERENCE, Method
 from openrooms_usd.render.scene.pictures import Array
 
 LIFT_M: Final = 1e-4

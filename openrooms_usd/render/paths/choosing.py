@@ -5,11 +5,10 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Usd
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import intrinsics
-from openrooms_usd.render.opened import OpenedStage
+from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.paths.camera_path import CameraPath, frame_times
 from openrooms_usd.render.paths.keyframes import SUFFIXES, read_keyframes
 from openrooms_usd.render.paths.timed import time_range, timed_poses
@@ -23,8 +22,7 @@ WALK_SECONDS: Final = 10.0
 
 def choose_path(
     spec: str,
-    stage: Usd.Stage,
-    opened: OpenedStage,
+    opened: RenderContext,
     size: tuple[int, int],
     seconds: float | None,
     rate: int,
@@ -33,8 +31,7 @@ def choose_path(
 
     Args:
         spec: `WALK`, the name or path of a camera with time samples, or a file with keys.
-        stage: The stage.
-        opened: The same, opened.
+        opened: The opened stage.
         size: Width and height of the pictures.
         seconds: How long; None for as long as the path is, and `WALK_SECONDS` for a walk.
         rate: Frames a second.
@@ -44,12 +41,13 @@ def choose_path(
         RenderError: There is no room for a walk, or a path leads through something.
     """
     if spec == WALK:
-        return stage_walk(stage, opened, size, frame_times(seconds or WALK_SECONDS, rate), rate)
+        return stage_walk(opened, size, frame_times(seconds or WALK_SECONDS, rate), rate)
     if Path(spec).suffix.lower() in SUFFIXES:
         keys = read_keyframes(Path(spec))
         poses = keys.poses(frame_times(seconds or keys.seconds, rate))
         check_passable(opened.caster, poses[:, :3, 3])
         return CameraPath(Path(spec).stem, poses, intrinsics(keys.fov, *size), rate)
+    stage = opened.stage
     name, path = next(iter(choose_cameras([spec], opened.cameras).items()))
     prim = stage.GetPrimAtPath(path)
     codes = time_range(prim)
@@ -72,8 +70,7 @@ def choose_path(
 
 
 def stage_walk(
-    stage: Usd.Stage,
-    opened: OpenedStage,
+    opened: RenderContext,
     size: tuple[int, int],
     times: NDArray[np.float64],
     rate: int,
@@ -81,8 +78,7 @@ def stage_walk(
     """A walk past the cameras of a stage, with the widest of their fields of view.
 
     Args:
-        stage: The stage.
-        opened: The same, opened.
+        opened: The opened stage.
         size: Width and height of the pictures.
         times: (F,) seconds of the frames.
         rate: Frames a second.
@@ -90,6 +86,7 @@ def stage_walk(
     Raises:
         RenderError: There is no room for a walk.
     """
+    stage = opened.stage
     prims = [stage.GetPrimAtPath(path) for path in opened.cameras]
     read = [read_camera(prim, *size) for prim in prims]
     cameras = [camera for camera in read if camera.projection == PINHOLE]

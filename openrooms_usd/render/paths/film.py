@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.contract import RenderRequest, View
 from openrooms_usd.render.denoise import Denoiser
 from openrooms_usd.render.estimates import Halves
-from openrooms_usd.render.opened import OpenedStage
 from openrooms_usd.render.paths import reprojection
 from openrooms_usd.render.paths.accumulation import Accumulation, divisor_of
 from openrooms_usd.render.paths.camera_path import CameraPath
@@ -61,7 +61,7 @@ class Frame:
 
 
 def frames(
-    opened: OpenedStage, path: CameraPath, request: RenderRequest, denoiser: Denoiser | None
+    opened: RenderContext, path: CameraPath, request: RenderRequest, denoiser: Denoiser | None
 ) -> Iterator[Frame]:
     """Render the frames of a path, each with what the earlier ones know.
 
@@ -114,7 +114,7 @@ def frames(
         )  # fmt: skip
 
 
-def path_tone(opened: OpenedStage, path: CameraPath, request: RenderRequest) -> Tone:
+def path_tone(opened: RenderContext, path: CameraPath, request: RenderRequest) -> Tone:
     """One tone for all frames, fitted to small ones along the path; with the camera's exposure."""
     scale = min(1.0, _EXPOSURE_PIXELS_WIDE / request.width)
     small = [max(2, round(side * scale)) for side in (request.width, request.height)]
@@ -130,7 +130,7 @@ def path_tone(opened: OpenedStage, path: CameraPath, request: RenderRequest) -> 
             named = replace(asked, camera=f"{path.frame_name(number)}/exposure")
             view = opened.picture(replace(camera, K=K), named)
             strip.append(view.images[LIGHT].pixels)
-    return fitted_tone(request.tone, np.concatenate(strip), path.exposure)
+    return fitted_tone(opened.settings.tone, np.concatenate(strip), path.exposure)
 
 
 def _divisible(base_color: Pixels, view: View) -> Pixels:

@@ -9,27 +9,21 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd import adapters, atomic, claims, ledger
-from openrooms_usd.convert import conclude
+from openrooms_usd import atomic, claims, ledger
+from openrooms_usd.description.rendering import CACHE, Method, RenderSettings
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.names import CREATOR
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render import exr, folder, manifest
 from openrooms_usd.render.contract import (
-    CACHE,
-    DEFAULT_BOUNCES,
     DEFAULT_RATE,
-    NO_OPTIONS,
-    PHOTOGRAPH,
-    Method,
     MethodicalSession,
-    Renderer,
     RenderRequest,
     RenderSession,
 )
-from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
-from openrooms_usd.render.given import check_method, choose_method
+from openrooms_usd.render.denoise import DENOISED, Denoiser
+from openrooms_usd.render.given import choose_method
 from openrooms_usd.render.paths import video
 from openrooms_usd.render.paths.camera_path import CameraPath
 from openrooms_usd.render.paths.choosing import choose_path
@@ -41,7 +35,6 @@ from openrooms_usd.render.paths.film import (
     frames,
     path_tone,
 )
-from openrooms_usd.render.plan import plan, sized
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.tone import Tone
 from openrooms_usd.untrusted import read_text
@@ -94,18 +87,10 @@ def render_path(
     path: Path,
     out: Path,
     spec: str,
+    settings: RenderSettings | None = None,
     *,
     seconds: float | None = None,
     rate: int = DEFAULT_RATE,
-    resolution: tuple[int, int] | None = None,
-    samples: int | None = None,
-    seed: int = 0,
-    bounces: int = DEFAULT_BOUNCES,
-    method: str | None = None,
-    tone: str = PHOTOGRAPH,
-    renderer: str = "mitsuba",
-    options: Mapping[str, str] = NO_OPTIONS,
-    denoise: bool = False,
     keep_frames: bool = False,
     progress: Progress = silent,
 ) -> PathSummary:
@@ -118,17 +103,11 @@ def render_path(
         path: The USD file.
         out: The folder to write.
         spec: ``walk``, the name of a camera with time samples, or a file with keys.
+        settings: What is asked for; its resolution has even numbers, 320x240 by default, its
+            samples are those of a frame, `DEFAULT_SAMPLES` by default, and its method is ``cache``
+            by default where the renderer has it.
         seconds: How long; by default as long as the path is, ten seconds for a walk.
         rate: Frames a second.
-        resolution: Width and height in pixels, even numbers; 320x240 by default.
-        samples: Samples a pixel of a frame; `DEFAULT_SAMPLES` by default.
-        seed: Fixes every random number.
-        bounces: At most this many scatterings on the way from a light to the camera.
-        method: How light is computed; by default ``cache`` where the renderer has it.
-        tone: How the video shows light; one of `openrooms_usd.render.contract.TONES`.
-        renderer: A registered renderer that gives radiance.
-        options: What is asked of it, by the names that it declares.
-        denoise: Whether frames are denoised.
         keep_frames: Whether to write every frame too.
         progress: Called with the path's name and the finished fraction.
 
@@ -138,33 +117,25 @@ def render_path(
         OutputError: The folder cannot be written, or holds somebody else's files of these names.
         RenderError: There is no room for a walk, or the renderer cannot do it.
     """
-    from openrooms_usd.render.opened import open_with
-    from openrooms_usd.usd.diagnostics import reading
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.render.opening import check_settings, load_renderer, open_for_rendering
 
     # 1. Refuse what cannot work before anything slow begins.
-    size = resolution or DEFAULT_RESOLUTION
+    settings = settings or RenderSettings()
+    size = settings.resolution or DEFAULT_RESOLUTION
+    settings = settings.replace(
+        channels=(LIGHT,), resolution=size, samples=settings.samples or DEFAULT_SAMPLES
+    )
     _check(seconds, rate)
     video.check(size)
-    adapter: Renderer = adapters.load(adapters.RENDERERS, renderer)
-    adapters.check_options(adapters.RENDERERS, renderer, adapter.options, options)
-    if LIGHT not in adapter.channels:
-        raise InputError(f"the renderer {renderer} gives no light", place="renderer")
-    request = plan(
-        (LIGHT,), size, samples=samples or DEFAULT_SAMPLES, error=None, seconds=None, seed=seed,
-        bounces=bounces, tone=tone,
-    )  # fmt: skip
-    named = check_method(method)
-    denoiser = load_denoiser() if denoise else None
+    if LIGHT not in load_renderer(settings).channels:
+        raise InputError(f"the renderer {settings.renderer} gives no light", place="renderer")
+    denoiser = check_settings(settings).denoiser
     folder.check_writable(out)
 
     # 2. Translate the stage, and find the path.
-    stage = open_stage(path)
-    with reading(path):
-        opened = open_with(adapter, stage, options)
-        conclude(opened.report, stage)
-    request = replace(sized(request, size), method=_method(named, opened.session))
-    camera_path = choose_path(spec, stage, opened, size, seconds, rate)
+    opened = open_for_rendering(path, settings)
+    request = opened.request(method=_method(settings.method, opened.session), guides=False)
+    camera_path = choose_path(spec, opened, size, seconds, rate)
     files = _Files(out, camera_path.name, keep_frames)
     files.check()
 
@@ -180,7 +151,7 @@ def render_path(
                 told.append(_told(frame))
                 spent.append(frame.seconds)
                 progress(camera_path.name, (number + 1) / len(camera_path))
-            shared = manifest.run_entry(path, renderer, opened, replace(request, channels=()))
+            shared = manifest.run_entry(opened, replace(request, channels=()))
             entry = shared | _entry(camera_path, request, shown_by, denoiser, told)
             entry["bias"] = bias
             timing = {step: float(np.mean([s[step] for s in spent])) for step in spent[0]}

@@ -8,9 +8,10 @@ import pytest
 from pxr import Usd
 
 from openrooms_usd.render import Image, RenderRequest, View
+from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.render.contract import NO_OPTIONS
-from openrooms_usd.render.opened import OpenedStage, open_with
 from tests.handmade import Build
+from tests.opening import open_with
 
 Open = Callable[[Usd.Stage], OpenedStage]
 

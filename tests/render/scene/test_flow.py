@@ -10,7 +10,8 @@ from pxr import Gf, Usd
 from openrooms_usd.geometry.pinhole import intrinsics, look_at
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import OpenedStage
+from openrooms_usd.render.context import RenderContext as OpenedStage
+from openrooms_usd.render.exact import flow_images
 from openrooms_usd.usd.cameras import PinholeCamera
 
 WIDTH, HEIGHT = 40, 30
@@ -32,7 +33,8 @@ def wall(build: type, open_stage: Callable[[Usd.Stage], OpenedStage]) -> OpenedS
 def flow(
     stage: OpenedStage, first: np.ndarray, second: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    images = stage.flow(PinholeCamera(K, first), PinholeCamera(K, second), REQUEST)
+    cameras = PinholeCamera(K, first), PinholeCamera(K, second)
+    images = flow_images(stage.scene, stage.tracer, *cameras, (REQUEST.width, REQUEST.height))
     return images["flow"].pixels, images["flow_visible"].pixels[..., 0] > 0.5
 
 

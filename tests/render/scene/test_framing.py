@@ -28,7 +28,7 @@ def test_it_is_the_same_camera(open_stage: Any, name: str, tmp_path: Any) -> Non
     opened = open_stage(stage)
     tracer = opened.session.tracer or opened._caster
     expected = framing_camera(stage, 64, 48)
-    found = framing.framed(opened._scene, tracer, 64, 48)
+    found = framing.framed(opened.scene, tracer, 64, 48)
     assert np.allclose(found.K, expected.K)
     assert np.allclose(found.world_from_camera, expected.world_from_camera, atol=1e-4)
     eye = found.world_from_camera[:3, 3]
@@ -40,7 +40,7 @@ def test_it_is_the_same_camera(open_stage: Any, name: str, tmp_path: Any) -> Non
 def test_only_large_scenes_are(
     open_stage: Any, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene = open_stage(crowd(str(tmp_path / "none.png")).stage)._scene
+    scene = open_stage(crowd(str(tmp_path / "none.png")).stage).scene
     assert not framing.is_framed_here(scene)
     monkeypatch.setattr(framing, "_MANY_TRIANGLES", len(scene.triangles) - 1)
     assert framing.is_framed_here(scene)

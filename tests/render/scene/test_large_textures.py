@@ -8,6 +8,7 @@ import pytest
 from pxr import Usd
 
 from openrooms_usd.colorimetry import linear_from_srgb
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.render import render_stage
@@ -105,8 +106,8 @@ def test_a_stage_whose_textures_are_too_many_has_smaller_ones(
 def test_renders_have_it_and_refuse_what_is_none(build: Any, tmp_path: Path) -> None:
     stage = board(build, tmp_path)
     stage.Export(str(tmp_path / "stage.usda"))
-    asked: Any = {"renderer": "preview", "channels": ["base_color"], "resolution": (8, 6)}
-    summary = render_stage(tmp_path / "stage.usda", tmp_path / "out", texture_side=8, **asked)
+    asked = RenderSettings(renderer="preview", channels=["base_color"], resolution=(8, 6))
+    summary = render_stage(tmp_path / "stage.usda", tmp_path / "out", asked.replace(texture_side=8))
     assert any("longer than 8 pixels" in reason for _, _, reason in summary.report.rows)
     with pytest.raises(InputError, match="texture side"):
-        render_stage(tmp_path / "stage.usda", tmp_path / "no", texture_side=0, **asked)
+        render_stage(tmp_path / "stage.usda", tmp_path / "no", asked.replace(texture_side=0))

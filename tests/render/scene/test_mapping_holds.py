@@ -16,12 +16,12 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.scene.digest import light_digest
 from openrooms_usd.usd import mapping
 from openrooms_usd.usd.cameras import read_camera
 from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.rendersettings import asked_purposes, is_set
+from tests.opening import open_with
 from tests.render.scene.conftest import Dark
 from tests.smallstages import (
     CAMERA,
@@ -59,7 +59,7 @@ def made_of(stage: Usd.Stage, time_code: float | None = None) -> tuple[State, Ro
     lost = hold(stage, time_code)
     opened = open_with(Dark(), stage)
     opened.report.lose(lost)
-    scene = opened._scene
+    scene = opened.scene
     views = [plain(path, read_camera(stage.GetPrimAtPath(path), 40, 30)) for path in opened.cameras]
     flags = [is_set(stage, None, flag) for flag in FLAGS]
     asked = (opened.requested, opened.resolution, asked_purposes(stage), flags)

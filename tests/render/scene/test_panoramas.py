@@ -8,7 +8,7 @@ from pxr import Usd
 
 from openrooms_usd.geometry.pinhole import intrinsics, look_at, panorama_intrinsics
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import OpenedStage
+from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 
 WIDTH, HEIGHT = 48, 24
