@@ -6,6 +6,7 @@ a field here, and the code that heeds it.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
+from math import inf
 from typing import Annotated, Any, Final, Literal, NamedTuple, Self, get_args
 
 from pydantic import Field, ValidationError
@@ -182,6 +183,14 @@ def option_of(name: str) -> Option:
     return next(_options(RenderSettings.model_fields[name]), Option())
 
 
+def limits_of(name: str) -> tuple[float, float] | None:
+    """The least and the largest value of a field, of a size of a side; None without any."""
+    rows = list(_bounds(RenderSettings.model_fields[name]))
+    low = next((value for row in rows if (value := _either(row, "ge", "gt")) is not None), None)
+    high = next((value for row in rows if (value := _either(row, "le", "lt")) is not None), None)
+    return None if low is None or high is None else (low, high)
+
+
 def _options(field: Any) -> Iterator[Option]:
     """The `Option` of a field or of a part of its union."""
     yield from (one for one in field.metadata if isinstance(one, Option))
@@ -230,7 +239,7 @@ def _text(name: str, row: Mapping[str, Any]) -> str:
     if kind == "literal_error":
         return f"there is no {name} {found!r}"
     if kind in ("greater_than_equal", "less_than_equal", "finite_number", *_OPEN):
-        low, high = _limits(name, row["loc"])
+        low, high = limits_of(name) or (-inf, inf)
         return f"{found} is not between {low:,} and {high:,}"
     expected = {
         "int_type": "a whole number",
@@ -242,14 +251,6 @@ def _text(name: str, row: Mapping[str, Any]) -> str:
     if name in ("resolution", "grid"):
         return f"{shown(found)} is not a size like 640x480"
     return f"{shown(found)} is not allowed: {row['msg']}"
-
-
-def _limits(name: str, loc: tuple[int | str, ...]) -> tuple[float, float]:
-    """The least and the largest value of a field or of a side of a size."""
-    rows = list(_bounds(RenderSettings.model_fields[name]))
-    low = next(value for row in rows if (value := _either(row, "ge", "gt")) is not None)
-    high = next(value for row in rows if (value := _either(row, "le", "lt")) is not None)
-    return low, high
 
 
 def _either(row: Any, *names: str) -> float | None:

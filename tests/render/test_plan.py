@@ -127,3 +127,9 @@ def test_numbers_of_numpy_become_pythons_own():
     rows = (found.seed, found.bounces, *found.resolution, found.seconds)
     assert rows == (3, 2, 8, 6, 0.5)
     assert {type(value) for value in rows} == {int, float}
+
+
+def test_the_page_of_settings_is_what_the_record_says():
+    from docs.render_settings import PAGE, page
+
+    assert PAGE.read_text(encoding="utf-8") == page(), "run: python -m docs.render_settings"
