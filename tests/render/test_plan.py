@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from pxr import Usd
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
-from openrooms_usd.render import render_stage
+from openrooms_usd.render import context
+from openrooms_usd.render.opening import open_for_rendering
 from openrooms_usd.render.plan import choose_cameras, choose_channels, view_names
 
 CAMERAS = ("/World/A/left", "/World/B/left", "/World/B/Right", "/World/Cameras/door")
@@ -115,10 +117,11 @@ def test_absurd_numbers(given):
         RenderSettings(**given)
 
 
-def test_the_size_of_the_stage_is_checked_too(renderer, scene, tmp_path):
-    renderer.resolution = (0, 480)
+def test_the_size_of_the_stage_is_checked_too(tmp_path, monkeypatch):
+    monkeypatch.setattr(context, "stage_resolution", lambda stage: (0, 480))
+    stage = Usd.Stage.CreateInMemory()
     with pytest.raises(InputError, match="width"):
-        render_stage(scene, tmp_path / "out")
+        open_for_rendering(stage, RenderSettings(renderer="preview"))
 
 
 def test_numbers_of_numpy_become_pythons_own():
