@@ -1,11 +1,13 @@
 """Renders USD stages: the contract of renderers, and the driver that writes what they give.
 
-``driver`` is the story of a run: ``plan`` says what it shall render, ``given`` who gives which
-channel, ``job`` holds both and opens the stage for them, ``scene`` translates the stage,
-``frames`` are the times of one that moves, ``contract`` is what an adapter implements, ``opened``
-puts its light and the core's exact channels together, ``shading``, ``friction`` and ``denoise``
-(of all light: ``denoised_light``) make others of them, and ``run`` writes, beside the next view
-(``writer``). The files are ``exr``, ``previews``
+``opening`` is the one way from a stage to its pictures, by the settings of
+`openrooms_usd.description.rendering`: ``scene`` translates the stage, ``contract`` is what an
+adapter implements, and ``context`` puts its light and the core's exact channels (``exact``)
+together, before a ``lens`` where one is asked for. ``plan`` says which cameras and channels,
+``channel_plan`` which are rendered, made of others (``shading``, ``friction``, ``denoise``, of all
+light: ``denoised_light``) and written, ``given`` who gives them. ``driver`` renders into files:
+``run`` writes a view beside the next one (``writer``), ``frames`` are the times of a stage that
+moves. The files are ``exr``, ``previews``
 (with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all;
 ``storage`` says how they hold channels (``compact``, ``restoring`` read it). ``reading``
 and ``manifest_schema`` give finished renders back and trust no file; ``relight``, ``probes``,
