@@ -4,26 +4,14 @@ import shutil
 from functools import partial
 from pathlib import Path
 
-from benchmarks.fuzz.captures import COMPOSED
-from benchmarks.fuzz.kinds import Kind
-from benchmarks.fuzz.pictures import ramp, write_picture
+from tests.conftest import SMALL_ROOM
+from tests.fuzz.captures import COMPOSED
+from tests.fuzz.kinds import Kind
+from tests.fuzz.pictures import ramp, write_picture
 
-_ROOM = """\
-name: small
-room: office
-seed: 3
-layout:
-  from: polygon
-  polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
-  openings:
-    - {kind: window, wall: 0}
-    - {kind: door, wall: 2, open: 40 deg}
-alignment:
-  from: objects
-  objects:
-    - {category: table, at: [1.5, 1.5], name: desk}
-    - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
-    - {category: table_lamp, at: [1.5, 1.6], on: desk, name: lamp}
+_ROOM = (
+    SMALL_ROOM.replace("on: desk}", "on: desk, name: lamp}")
+    + """\
 materials:
   resolution: 16
   floor: oak_planks
@@ -34,6 +22,7 @@ lights:
 cameras:
   resolution: [16, 12]
 """
+)
 _GENERATED = """\
 name: g
 room: office
@@ -271,42 +260,59 @@ _COMPOSE = "compose {in}/room.yaml -o {out}"
 _ADOPT = "edits adopt {out}/scene.usda --from {in}/saved."
 KINDS = (
     Kind(
-        "room.yaml", _plant_room,
-        ((150, _load), (3, _COMPOSE), (1, "compose {in}/generated.yaml -o {out}")), share=8,
+        "room.yaml",
+        _plant_room,
+        ((150, _load), (3, _COMPOSE), (1, "compose {in}/generated.yaml -o {out}")),
+        share=8,
     ),
     Kind(
-        "usd.edits", _plant_composed,
+        "usd.edits",
+        _plant_composed,
         (
-            (4, "validate {out}/scene.usda"), (2, "edits orphans {out}"),
+            (4, "validate {out}/scene.usda"),
+            (2, "edits orphans {out}"),
             (2, "edits fit {out}"),
-            (2, partial(_packaged, "scene.usdz")), (2, partial(_packaged, "scene.usdc")),
+            (2, partial(_packaged, "scene.usdz")),
+            (2, partial(_packaged, "scene.usdc")),
             (1, _COMPOSE),
         ),
-        ("out/layers/edits.usda", "out/layers/more.usda", "out/assets/*"), share=8,
+        ("out/layers/edits.usda", "out/layers/more.usda", "out/assets/*"),
+        share=8,
     ),
     Kind(
-        "usd.scene", _plant_composed,
+        "usd.scene",
+        _plant_composed,
         (
-            (3, "validate {out}/scene.usda"), (3, "edits adopt {out}/scene.usda"),
-            (2, "edits adopt {out}/scene.usda --dry-run --json"), (1, _COMPOSE),
+            (3, "validate {out}/scene.usda"),
+            (3, "edits adopt {out}/scene.usda"),
+            (2, "edits adopt {out}/scene.usda --dry-run --json"),
+            (1, _COMPOSE),
         ),
-        ("out/scene.usda",), share=4,
+        ("out/scene.usda",),
+        share=4,
     ),
     Kind(
-        "usd.layers", _plant_composed,
+        "usd.layers",
+        _plant_composed,
         (
-            (4, "validate {out}/scene.usda --json"), (2, "edits orphans {out} --json"),
-            (1, partial(_packaged, "scene.usdz")), (1, _COMPOSE),
+            (4, "validate {out}/scene.usda --json"),
+            (2, "edits orphans {out} --json"),
+            (1, partial(_packaged, "scene.usdz")),
+            (1, _COMPOSE),
         ),
-        ("out/layers/[!em]*.usda", "out/layers/materials.usda", "out/layers/**/*.usdc"), share=4,
+        ("out/layers/[!em]*.usda", "out/layers/materials.usda", "out/layers/**/*.usdc"),
+        share=4,
     ),
     Kind(
-        "usd.saved", _plant_saved,
+        "usd.saved",
+        _plant_saved,
         tuple((1, f"{_ADOPT}{ending}") for ending in ("usda", "usdc", "usdz")),
-        ("in/*.usd*",), share=5,
+        ("in/*.usd*",),
+        share=5,
     ),
     Kind(
-        "usd.foreign", _plant_foreign,
+        "usd.foreign",
+        _plant_foreign,
         (
             *((3, f"validate {{in}}/{name}") for name in ("a.usda", "b.usdc", "c.usdz")),
             (2, "render {in}/a.usda -o {out} --renderer fake --channels radiance --spp 1"),
@@ -316,4 +322,4 @@ KINDS = (
         ),
         share=6,
     ),
-)  # fmt: skip
+)

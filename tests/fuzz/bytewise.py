@@ -1,6 +1,9 @@
 """Spoils bytes and texts: flips, cuts, repeats, absurd numbers, depth, and names that lead away."""
 
+import math
 import re
+import struct
+import sys
 from collections.abc import Callable, Sequence
 from random import Random
 from typing import Final
@@ -8,36 +11,35 @@ from typing import Final
 Mutator = Callable[[bytes, Random], bytes]
 
 # Where counts, offsets and sizes overflow.
-_INTEGERS: Final = (
-    0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x10000, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF,
-    0x100000000, 0x7FFFFFFFFFFFFFFF, 0xFFFFFFFFFFFFFFFF,
-)  # fmt: skip
+_INTEGERS: Final = tuple(
+    edge for bits in (7, 8, 15, 16, 31, 32, 63, 64) for edge in ((1 << bits) - 1, 1 << bits)
+)
 # Not a number, infinities, and the largest and least numbers, single and double precision.
 _FLOATS: Final = tuple(
-    bytes.fromhex(code)
-    for code in (
-        "0000c07f", "0000807f", "000080ff", "ffff7f7f", "01000000",
-        "000000000000f87f", "000000000000f07f", "000000000000f0ff", "ffffffffffffef7f",
-        "0100000000000000",
+    struct.pack(form, value)
+    for form, values in (
+        ("<f", (math.nan, math.inf, -math.inf, 3.4028234e38, 1e-45)),
+        ("<d", (math.nan, math.inf, -math.inf, sys.float_info.max, 5e-324)),
     )
-)  # fmt: skip
-NUMBERS: Final = (
-    "0", "-0", "-1", "1", "1e400", "-1e400", "nan", "NaN", "inf", "-Infinity", "1e-320", "1e9",
-    "1e38", "1e39", "1e300", "2147483648", "-2147483649", "4294967296", "9223372036854775808",
-    "99999999999999999999999999", "9" * 5000, "0x10", "1_000", "١", "1.5", "", "0.1.2", "1e",
-)  # fmt: skip
+    for value in values
+)
+_NUMBERS: Final = """
+0 -0 -1 1 1e400 -1e400 nan NaN inf -Infinity 1e-320 1e9 1e38 1e39 1e300 2147483648 -2147483649
+4294967296 9223372036854775808 99999999999999999999999999 0x10 1_000 ١ 1.5 0.1.2 1e
+"""
+NUMBERS: Final = (*_NUMBERS.split(), "", "9" * 5000)
 # `beside` lies next to the input: a pipe that nobody writes, a link without end, a file.
-PATHS: Final = (
-    "", ".", "..", "/", "../..", "../beside/keep.txt", "../beside/pipe", "../beside/endless",
-    "../beside/circle", "../beside", "/etc/passwd", "/dev/zero", "/dev/stdin", "/proc/self/mem",
-    "a" * 300, "a/" * 2500, "x\0y", "~/x", "C:\\x", "\\\\host\\x", "file:///etc/passwd",
-    "http://127.0.0.1:9/x", "con", "-rf", "a\nb", "\ud800", "\u202eexe", "x" * 100_000,
-)  # fmt: skip
-_CODES: Final = (
-    b"\x00", b"\x1b[31m", b"\x1b]0;x\x07", b"\x07", b"\x08", b"\x0c", b"\x7f", b"\xc2\x9b",
-    b"\xe2\x80\xae", b"\xef\xbb\xbf", b"\xff", b"\xfe\xff", b"\xc3(", b"\xed\xa0\x80", b"\xf4\x90",
-    b"\x80", b"\r", b"\r\n", b"\t",
-)  # fmt: skip
+_PATHS: Final = """
+. .. / ../.. ../beside ../beside/keep.txt ../beside/pipe ../beside/endless ../beside/circle
+/etc/passwd /dev/zero /dev/stdin /proc/self/mem ~/x C:\\x \\\\host\\x file:///etc/passwd
+http://127.0.0.1:9/x con -rf \u202eexe
+"""
+_ODD_PATHS: Final = ("", "a" * 300, "a/" * 2500, "x\0y", "a\nb", "\ud800", "x" * 100_000)
+PATHS: Final = (*_PATHS.split(), *_ODD_PATHS)
+# What terminals act upon; C1, right to left and a mark of order; what is no UTF-8.
+_CONTROLS: Final = "\0|\x1b[31m|\x1b]0;x\x07|\x07|\x08|\x0c|\x7f|\r|\r\n|\t|\x9b|\u202e|\ufeff"
+_NO_UTF8: Final = (b"\xff", b"\xfe\xff", b"\xc3(", b"\xed\xa0\x80", b"\xf4\x90", b"\x80")
+_CODES: Final = (*_CONTROLS.encode().split(b"|"), *_NO_UTF8)
 _NESTS: Final = (b"[", b"{", b"(", b'{"a":', b"[[", b"- ", b"<a>", b'def "a" {\n', b"((", b'"')
 _DEPTHS: Final = (20, 200, 2_000, 20_000, 100_000)
 _NUMBER: Final = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
@@ -159,13 +161,13 @@ def _some(pattern: re.Pattern[bytes], data: bytes, rng: Random) -> re.Match[byte
     """One of the matches, the first one after some place."""
     if not data:
         return None
-    return pattern.search(data, rng.randrange(len(data))) or pattern.search(data)
+    return pattern.search(data, _place(data, rng)) or pattern.search(data)
 
 
 BYTES: Final[Sequence[Mutator]] = (flip, flip, overwrite, overwrite, insert, delete, repeat, cut)
 TEXT: Final[Sequence[Mutator]] = (
-    number, number, number, name, name, word, line, line, control, nest, delete, cut, flip,
-)  # fmt: skip
+    *(number, number, number, name, name, word, line, line, control, nest, delete, cut, flip),
+)
 
 
 def is_text(data: bytes) -> bool:

@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fuzz.kinds import Kind
+from tests.fuzz.kinds import Kind
 
-_CHANNELS = (
-    "radiance", "base_color", "normal_camera", "depth", "roughness", "metallic", "semantic",
-    "semantic_nyu40", "instance", "material", "part", "emission_mask", "valid", "irradiance",
-    "irradiance_direct", "radiance_i", "direct_i", "unoccluded_i", "visibility_i", "mask_i",
-    "environment",
-)  # fmt: skip
+_CHANNELS = """
+radiance base_color normal_camera depth roughness metallic semantic semantic_nyu40 instance
+material part emission_mask valid irradiance irradiance_direct radiance_i direct_i unoccluded_i
+visibility_i mask_i environment
+"""
 _SCENE = """\
 #usda 1.0
 (
@@ -47,15 +46,21 @@ def Xform "World"
 
 def _render(scene: Path, out: Path, *, views: tuple[str, ...] = ("view_0",)) -> None:
     """As the program itself writes it, with a renderer that gives known numbers."""
-    from benchmarks.fuzz.fakes import FAKE, install
     from openrooms_usd.render import render_stage
+    from tests.fuzz.fakes import FAKE, install
 
     install()
     scene.write_text(_SCENE)
     render_stage(
-        scene, out, cameras=views, channels=_CHANNELS, resolution=(8, 6), grid=(2, 1), samples=1,
+        scene,
+        out,
+        cameras=views,
+        channels=_CHANNELS.split(),
+        resolution=(8, 6),
+        grid=(2, 1),
+        samples=1,
         renderer=FAKE,
-    )  # fmt: skip
+    )
 
 
 def plant_finished(folder: Path) -> None:
@@ -73,10 +78,11 @@ def _plant_earlier(folder: Path) -> None:
     (folder / "out/keep/channels.exr").write_bytes(b"somebody's own")
 
 
-_NAMES = (
-    "..", ".", "", "/", "../beside", "../beside/view", "keep", "a/b", "view_0/../keep", "x\0y",
-    "\ud800", "a" * 300, "view_1/", "con", "..\\beside", "manifest.json", "\u202e", "keep.txt",
-)  # fmt: skip
+_LEADING_AWAY = """
+.. . / ../beside ../beside/view keep a/b view_0/../keep view_1/ con ..\\beside manifest.json
+keep.txt
+"""
+_NAMES = (*_LEADING_AWAY.split(), "", "x\0y", "\ud800", "a" * 300, "\u202e")
 
 
 def _plant_named(folder: Path) -> None:
@@ -111,13 +117,18 @@ def _released(folder: Path) -> object:
     from orusd_openrooms import readers
 
     by_start = {
-        "im_": readers.read_light, "imbaseColor": readers.read_base_color,
-        "imroughness": readers.read_roughness, "imnormal": readers.read_normal,
-        "immask": readers.read_mask, "imdepth": readers.read_depth,
-        "imcadmatobj": readers.read_parts, "imsemLabel": readers.read_labels,
-        "imenv": readers.read_environments, "imsgEnv": readers.read_lobes,
+        "im_": readers.read_light,
+        "imbaseColor": readers.read_base_color,
+        "imroughness": readers.read_roughness,
+        "imnormal": readers.read_normal,
+        "immask": readers.read_mask,
+        "imdepth": readers.read_depth,
+        "imcadmatobj": readers.read_parts,
+        "imsemLabel": readers.read_labels,
+        "imenv": readers.read_environments,
+        "imsgEnv": readers.read_lobes,
         "cam": readers.read_cameras,
-    }  # fmt: skip
+    }
     for path in sorted((folder / "in").rglob("*")):
         if path.name.startswith("box") and path.suffix == ".dat":
             readers.read_light_box(path)
@@ -139,9 +150,12 @@ def _plant_pickles(folder: Path) -> None:
 
     (folder / "in").mkdir()
     value = {
-        "isWindow": False, "box3D": {"center": np.zeros(3), "size": [1.0, 2, 3]},
-        "n": np.float32(1), "t": ("a", None, 2**70, -1.5), "m": np.eye(3, dtype="f4"),
-    }  # fmt: skip
+        "isWindow": False,
+        "box3D": {"center": np.zeros(3), "size": [1.0, 2, 3]},
+        "n": np.float32(1),
+        "t": ("a", None, 2**70, -1.5),
+        "m": np.eye(3, dtype="f4"),
+    }
     (folder / "in/a.pkl").write_bytes(pickle.dumps(value, 2))
     (folder / "in/b.pkl").write_bytes(pickle.dumps(value, 0))
 
@@ -150,7 +164,8 @@ _VIEW = "{in}/render/view_0"
 _AGAIN = "render {in}/scene.usda -o {out} --renderer fake --spp 1 --channels radiance,instance"
 KINDS = (
     Kind(
-        "render.finished", plant_finished,
+        "render.finished",
+        plant_finished,
         (
             (2, "annotate {in}/render -o {out}/coco.json"),
             (1, "annotate {in}/render -o {out}/coco.json --taxonomy openrooms45"),
@@ -159,26 +174,30 @@ KINDS = (
             (1, f"relight {_VIEW} -o {{out}} --temperature lamp=5000"),
             (2, "dataset write {in}/render -o {out}"),
         ),
-        ("in/render/**/*.json", "in/render/**/*.exr", "in/render/**/*.npy"), share=8,
+        ("in/render/**/*.json", "in/render/**/*.exr", "in/render/**/*.npy"),
+        share=8,
     ),
     Kind(
-        "render.manifest", plant_finished,
+        "render.manifest",
+        plant_finished,
         (
             (1, "annotate {in}/render -o {out}/coco.json"),
             (1, "annotate {in}/render -o {out}/b.json --format boxes --stage {in}/scene.usda"),
             (1, f"relight {_VIEW} -o {{out}} --light lamp=off --light elsewhere=2"),
             (1, "dataset write {in}/render -o {out} --layout merged"),
         ),
-        ("in/render/manifest.json",), share=8,
+        ("in/render/manifest.json",),
+        share=8,
     ),
     Kind(
-        "render.again", _plant_earlier, ((3, _AGAIN),),
-        ("out/manifest.json", "out/manifest.json", "out/timing.json", "out/*/*.exr"), share=4,
+        "render.again",
+        _plant_earlier,
+        ((3, _AGAIN),),
+        ("out/manifest.json", "out/manifest.json", "out/timing.json", "out/*/*.exr"),
+        share=4,
     ),
-    Kind(
-        "render.names", _plant_named, ((1, _AGAIN),), ("out/manifest.json",), share=3,
-    ),
+    Kind("render.names", _plant_named, ((1, _AGAIN),), ("out/manifest.json",), share=3),
     Kind("render.linked", _plant_linked, ((1, _AGAIN),), ("out/manifest.json",), hostile=True),
     Kind("render.dataset", _plant_dataset, ((1, _released),), share=4),
     Kind("pickle", _plant_pickles, ((1, _pickled),), share=4),
-)  # fmt: skip
+)

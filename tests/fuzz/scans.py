@@ -8,12 +8,29 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.fuzz.captures import scan2cad_annotation
-from benchmarks.fuzz.frames import LEVEL, SCENE, SIZE, K, floor_points, pose
-from benchmarks.fuzz.kinds import Kind
-from benchmarks.fuzz.pictures import write_depth
+from tests.fuzz.kinds import Kind, planting
+from tests.fuzz.pictures import write_picture
+from tests.scans.test_scan2cad import annotation
 
-VIDEO = "40000001"
+SCENE, VIDEO = "scene0000_00", "40000001"
+SIZE = (32, 24)
+K = np.array([[30.0, 0, 16], [0, 30.0, 12], [0, 0, 1]])
+LEVEL = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
+_HEAD = "ply\nformat binary_little_endian 1.0\nelement vertex {0}\n"
+_HEAD += "property float x\nproperty float y\nproperty float z\n"
+
+
+def floor_points(step: float = 0.2) -> np.ndarray:
+    """(N, 3) points of a floor."""
+    x, y = np.meshgrid(np.arange(0, 4, step), np.arange(0, 3, step), indexing="ij")
+    return np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], -1)
+
+
+def pose(i: int) -> np.ndarray:
+    """world_from_camera of a photograph that looks along y."""
+    M = np.eye(4)
+    M[:3, :3], M[:3, 3] = LEVEL, [1 + 0.1 * i, 0.2 * i, 1.2]
+    return M
 
 
 def _sens(coding: int) -> bytes:
@@ -29,13 +46,12 @@ def _sens(coding: int) -> bytes:
     return b"".join(parts)
 
 
-def _plant_scannet(folder: Path) -> None:
-    inner = folder / "in" / SCENE
+def _scannet(folder: Path) -> None:
+    inner = folder / SCENE
     inner.mkdir(parents=True)
     points = floor_points()
     n = len(points)
-    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {n}\n"
-    head += "".join(f"property float {a}\n" for a in "xyz")
+    head = _HEAD.format(n)
     rows = points.astype("<f4")
     mesh = inner / f"{SCENE}_vh_clean_2"
     mesh.with_suffix(".ply").write_bytes(head.encode() + b"end_header\n" + rows.tobytes())
@@ -55,11 +71,11 @@ def _plant_scannet(folder: Path) -> None:
         f"axisAlignment = {numbers} \ncolorHeight = 24\ncolorWidth = 32\nsceneType = Office\n"
     )
     (inner / f"{SCENE}.sens").write_bytes(_sens(1))
-    (folder / "in/labels.tsv").write_text(
+    (folder / "labels.tsv").write_text(
         "id\traw_category\tcategory\tnyu40id\tnyu40class\n1\toffice chair\tchair\t5\tchair\n"
     )
-    (folder / "in/full_annotations.json").write_text(json.dumps(scan2cad_annotation()))
-    export = folder / "in/export"
+    (folder / "full_annotations.json").write_text(json.dumps([annotation(id_scan=SCENE)]))
+    export = folder / "export"
     for name in ("pose", "intrinsic", "color"):
         (export / name).mkdir(parents=True)
     square = np.eye(4)
@@ -70,10 +86,10 @@ def _plant_scannet(folder: Path) -> None:
     (export / "export.txt").write_text("colorHeight = 24\ncolorWidth = 32\n")
 
 
-def _plant_sens(folder: Path) -> None:
+def _streams(folder: Path) -> None:
     for coding, name in enumerate(("raw", "packed")):
-        (folder / f"in/{name}").mkdir(parents=True)
-        (folder / f"in/{name}/{name}.sens").write_bytes(_sens(coding))
+        (folder / f"{name}").mkdir(parents=True)
+        (folder / f"{name}/{name}.sens").write_bytes(_sens(coding))
 
 
 def _wall() -> tuple[np.ndarray, np.ndarray]:
@@ -83,10 +99,10 @@ def _wall() -> tuple[np.ndarray, np.ndarray]:
     return depth, (rays * depth[..., None]).reshape(-1, 3)
 
 
-def _plant_votenet(folder: Path) -> None:
+def _votenet(folder: Path) -> None:
     from scipy.io import savemat
 
-    inner = folder / "in"
+    inner = folder
     for name in ("depth", "calib", "label", "image"):
         (inner / name).mkdir(parents=True)
     columns = [" ".join(map(str, M.T.ravel())) for M in (np.eye(3), K)]
@@ -100,9 +116,8 @@ def _plant_votenet(folder: Path) -> None:
     )
 
 
-def _plant_index(folder: Path) -> None:
-    inner = folder / "in"
-    inner.mkdir()
+def _index(folder: Path) -> None:
+    inner = folder
     points = _wall()[1][::3]
     rows = np.column_stack([points, np.tile([0.5, 1.0, 0.0], (len(points), 1))])
     rows.astype("<f4").tofile(inner / "000017.bin")
@@ -117,23 +132,23 @@ def _plant_index(folder: Path) -> None:
     (inner / "infos.pkl").write_bytes(pickle.dumps(data, 2))
 
 
-def _plant_raw(folder: Path) -> None:
-    inner = folder / "in/frame"
+def _raw(folder: Path) -> None:
+    inner = folder / "frame"
     for name in ("depth_bfx", "extrinsics", "annotation3Dfinal"):
         (inner / name).mkdir(parents=True)
     (inner / "intrinsics.txt").write_text(" ".join(map(str, K.ravel())))
     np.savetxt(inner / "extrinsics/2014.txt", np.column_stack([np.eye(3), np.zeros(3)]))
     stored = np.round(1000 * _wall()[0]).astype(np.uint16)
-    write_depth(inner / "depth_bfx/1.png", (stored << 3) | (stored >> 13))
+    write_picture(inner / "depth_bfx/1.png", ((stored << 3) | (stored >> 13))[..., None])
     polygon = {"X": [0, 1, 1, 0], "Z": [2, 2, 2.5, 2.5], "Ymin": 0.2, "Ymax": 1.2}
     objects = [None, {"name": "chair", "polygon": [polygon]}]
     (inner / "annotation3Dfinal/index.json").write_text(json.dumps({"objects": objects}))
 
 
-def _plant_arkitscenes(folder: Path) -> None:
+def _arkitscenes(folder: Path) -> None:
     from scipy.spatial.transform import Rotation
 
-    scan = folder / "in" / VIDEO
+    scan = folder / VIDEO
     inner = scan / f"{VIDEO}_frames"
     (inner / "lowres_wide_intrinsics").mkdir(parents=True)
     lines = []
@@ -145,11 +160,14 @@ def _plant_arkitscenes(folder: Path) -> None:
     for i in range(3):
         name = f"{VIDEO}_{100 + i / 5:.3f}"
         (inner / f"lowres_wide_intrinsics/{name}.pincam").write_text("32 24 30 30 16 12\n")
-        write_depth(inner / f"lowres_depth/{name}.png", np.full(SIZE[::-1], 2500, np.uint16))
-        write_depth(inner / f"confidence/{name}.png", np.full(SIZE[::-1], 2, np.uint8))
+        write_picture(
+            inner / f"lowres_depth/{name}.png", (np.full(SIZE[::-1], 2500, np.uint16))[..., None]
+        )
+        write_picture(
+            inner / f"confidence/{name}.png", (np.full(SIZE[::-1], 2, np.uint8))[..., None]
+        )
     rows = floor_points().astype("<f4")
-    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(rows)}\n"
-    head += "".join(f"property float {a}\n" for a in "xyz") + "end_header\n"
+    head = _HEAD.format(len(rows)) + "end_header\n"
     (scan / f"{VIDEO}_3dod_mesh.ply").write_bytes(head.encode() + rows.tobytes())
     drawn = {"centroid": [1, 2, 0.5], "axesLengths": [0.6, 1.0, 0.4]}
     drawn["normalizedAxes"] = [1, 0, 0, 0, 0, 1, 0, -1, 0]
@@ -161,16 +179,19 @@ _NET = f"import scannet {{in}}/{SCENE} -o {{out}}"
 _ARKIT = f"import arkitscenes {{in}}/{VIDEO} -o {{out}}"
 KINDS = (
     Kind(
-        "capture.scannet", _plant_scannet,
+        "capture.scannet",
+        planting(_scannet),
         (
-            (1, _NET), (2, f"{_NET} --labels {{in}}/labels.tsv"),
+            (1, _NET),
+            (2, f"{_NET} --labels {{in}}/labels.tsv"),
             (1, f"{_NET} --annotation {{in}}/full_annotations.json"),
             (1, f"{_NET} --frames {{in}}/export"),
         ),
         share=4,
     ),
     Kind(
-        "capture.sens", _plant_sens,
+        "capture.sens",
+        planting(_streams),
         (
             (1, "import scannet {in}/raw -o {out} --fuse 1"),
             (1, "import scannet {in}/packed -o {out} --fuse 1"),
@@ -178,15 +199,24 @@ KINDS = (
         share=3,
     ),
     Kind(
-        "capture.sunrgbd-folder", _plant_votenet, ((1, "import sunrgbd {in} -o {out}"),), share=3,
+        "capture.sunrgbd-folder",
+        planting(_votenet),
+        ((1, "import sunrgbd {in} -o {out}"),),
+        share=3,
     ),
     Kind(
-        "capture.sunrgbd-index", _plant_index,
-        ((1, "import sunrgbd {in}/infos.pkl -o {out}"),), share=3,
+        "capture.sunrgbd-index",
+        planting(_index),
+        ((1, "import sunrgbd {in}/infos.pkl -o {out}"),),
+        share=3,
     ),
-    Kind("capture.sunrgbd-raw", _plant_raw, ((1, "import sunrgbd {in}/frame -o {out}"),), share=2),
     Kind(
-        "capture.arkitscenes", _plant_arkitscenes, ((1, _ARKIT), (2, f"{_ARKIT} --fuse 1")),
+        "capture.sunrgbd-raw", planting(_raw), ((1, "import sunrgbd {in}/frame -o {out}"),), share=2
+    ),
+    Kind(
+        "capture.arkitscenes",
+        planting(_arkitscenes),
+        ((1, _ARKIT), (2, f"{_ARKIT} --fuse 1")),
         share=4,
     ),
-)  # fmt: skip
+)

@@ -3,9 +3,8 @@
 from functools import partial
 from pathlib import Path
 
-from benchmarks.fuzz.kinds import Kind
-from benchmarks.fuzz.pictures import panorama, ramp, write_picture
-from benchmarks.fuzz.rooms import AGAIN, TINY, planting_out
+from tests.fuzz.kinds import AGAIN, TINY, Kind, planting_out
+from tests.fuzz.pictures import panorama, ramp, write_picture
 
 _MTLX = """\
 <?xml version="1.0"?>
@@ -113,25 +112,37 @@ _PICTURES = ("png", "jpg", "tif", "exr", "hdr", "tga", "bmp", "webp", "piz")
 KINDS = (
     Kind("material.folder", _plant_folder, ((1, partial(_material, "Wood")),), share=3),
     Kind(
-        "material.composed", planting_out(_plant_folder, _FLOOR % "Wood"),
-        ((1, f"{AGAIN}materials"),), ("in/Wood/*",), share=1,
+        "material.composed",
+        planting_out(_plant_folder, _FLOOR % "Wood"),
+        ((1, f"{AGAIN}materials"),),
+        ("in/Wood/*",),
+        share=1,
     ),
     Kind(
-        "material.mtlx", _plant_mtlx, ((1, partial(_material, "m.mtlx")),), needs=("MaterialX",),
+        "material.mtlx",
+        _plant_mtlx,
+        ((1, partial(_material, "m.mtlx")),),
+        needs=("MaterialX",),
         share=6,
     ),
     Kind(
-        "picture", _plant_pictures,
+        "picture",
+        _plant_pictures,
         tuple((1, partial(read, name)) for name in _PICTURES for read in (_material, _pixels)),
         share=5,
     ),
     Kind(
-        "panorama", planting_out(_plant_panorama, _SKY % "sky.exr"), ((1, f"{AGAIN}lights"),),
-        ("in/sky.*",), share=2,
+        "panorama",
+        planting_out(_plant_panorama, _SKY % "sky.exr"),
+        ((1, f"{AGAIN}lights"),),
+        ("in/sky.*",),
+        share=2,
     ),
     Kind(
-        "room.files", planting_out(_plant_used, _USED),
+        "room.files",
+        planting_out(_plant_used, _USED),
         tuple((1, f"{AGAIN}{stage}") for stage in ("alignment", "materials", "lights")),
-        ("in/room.yaml",), share=3,
+        ("in/room.yaml",),
+        share=3,
     ),
-)  # fmt: skip
+)

@@ -6,8 +6,11 @@ from pathlib import Path
 
 Run = str | Callable[[Path], object]
 """Words of the command line with ``{in}`` and ``{out}``, or a function of the case's folder."""
+Write = Callable[[Path], object]
 
 INPUT, OUT = "in", "out"
+TINY = "materials: {resolution: 16"
+AGAIN = "compose {in}/room.yaml -o {out} --only "
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Kind:
     """
 
     name: str
-    plant: Callable[[Path], None]
+    plant: Write
     runs: tuple[tuple[int, Run], ...]
     victims: tuple[str, ...] = ("in/**/*",)
     needs: tuple[str, ...] = ()
@@ -37,3 +40,32 @@ class Kind:
         """The files that are spoilt, relative to the folder that was planted; sorted."""
         found = {path for pattern in self.victims for path in planted.glob(pattern)}
         return sorted(str(path.relative_to(planted)) for path in found if path.is_file())
+
+
+def planting(write: Write) -> Write:
+    """Have input written into ``in``."""
+
+    def plant(folder: Path) -> None:
+        (folder / INPUT).mkdir()
+        write(folder / INPUT)
+
+    return plant
+
+
+def planting_out(write: Write, section: str) -> Write:
+    """Input with a room that uses it, which is composed already; one stage is then run again."""
+
+    def plant(folder: Path) -> None:
+        from openrooms_usd.compose import compose_room
+        from openrooms_usd.usd.diagnostics import quiet
+
+        write(folder)
+        room = folder / "in/room.yaml"
+        room.write_text(
+            "name: own\nroom: office\nlayout:\n  from: polygon\n"
+            "  polygon: [[0, 0], [3, 0], [3, 3], [0, 3]]\n" + section
+        )
+        with quiet():
+            compose_room(room, folder / "out")
+
+    return plant

@@ -22,11 +22,6 @@ def write_picture(path: Path, pixels: np.ndarray, **attributes: Any) -> None:
     output.close()
 
 
-def write_depth(path: Path, values: np.ndarray) -> None:
-    """Write (height, width) whole numbers."""
-    write_picture(path, values[..., None])
-
-
 def ramp(size: int = 16, depth: int = 3) -> np.ndarray:
     """Colours that differ from pixel to pixel, 8 bits."""
     values = np.arange(size * size * depth) * 251 % 256

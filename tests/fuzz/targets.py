@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from benchmarks.fuzz.hostile import BESIDE
-from benchmarks.fuzz.kinds import Kind
-from benchmarks.fuzz.renders import plant_finished
+from tests.fuzz.hostile import BESIDE
+from tests.fuzz.kinds import Kind
+from tests.fuzz.renders import plant_finished
 
 _BOXES = "id,label,x,y,z,width,depth,height,yaw\na,chair,1,2,0,0.5,0.6,0.9,30\n"
 _ROOM = "name: t\nroom: office\nmaterials: {resolution: 16}\n"
@@ -24,19 +24,34 @@ _TARGETS = ("pipe", "circle", "endless", "keep.txt/x", "pipe/x", "circle/x", "x"
 
 # What reads a file or folder; the asterisk stands for its name without ending.
 _READERS = (
-    "import roomplan *.json -o {out}", "import roomplan *.usdz -o {out}",
-    "import scan2cad *.json -o {out} --polygon *.csv", "import boxes *.csv -o {out}",
-    "import scannet * -o {out}", "import sunrgbd * -o {out}", "import sunrgbd *.pkl -o {out}",
+    "import roomplan *.json -o {out}",
+    "import roomplan *.usdz -o {out}",
+    "import scan2cad *.json -o {out} --polygon *.csv",
+    "import boxes *.csv -o {out}",
+    "import scannet * -o {out}",
+    "import sunrgbd * -o {out}",
+    "import sunrgbd *.pkl -o {out}",
     "import arkitscenes * -o {out}",
     *(f"import scan *.{end} -o {{out}}" for end in ("ply", "pcd", "xyz", "npz", "glb", "e57")),
-    "compose *.yaml -o {out}", "validate *.usda", "validate *.usdz", "edits orphans *",
-    "edits fit *", "edits adopt */scene.usda", "edits adopt {in}/scene.usda --from *.usdc",
+    "compose *.yaml -o {out}",
+    "validate *.usda",
+    "validate *.usdz",
+    "edits orphans *",
+    "edits fit *",
+    "edits adopt */scene.usda",
+    "edits adopt {in}/scene.usda --from *.usdc",
     "annotate * -o {out}",
-    "relight * -o {out} --light lamp=1", "dataset write * -o {out}", "convert *.usda {out}",
-    "dataset plan *.yaml", "dataset run *.yaml -o {out}", "dataset status *", "dataset verify *",
+    "relight * -o {out} --light lamp=1",
+    "dataset write * -o {out}",
+    "convert *.usda {out}",
+    "dataset plan *.yaml",
+    "dataset run *.yaml -o {out}",
+    "dataset status *",
+    "dataset verify *",
     "dataset stats *",
-    "render *.usda -o {out} --renderer fake", "simulate *.usda",
-)  # fmt: skip
+    "render *.usda -o {out} --renderer fake",
+    "simulate *.usda",
+)
 _SOURCES = ("{in}/" + "x" * 300, "{in}/" + "x/" * 2100, "{in}/../beside/circle/x", "{in}/none")
 
 

@@ -1,4 +1,4 @@
-"""Runs the campaign: ``python -m benchmarks.fuzz --cases 20000``."""
+"""Runs the campaign: ``python -m tests.fuzz --cases 20000``."""
 
 import json
 import os
@@ -7,32 +7,19 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from importlib.util import find_spec
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
 
 import click
 
-from benchmarks.fuzz import (
-    captures,
-    clouds,
-    materials,
-    models,
-    planted,
-    renders,
-    scans,
-    stages,
-    targets,
-)
-from benchmarks.fuzz.case import BAD, Outcome, prepare
-from benchmarks.fuzz.kinds import Kind
-from benchmarks.fuzz.pool import Case, Pool
-from benchmarks.fuzz.tally import Tally
-from benchmarks.fuzz.worker import Limits
+from tests.fuzz import tally
+from tests.fuzz.case import BAD, Outcome
+from tests.fuzz.kinds import Kind
+from tests.fuzz.running import SOURCES, Campaign, Case, kinds_of, run
+from tests.fuzz.spoiling import prepare
 
-_SOURCES = (captures, scans, clouds, models, materials, stages, renders, targets)
-KINDS = tuple(kind for source in _SOURCES for kind in source.KINDS)
 _EVERY = 20.0  # seconds between lines of progress
 
 
@@ -67,42 +54,54 @@ def main(
     """
     if sys.platform != "linux":
         raise click.ClickException("the campaign measures processes as Linux shows them")
-    table = planted.KINDS if faulty else KINDS
-    kinds = {kind.name: kind for kind in table if only is None or _is_meant(kind.name, only, table)}
-    if not kinds:
-        raise click.UsageError(f"no kind is named {only!r}: --list prints them")
+    sources = ("planted",) if faulty else SOURCES
+    kinds, skipped = _chosen(kinds_of(sources), only)
     if listed:
-        click.echo("\n".join(kinds))
+        click.echo("\n".join([*kinds, *skipped]))
         return
-    skipped = {name: _lacking(kind) for name, kind in kinds.items() if _lacking(kind)}
-    kinds = {name: kind for name, kind in kinds.items() if name not in skipped}
-    began = time.monotonic()
-    tally = Tally()
+    began, found = time.monotonic(), []
     with tempfile.TemporaryDirectory(prefix="fuzz", ignore_cleanup_errors=True) as place:
         folder = Path(place)
         os.environ.setdefault("ORUSD_CACHE", str(folder / "cache"))
-        _plant(kinds.values(), folder / "planted")
+        campaign = Campaign(sources, seed, folder / "planted", folder, seconds, mebibytes)
+        _plant(kinds.values(), campaign.planted)
         wanted = (
             schedule(list(kinds.values()), cases)
             if number is None
             else [(name, number) for name in kinds]
         )
-        pool = Pool(kinds, seed, folder / "planted", folder, Limits(seconds, mebibytes), workers)
         try:
-            for outcome in _with_progress(pool.run(wanted), len(wanted)):
-                tally.add(outcome)
-                if number is not None:
-                    click.echo(json.dumps(outcome.as_dict(), indent=1))
+            for outcome in _with_progress(run(campaign, wanted, workers), len(wanted)):
+                found.append(outcome)
                 if keep and (outcome.verdict in BAD or number is not None):
-                    _save(kinds[outcome.kind], outcome, seed, folder / "planted", keep)
+                    _save(kinds[outcome.kind], outcome, campaign, keep)
         except KeyboardInterrupt:
             click.echo("interrupted: what follows is of the cases so far", err=True)
-    took = time.monotonic() - began
-    if number is None:
-        _print(tally, skipped, took)
+    took = round(time.monotonic() - began, 1)
+    said = tally.text(found) if number is None else json.dumps([*map(asdict, found)], indent=1)
+    click.echo(said)
+    for name, packages in skipped.items() if number is None else ():
+        click.echo(f"skipped {name}: {packages} is not installed")
+    click.echo(f"{took} s", err=True)
     if target:
-        target.write_text(json.dumps(_as_dict(tally, skipped, took, seed), indent=1) + "\n")
-    sys.exit(1 if tally.bad else 0)
+        data = {"seed": seed, "seconds": took, "skipped": skipped, **tally.as_dict(found)}
+        target.write_text(json.dumps(data, indent=1) + "\n")
+    sys.exit(any(outcome.verdict in BAD for outcome in found))
+
+
+def _chosen(kinds: dict[str, Kind], only: str | None) -> tuple[dict[str, Kind], dict[str, str]]:
+    """The kinds that are asked for and can run, and what the others lack."""
+    if only is not None:
+        exact = only in kinds
+        kinds = {n: k for n, k in kinds.items() if n == only or (not exact and n.startswith(only))}
+    if not kinds:
+        raise click.UsageError(f"no kind is named {only!r}: --list prints them")
+    lacking = {
+        name: ", ".join(package for package in kind.needs if find_spec(package) is None)
+        for name, kind in kinds.items()
+    }
+    skipped = {name: packages for name, packages in lacking.items() if packages}
+    return {name: kind for name, kind in kinds.items() if name not in skipped}, skipped
 
 
 def _with_progress(outcomes: Iterator[Outcome], cases: int) -> Iterator[Outcome]:
@@ -113,16 +112,6 @@ def _with_progress(outcomes: Iterator[Outcome], cases: int) -> Iterator[Outcome]
             said = time.monotonic()
             click.echo(f"{done} of {cases} cases, {bad} bad", err=True)
         yield outcome
-
-
-def _is_meant(name: str, only: str, table: Sequence[Kind]) -> bool:
-    exact = any(kind.name == only for kind in table)
-    return name == only if exact else name.startswith(only)
-
-
-def _lacking(kind: Kind) -> str:
-    """The packages that a kind needs and that are not there."""
-    return ", ".join(name for name in kind.needs if find_spec(name) is None)
 
 
 def schedule(kinds: Sequence[Kind], cases: int) -> list[Case]:
@@ -150,7 +139,7 @@ def schedule(kinds: Sequence[Kind], cases: int) -> list[Case]:
     return given
 
 
-def _plant(kinds: Any, folder: Path) -> None:
+def _plant(kinds: Sequence[Kind], folder: Path) -> None:
     """Write the sound inputs in a process of its own: threads of libraries must not be forked."""
     process = get_context("fork").Process(target=_plant_all, args=(list(kinds), folder))
     process.start()
@@ -165,54 +154,13 @@ def _plant_all(kinds: Sequence[Kind], folder: Path) -> None:
         kind.plant(folder / kind.name)
 
 
-def _save(kind: Kind, outcome: Outcome, seed: int, planted_at: Path, keep: Path) -> None:
+def _save(kind: Kind, outcome: Outcome, campaign: Campaign, keep: Path) -> None:
     """The input of a case, as it was given."""
     place = keep / f"{kind.name}-{outcome.number}"
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
-    prepare(kind, outcome.number, seed, planted_at / kind.name, place)
-    (place / "outcome.json").write_text(json.dumps(outcome.as_dict(), indent=1) + "\n")
-
-
-def _print(tally: Tally, skipped: dict[str, str], took: float) -> None:
-    titles, rows = tally.table()
-    cells = [[str(cell) for cell in row] for row in [list(titles), *rows]]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(titles))]
-    for row in cells:
-        first, *others = (
-            cell.ljust(width) if i == 0 else cell.rjust(width)
-            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
-        )
-        click.echo("  ".join([first, *others]))
-    for name, packages in skipped.items():
-        click.echo(f"skipped {name}: {packages} is not installed")
-    if tally.unsound:
-        cases = ", ".join(f"--only {o.kind} --case {o.number}" for o in tally.unsound)
-        click.echo(f"refused although nothing was spoilt: {cases}")
-    click.echo(f"{took:.0f} s")
-    for row in tally.grouped():
-        kinds = ", ".join(row["kinds"][:4])
-        click.echo(
-            f"\n{row['cases']} x {row['verdict']}: {row['what']} at {row['where']} ({kinds})"
-        )
-        click.echo(f"  {row['examples'][0]}")
-        click.echo(f"  {row['said'][:200]!r}")
-
-
-def _as_dict(tally: Tally, skipped: dict[str, str], took: float, seed: int) -> dict[str, Any]:
-    titles, rows = tally.table()
-    return {
-        "seed": seed,
-        "seconds": round(took, 1),
-        "rows": [dict(zip(titles, row, strict=True)) for row in rows],
-        "mean_ms": {
-            name: round(1000 * row.seconds / max(row.cases, 1), 1)
-            for name, row in sorted(tally.rows.items())
-        },
-        "skipped": skipped,
-        "unsound": [outcome.as_dict() for outcome in tally.unsound],
-        "defects": tally.grouped(),
-    }
+    prepare(kind, outcome.number, campaign.seed, campaign.planted / kind.name, place)
+    (place / "outcome.json").write_text(json.dumps(asdict(outcome), indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -7,14 +7,14 @@ from typing import Any, Final
 
 import yaml
 
-from benchmarks.fuzz.bytewise import NUMBERS, PATHS
+from tests.fuzz.bytewise import NUMBERS, PATHS
 
 # Also what JSON cannot say and Python's reader takes.
 _VALUES: Final[tuple[Any, ...]] = (
-    None, True, False, 0, -1, 1, 2, 1e308, -1e308, 1e-320, float("nan"), float("inf"), 10**30,
-    10**400, 2**63, -(2**31), 1.5, "", "x", "nan", "1e999", [], {}, [[]], [None], {"": None},
-    [1] * 5, ["x"] * 3, [[1, 2], [3]], [0] * 16, [1e308] * 3, {"x": {"y": []}},
-)  # fmt: skip
+    *(None, True, False, 0, -1, 1, 2, 1e308, -1e308, 1e-320, float("nan"), float("inf"), 10**30),
+    *(10**400, 2**63, -(2**31), 1.5, "", "x", "nan", "1e999", [], {}, [[]], [None], {"": None}),
+    *([1] * 5, ["x"] * 3, [[1, 2], [3]], [0] * 16, [1e308] * 3, {"x": {"y": []}}),
+)
 
 _MOST_PLACES: Final = 20_000
 
@@ -71,19 +71,11 @@ def spoil_table(data: bytes, rng: Random) -> bytes:
     return "\n".join(mark.join(row) for row in rows).encode("utf-8", "surrogatepass") + b"\n"
 
 
+_TABLES: Final = ".csv .tsv .txt .xyz .pts .traj .pincam .off .obj .mtl"
 BY_SUFFIX: Final[dict[str, Callable[[bytes, Random], bytes]]] = {
     ".json": spoil_json,
     ".yaml": spoil_yaml,
-    ".csv": spoil_table,
-    ".tsv": spoil_table,
-    ".txt": spoil_table,
-    ".xyz": spoil_table,
-    ".pts": spoil_table,
-    ".traj": spoil_table,
-    ".pincam": spoil_table,
-    ".off": spoil_table,
-    ".obj": spoil_table,
-    ".mtl": spoil_table,
+    **dict.fromkeys(_TABLES.split(), spoil_table),
 }
 
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from benchmarks.fuzz.kinds import Kind
+from tests.fuzz.kinds import Kind
 
 
 def _plant(folder: Path) -> None:

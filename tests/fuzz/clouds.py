@@ -1,23 +1,22 @@
 """Sound point clouds and meshes in every format that the scan importer reads."""
 
 import struct
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.fuzz.captures import COMPOSED
-from benchmarks.fuzz.frames import floor_points, write_frames
-from benchmarks.fuzz.kinds import Kind
-from benchmarks.fuzz.models import write_glbs
+from tests.fuzz.captures import COMPOSED, write_frames
+from tests.fuzz.kinds import Kind, planting
+from tests.fuzz.models import write_glbs
 
 Points = np.ndarray
 
 
 def _points() -> Points:
     """(N, 3) a floor and two walls."""
-    floor = floor_points(0.25)
+    x, y = np.meshgrid(np.arange(0, 4, 0.25), np.arange(0, 3, 0.25), indexing="ij")
+    floor = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], -1)
     wall = np.column_stack([floor[:, 0], np.zeros(len(floor)), 0.8 * floor[:, 1]])
     return np.concatenate([floor, wall, wall[:, [1, 0, 2]]])
 
@@ -48,8 +47,9 @@ def _ply(folder: Path) -> None:
     quads = struct.pack("<B3iB4i", 3, 0, 1, 2, 4, 0, 1, 2, 3)
     (folder / "binary.ply").write_bytes(
         f"ply\nformat binary_little_endian 1.0\n{head}{faces}end_header\n".encode()
-        + rows.tobytes() + quads
-    )  # fmt: skip
+        + rows.tobytes()
+        + quads
+    )
     big = rows.astype([("p", ">f4", 3), ("c", "u1", 3), ("l", ">u2"), ("i", ">i4")])
     (folder / "big.ply").write_bytes(
         f"ply\nformat binary_big_endian 1.0\n{head}end_header\n".encode() + big.tobytes()
@@ -108,9 +108,12 @@ def _npz(folder: Path) -> None:
     n = len(points)
     np.savez(folder / "a.npz", points=points, colors=np.full((n, 3), 99, np.uint8))
     np.savez(
-        folder / "b.npz", points=points.astype("f4"), instance=np.ones(n, np.int32),
-        label=np.full(n, 5, np.int16), normals=np.tile([0, 0, 1.0], (n, 1)),
-    )  # fmt: skip
+        folder / "b.npz",
+        points=points.astype("f4"),
+        instance=np.ones(n, np.int32),
+        label=np.full(n, 5, np.int16),
+        normals=np.tile([0, 0, 1.0], (n, 1)),
+    )
 
 
 def _meshes(folder: Path) -> None:
@@ -155,14 +158,6 @@ def _e57(folder: Path) -> None:
         file.close()
 
 
-def _planting(write: Callable[[Path], None]) -> Callable[[Path], None]:
-    def plant(folder: Path) -> None:
-        (folder / "in").mkdir()
-        write(folder / "in")
-
-    return plant
-
-
 def _reading(*files: str) -> tuple[tuple[int, str], ...]:
     return tuple((1, f"import scan {{in}}/{file} -o {{out}}") for file in files)
 
@@ -176,36 +171,45 @@ def _whole(folder: Path) -> None:
 
 
 KINDS = (
-    Kind("points.ply", _planting(_ply), _reading("binary.ply", "big.ply", "text.ply"), share=4),
-    Kind("points.pcd", _planting(_pcd), _reading("binary.pcd", "text.pcd", "packed.pcd"), share=4),
+    Kind("points.ply", planting(_ply), _reading("binary.ply", "big.ply", "text.ply"), share=4),
+    Kind("points.pcd", planting(_pcd), _reading("binary.pcd", "text.pcd", "packed.pcd"), share=4),
     Kind(
-        "points.text", _planting(_text), _reading("a.xyz", "a.asc", "a.txt", "a.pts", "a.csv"),
+        "points.text",
+        planting(_text),
+        _reading("a.xyz", "a.asc", "a.txt", "a.pts", "a.csv"),
         share=4,
     ),
-    Kind("points.npz", _planting(_npz), _reading("a.npz", "b.npz"), share=4),
+    Kind("points.npz", planting(_npz), _reading("a.npz", "b.npz"), share=4),
     Kind(
-        "points.mesh", _planting(_meshes),
-        _reading("a.stl", "text.stl", "a.off", "a.obj", "b.obj"), share=4,
+        "points.mesh",
+        planting(_meshes),
+        _reading("a.stl", "text.stl", "a.off", "a.obj", "b.obj"),
+        share=4,
     ),
     Kind(
-        "points.glb", _planting(write_glbs), _reading("plain.glb", "textured.glb", "basisu.glb"),
-        ("in/*.glb",), share=3,
+        "points.glb",
+        planting(write_glbs),
+        _reading("plain.glb", "textured.glb", "basisu.glb"),
+        ("in/*.glb",),
+        share=3,
     ),
     Kind(
-        "points.draco", _planting(write_glbs), _reading("draco.glb"), ("in/draco.glb",),
-        ("DracoPy",),
+        "points.draco", planting(write_glbs), _reading("draco.glb"), ("in/draco.glb",), ("DracoPy",)
     ),
-    Kind("points.las", _planting(_las), _reading("a.las"), ("in/a.las",), ("laspy",)),
-    Kind("points.laz", _planting(_las), _reading("a.laz"), ("in/a.laz",), ("laspy", "lazrs")),
-    Kind("points.e57", _planting(_e57), _reading("a.e57"), needs=("pye57",), share=3),
+    Kind("points.las", planting(_las), _reading("a.las"), ("in/a.las",), ("laspy",)),
+    Kind("points.laz", planting(_las), _reading("a.laz"), ("in/a.laz",), ("laspy", "lazrs")),
+    Kind("points.e57", planting(_e57), _reading("a.e57"), needs=("pye57",), share=3),
     Kind(
-        "points.frames", _planting(_whole),
+        "points.frames",
+        planting(_whole),
         ((1, "import scan {in}/text.ply -o {out} --frames {in}/frames.json"),),
         ("in/frames.json",),
     ),
     Kind(
-        "points.composed", _planting(_whole),
+        "points.composed",
+        planting(_whole),
         ((9, "import scan {in}/room.npz -o {out}"), (1, "compose {in}/room.yaml -o {out}")),
-        ("in/room.npz",), share=1,
+        ("in/room.npz",),
+        share=1,
     ),
-)  # fmt: skip
+)

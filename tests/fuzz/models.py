@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fuzz.kinds import Kind
-from benchmarks.fuzz.pictures import ramp, write_picture
-from benchmarks.fuzz.rooms import AGAIN, TINY, planting_out
+from tests.fuzz.kinds import AGAIN, TINY, Kind, planting_out
+from tests.fuzz.pictures import ramp, write_picture
 
 # A tetrahedron, counter-clockwise from outside.
 _POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
@@ -144,9 +143,11 @@ def _glb(gltf: dict[str, Any], binary: bytes) -> bytes:
     body = binary + b"\0" * (-len(binary) % 4)
     size = 28 + len(head) + len(body)
     return (
-        struct.pack("<4sIII4s", b"glTF", 2, size, len(head), b"JSON") + head
-        + struct.pack("<I4s", len(body), b"BIN\0") + body
-    )  # fmt: skip
+        struct.pack("<4sIII4s", b"glTF", 2, size, len(head), b"JSON")
+        + head
+        + struct.pack("<I4s", len(body), b"BIN\0")
+        + body
+    )
 
 
 def _gltf(blobs: Sequence[bytes], **more: Any) -> dict[str, Any]:
@@ -155,21 +156,31 @@ def _gltf(blobs: Sequence[bytes], **more: Any) -> dict[str, Any]:
         views.append({"buffer": 0, "byteOffset": at, "byteLength": len(blob)})
         at += len(blob)
     primitive = {
-        "attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0, "mode": 4,
-    }  # fmt: skip
+        "attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+        "indices": 2,
+        "material": 0,
+        "mode": 4,
+    }
     return {
-        "scene": 0, "scenes": [{"nodes": [0]}],
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "translation": [0, 0, 1], "children": [1]}, {"name": "empty"}],
         "meshes": [{"name": "body", "primitives": [primitive]}],
         "materials": [{"name": "m", "pbrMetallicRoughness": {"roughnessFactor": 0.4}}],
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
-             "min": [0, 0, 0], "max": [1, 1, 1]},
+            {
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": 4,
+                "type": "VEC3",
+                "min": [0, 0, 0],
+                "max": [1, 1, 1],
+            },
             {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
             {"bufferView": 2, "componentType": 5123, "count": 12, "type": "SCALAR"},
         ],
         "bufferViews": views,
-    } | more  # fmt: skip
+    } | more
 
 
 def _png(folder: Path) -> bytes:
@@ -195,17 +206,21 @@ def write_glbs(folder: Path) -> None:
     texture = {"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]}
     picture = [*blobs, _png(folder)]
     gltf = _gltf(
-        picture, **texture, textures=[{"source": 0}],
+        picture,
+        **texture,
+        textures=[{"source": 0}],
         images=[{"bufferView": 3, "mimeType": "image/png"}],
-    )  # fmt: skip
+    )
     (folder / "textured.glb").write_bytes(_glb(gltf, b"".join(picture)))
     basisu = [*blobs, _ktx2()]
     gltf = _gltf(
-        basisu, **texture,
+        basisu,
+        **texture,
         textures=[{"extensions": {"KHR_texture_basisu": {"source": 0}}}],
         images=[{"bufferView": 3, "mimeType": "image/ktx2"}],
-        extensionsUsed=["KHR_texture_basisu"], extensionsRequired=["KHR_texture_basisu"],
-    )  # fmt: skip
+        extensionsUsed=["KHR_texture_basisu"],
+        extensionsRequired=["KHR_texture_basisu"],
+    )
     (folder / "basisu.glb").write_bytes(_glb(gltf, b"".join(basisu)))
     try:
         import DracoPy
@@ -219,12 +234,14 @@ def write_glbs(folder: Path) -> None:
     ]
     gltf["meshes"][0]["primitives"] = [
         {
-            "attributes": {"POSITION": 0}, "indices": 1, "mode": 4,
+            "attributes": {"POSITION": 0},
+            "indices": 1,
+            "mode": 4,
             "extensions": {
                 "KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}
             },
         }
-    ]  # fmt: skip
+    ]
     (folder / "draco.glb").write_bytes(_glb(gltf, packed))
 
 
@@ -296,30 +313,42 @@ _OBJECT = (
 KINDS = (
     Kind("model.obj", _plant_obj, ((1, partial(_model, "a.obj")),), share=4),
     Kind(
-        "model.obj-composed", planting_out(_plant_obj, _OBJECT % "a.obj"),
-        ((1, f"{AGAIN}alignment"),), ("in/a.*", "in/*.png"), share=1,
+        "model.obj-composed",
+        planting_out(_plant_obj, _OBJECT % "a.obj"),
+        ((1, f"{AGAIN}alignment"),),
+        ("in/a.*", "in/*.png"),
+        share=1,
     ),
     Kind(
-        "model.glb", _plant_glb,
+        "model.glb",
+        _plant_glb,
         tuple((1, partial(_model, f"{name}.glb")) for name in ("plain", "textured", "basisu")),
         share=4,
     ),
     Kind(
-        "model.draco", _plant_glb, ((1, partial(_model, "draco.glb")),), ("in/draco.glb",),
+        "model.draco",
+        _plant_glb,
+        ((1, partial(_model, "draco.glb")),),
+        ("in/draco.glb",),
         ("DracoPy",),
     ),
     Kind(
-        "model.usd", _plant_usd,
+        "model.usd",
+        _plant_usd,
         tuple((1, partial(_model, name)) for name in ("a.usda", "b.usdc", "c.usdz")),
         share=5,
     ),
     Kind(
-        "model.usd-composed", planting_out(_plant_usd, _OBJECT % "a.usda"),
-        ((1, f"{AGAIN}alignment"),), ("in/*.usda", "in/*.png"), share=1,
+        "model.usd-composed",
+        planting_out(_plant_usd, _OBJECT % "a.usda"),
+        ((1, f"{AGAIN}alignment"),),
+        ("in/*.usda", "in/*.png"),
+        share=1,
     ),
     Kind("model.cads", _plant_cads, ((1, _cads),), share=2),
     Kind(
-        "model.annotations", _plant_annotations,
+        "model.annotations",
+        _plant_annotations,
         ((2, partial(_annotation, "ann.txt")), (1, partial(_annotation, "annoMatParts.txt"))),
     ),
-)  # fmt: skip
+)
