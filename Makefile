@@ -70,7 +70,7 @@ benchmarks: .venv/installed-dev
 fuzz: .venv/installed-dev
 	@mkdir -p out/fuzz
 	ORUSD_STAGES=2000 $(PYTEST) tests/anystage
-	$(BIN)/python -m benchmarks.fuzz --cases 20000 --keep out/fuzz/bad --json out/fuzz/tally.json
+	$(BIN)/python -m tests.fuzz --cases 20000 --keep out/fuzz/bad --json out/fuzz/tally.json
 
 pictures: .venv/installed-dev
 	$(BIN)/python -m docs.pictures

@@ -1,4 +1,4 @@
-"""Materials: how well the reflectance model is sampled, what leaving it costs, how fast it starts.
+"""Materials: how well the reflectance model is sampled, and what leaving it costs.
 
 sampling: the variance of one sample times its seconds, for the integral of our model times a light
 over the hemisphere. Directions are drawn by our BSDF, by Mitsuba's `principled` with the same
@@ -10,19 +10,8 @@ degrees.
 albedo: what a surface of base colour 0.5 reflects of even light, by our model and by the
 UsdPreviewSurface with ior 1.576 that stands for it elsewhere, as Mitsuba's `principled`; and how
 far our sampling is from an integral in double precision.
-
-startup: seconds from a stage to its first picture of one sample in rooms of 200 boxes with 10 and
-with 200 materials, of constants and of textures of 512 x 512; each in a process without any
-compiled kernels.
-
-textures: how fast every family of the library is made, on one core.
 """
 
-import json
-import os
-import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -34,8 +23,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.report import publish, table
-from benchmarks.textures import RESOLUTION, textures
-from openrooms_usd.render.opened import open_with
 from openrooms_usd.usd.surfaces import ior_of
 
 Array = NDArray[np.float64]
@@ -241,122 +228,9 @@ def _lobe(R: float, cosine: float, f0: float, steps: int = 800) -> float:
     return float(values.mean())
 
 
-# Start-up.
-
-
-def startup(quick: bool) -> Section:
-    """Seconds to the first picture."""
-    counts, side = ((2, 4), 16) if quick else ((10, 200), 512)
-    rows = []
-    for kind, size in (("constants", 0), ("textures", side)):
-        few, many = (_started(count, size, counts[1]) for count in counts)
-        rows.append([kind, *few, *many, sum(many) / sum(few)])
-    names = [f"{part}, {count}" for count in counts for part in ("opening s", "first picture s")]
-    titles = ("materials", *names, "ratio")
-    return Section([dict(zip(titles, row, strict=True)) for row in rows], table(titles, rows))
-
-
-def _started(materials: int, size: int, boxes: int, runs: int = 3) -> list[float]:
-    """Seconds of opening and of the first picture: the fastest of some runs."""
-    script = "import sys; from benchmarks.materials import start; start(*map(int, sys.argv[1:4]))"
-    found = []
-    for _ in range(runs):
-        with tempfile.TemporaryDirectory() as home:
-            words = [sys.executable, "-c", script, str(materials), str(size), str(boxes)]
-            # Where Dr.Jit keeps compiled kernels.
-            environment = os.environ | {"HOME": home}
-            done = subprocess.run(words, env=environment, stdout=subprocess.PIPE, check=True)
-        found.append(json.loads(done.stdout.splitlines()[-1]))
-    return min(found, key=sum)
-
-
-def start(materials: int, size: int, boxes: int) -> None:
-    """Open a room and render it with one sample; print both times."""
-    from openrooms_usd import adapters
-    from openrooms_usd.render import RenderRequest
-
-    with tempfile.TemporaryDirectory() as folder:
-        stage = _room(materials, size, boxes, Path(folder))
-        renderer = adapters.load(adapters.RENDERERS, "mitsuba")
-        renderer.diagnose()
-        began = time.perf_counter()
-        session = open_with(renderer, stage)
-        opened = time.perf_counter()
-        session.render(RenderRequest("/Camera", ("radiance",), 320, 240, samples=1))
-        print(json.dumps([opened - began, time.perf_counter() - opened]))
-
-
-def _room(materials: int, size: int, boxes: int, folder: Path) -> Any:
-    """Boxes in a lit room, each of one of the materials."""
-    from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
-
-    from openrooms_usd.usd.materials import define_preview_surface
-
-    rng, stage = np.random.default_rng(2), Usd.Stage.CreateInMemory()
-    UsdGeom.SetStageUpAxis(stage, "Z")
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    looks = [
-        define_preview_surface(stage, f"/Look_{number}", _surface(number, size, folder))
-        for number in range(materials)
-    ]
-    for number in range(boxes):
-        box = UsdGeom.Cube.Define(stage, f"/Box_{number}")
-        box.CreateSizeAttr(0.4)
-        box.AddTranslateOp().Set(Gf.Vec3d(*rng.uniform(-2, 2, 3).tolist()))
-        UsdShade.MaterialBindingAPI.Apply(box.GetPrim()).Bind(looks[number % materials])
-    room = UsdGeom.Cube.Define(stage, "/Room")
-    room.CreateSizeAttr(8.0)
-    UsdShade.MaterialBindingAPI.Apply(room.GetPrim()).Bind(looks[0])
-    lamp = UsdLux.SphereLight.Define(stage, "/Lamp")
-    lamp.CreateIntensityAttr(1000.0)
-    lamp.AddTranslateOp().Set(Gf.Vec3d(0, 0, 3))
-    eye = Gf.Matrix4d().SetLookAt(Gf.Vec3d(3, 3, 2), Gf.Vec3d(0, 0, 0), Gf.Vec3d(0, 0, 1))
-    UsdGeom.Camera.Define(stage, "/Camera").MakeMatrixXform().Set(eye.GetInverse())
-    return stage
-
-
-def _surface(number: int, size: int, folder: Path) -> Any:
-    from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
-
-    rng = np.random.default_rng(number)
-    if not size:
-        red, green, blue, roughness = rng.uniform(0.1, 0.8, 4).tolist()
-        return PreviewSurface(base_color=(red, green, blue), roughness=roughness, f0=F0)
-    waves = np.sin(2 * np.pi * np.arange(size) / size * rng.integers(1, 9))
-    height = np.add.outer(waves, waves[::-1])[..., None] * rng.uniform(10, 40)
-    files = {}
-    for name, middle in (("color", (150, 120, 90)), ("gloss", (140,)), ("relief", (128, 128, 240))):
-        texels = middle + height + rng.normal(0, 3, (size, size, 1))
-        files[name] = _saved(folder / f"{name}_{number}.png", np.clip(texels, 0, 255))
-    return PreviewSurface(
-        base_color=Texture(files["color"], "rgb", "sRGB"),
-        roughness=Texture(files["gloss"], "r"),
-        normal=Texture(files["relief"], scale=NORMAL_SCALE, bias=NORMAL_BIAS),
-        f0=F0,
-    )
-
-
-def _saved(path: Path, pixels: Array) -> str:
-    import OpenImageIO
-
-    height, width, channels = pixels.shape
-    file: Any = OpenImageIO.ImageOutput.create(str(path))
-    file.open(str(path), OpenImageIO.ImageSpec(width, height, channels, "uint8"))
-    file.write_image(np.ascontiguousarray(pixels.astype(np.uint8)))
-    file.close()
-    return str(path)
-
-
-def library(quick: bool) -> Section:
-    """Megapixels of texture a second."""
-    return Section(*textures(64 if quick else RESOLUTION))
-
-
 SECTIONS: Final[dict[str, Callable[[bool], Section]]] = {
     "sampling": sampling,
     "albedo": albedo,
-    "startup": startup,
-    "textures": library,
 }
 
 if __name__ == "__main__":

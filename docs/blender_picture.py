@@ -45,7 +45,7 @@ def theirs(scene: Path, folder: Path) -> Radiance:
     told = {"scene": str(scene), "camera": CAMERA, "size": SIZE, "shots": [shot],
             "report": str(folder / "report.json")}  # fmt: skip
     job.write_text(json.dumps(told))
-    work = _ROOT / "benchmarks/light/in_blender.py"
+    work = Path(__file__).with_name("in_blender.py")
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     subprocess.run([python, "-P", str(work), str(job)], check=True, env=environment)
     return _read(picture)

@@ -9,7 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from benchmarks.realism.views import read
+import numpy as np
+import OpenImageIO
+from numpy.typing import NDArray
+
 from benchmarks.scenes import orusd
 from docs.pictures import tiled
 from openrooms_usd.imagefile import write, write_png
@@ -66,6 +69,18 @@ def room(shown: Shown, folder: Path, samples: int, size: str) -> Path:
               "--resolution", size, "--spp", samples, "--denoise",
               "--channels", CHANNELS)  # fmt: skip
     return next((home / "render").glob("*/denoised.png"))
+
+
+def read(path: Path, width: int) -> NDArray[np.uint8]:
+    """(H, W, 3) a picture in sRGB, made smaller to a width where it is larger."""
+    picture = OpenImageIO.ImageBuf(str(path))
+    if picture.spec().width > width:
+        height = round(picture.spec().height * width / picture.spec().width)
+        # By areas, as a sensor of larger pixels sees it: other filters sharpen.
+        picture = OpenImageIO.ImageBufAlgo.resize(
+            picture, "box", 0.0, OpenImageIO.ROI(0, width, 0, height, 0, 1, 0, 3)
+        )
+    return np.asarray(picture.get_pixels(OpenImageIO.UINT8)[..., :3], np.uint8)
 
 
 def publish(picture: Path, target: Path) -> None:

@@ -1,12 +1,7 @@
 """How soon light is right: ``python -m benchmarks.light``.
 
-One module a section (`section`):
-
-- what is shown of every method: `pictures`, `grids`, `fits`, `channels`, `complete`,
-  `hard_rooms`, `honesty` of estimated errors;
-- what it takes: `memory`, `repeatable`;
-- beside others: `radiance`, `environment` and `growth` of full paths, `cycles` (with `in_blender`,
-  which Blender's Python runs).
+One module a section (`section`): `pictures`, `grids`, `fits`, `channels`, `complete`,
+`hard_rooms`, and `honesty` of estimated errors.
 
 `hard` builds the rooms that are hard to light, `rooms` all rooms, opened for our integrators,
 `sessions` opens them as anybody would; `references` keeps what is true of them, `bias` says how far

@@ -13,14 +13,6 @@ error over that of the light, its mean, median, and mean over the worst tenth.
 hard: rooms that are hard to light.
 honesty: how often the true error of a picture is more than twice the one that the render states,
 over all rooms, channels and lights; of those that the reference can tell.
-memory: of many lights, and of many views.
-repeatable: whether the bytes depend on who computes them.
-cycles: radiance beside that of Blender's Cycles, raw and denoised.
-radiance: Mitsuba's `path` with its lights sampled evenly, `path` with sampling weights by the flux
-that each light brings, and our paths. The last column is the error of ours over that of the better
-`path`, at equal time.
-environment: the paper's estimator of hemispheres beside hemisphere sampling alone.
-growth: seconds for a million paths, with the number of lights, pixels and triangles.
 
 At the end: what shall be reached, and what is; of the method that is no reference, where there is
 one.
@@ -42,18 +34,12 @@ import click
 
 from benchmarks.light.channels import channels
 from benchmarks.light.complete import complete, view
-from benchmarks.light.cycles import cycles
-from benchmarks.light.environment import environment
 from benchmarks.light.fits import fits
 from benchmarks.light.grids import grids
-from benchmarks.light.growth import growth
 from benchmarks.light.hard_rooms import hard
 from benchmarks.light.honesty import honesty
-from benchmarks.light.memory import memory
 from benchmarks.light.pictures import pictures
-from benchmarks.light.radiance import radiance
 from benchmarks.light.references import References
-from benchmarks.light.repeatable import repeatable
 from benchmarks.light.section import Measure, Section, Setting
 from benchmarks.light.targets import listed
 from benchmarks.report import publish
@@ -67,12 +53,6 @@ SECTIONS: Final[dict[str, Measure]] = {
     "fits": fits,
     "hard": hard,
     "honesty": honesty,
-    "memory": memory,
-    "repeatable": repeatable,
-    "cycles": cycles,
-    "radiance": radiance,
-    "environment": environment,
-    "growth": growth,
 }
 
 

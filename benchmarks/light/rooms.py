@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from benchmarks.light.hard import CAMERA, CASES, lamp_room
+from benchmarks.light.hard import CAMERA, CASES
 from benchmarks.scenes import orusd
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.cameras import PinholeCamera, list_cameras, read_camera
 from openrooms_usd.usd.layers import open_stage
 
@@ -38,16 +36,6 @@ def generated(kind: str, seed: int, folder: Path) -> Usd.Stage:
         text.write_text(re.sub(r"environment: \{.*\}", f"environment: {_SKY}", text.read_text()))
         orusd("compose", text, "-o", found.parent)
     return open_stage(found)
-
-
-def boxes(count: int) -> Usd.Stage:
-    """A lit room with so many boxes on its floor."""
-    shell = lamp_room()
-    material, side = shell.material(base_color=(0.5, 0.5, 0.4)), int(np.ceil(np.sqrt(count)))
-    for n in range(count):
-        x, y = (2 * (n % side) + 1) / side - 1, (2 * (n // side) + 1) / side - 1
-        shell.box((x, y, -0.95), (1.2 / side, 1.2 / side, 0.1), material)
-    return shell.camera((-0.7, -0.85, 0.3), (0.3, 0.9, -0.5))
 
 
 def lit_plain(folder: Path) -> Usd.Stage:
@@ -123,46 +111,6 @@ class Room:
     def seen_at(self, width: int, height: int) -> PinholeCamera:
         """Its camera, for a picture of any size."""
         return read_camera(self.stage.GetPrimAtPath(self.path), width, height)
-
-    @cached_property
-    def ours(self) -> Any:
-        """Our integrator of radiance."""
-        from orusd_mitsuba.transport.path_integrator import PathIntegrator
-
-        return PathIntegrator(
-            self.built, self.index, self.camera, *self.size, self.scene.origin,
-            self.bounces + 1, by_light=False,
-        )  # fmt: skip
-
-    def theirs(self, tuned: bool) -> Any:
-        """Mitsuba's `path`, its lights sampled evenly, or by the flux that they bring."""
-        from orusd_mitsuba.plugins.build import Builder
-        from orusd_mitsuba.plugins.light_weights import LightWeights, light_weights
-        from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
-
-        lamps = [patch.name for patch in self.scene.patches if patch.radiance is not None]
-        even = LightWeights(1.0, dict.fromkeys(lamps, 1.0), (1.0,) * len(self.scene.suns))
-        weights = light_weights(self.scene) if tuned else even
-        built = Builder(self.scene.origin).scene(self.scene, weights, by_portals=False)
-        request = RenderRequest(
-            self.path, ("radiance",), *self.size, samples=1, bounces=self.bounces
-        )
-        return BuiltinIntegrator(built, self.camera, request, self.scene.origin)
-
-
-def radiance(planes: NDArray[np.float32]) -> Pictures:
-    """The whole picture of a pass, which is split by kind or not at all."""
-    return np.asarray(planes.sum(axis=0), dtype=np.float64)
-
-
-def mean_of(integrator: Any, samples: int, seed: int) -> Pictures:
-    """The mean of so many passes that they have ``samples`` together."""
-    left, total, number = samples, 0.0, 0
-    while left:
-        now = min(left, integrator.most)
-        total = total + now * radiance(integrator(now, seed + number))
-        left, number = left - now, number + 1
-    return np.asarray(total / samples)
 
 
 @contextmanager

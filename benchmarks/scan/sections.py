@@ -1,12 +1,11 @@
 """What is measured of every simulated scan: each section gathers rows and sums them up."""
 
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from statistics import mean
-from typing import Any, Final, Protocol
+from typing import Any, Protocol
 
-from benchmarks.scan.baselines import manhattan, ransac_planes
 from benchmarks.scan.cases import Case
 from benchmarks.scan.methods import Reconstruction
 from benchmarks.scan.scores import NOTHING, LayoutScore, opening_counts, score_rooms, summary
@@ -14,8 +13,6 @@ from openrooms_usd.errors import OrusdError
 from openrooms_usd.scan.results import FoundRoom
 
 Row = dict[str, Any]
-
-OURS: Final = "ours"
 
 
 class Section(Protocol):
@@ -25,58 +22,32 @@ class Section(Protocol):
         """Measure one scan."""
 
     def rows(self) -> list[Row]:
-        """One row for each method."""
-
-
-def has_open3d() -> bool:
-    """Whether the usual tool can be compared with."""
-    try:
-        import open3d  # type: ignore[import-not-found, unused-ignore]  # noqa: F401
-    except (ImportError, OSError):
-        return False
-    return True
+        """What was found."""
 
 
 class Layout:
     """Rooms: outline, corners, edges, floor and ceiling; and openings by labels."""
 
     def __init__(self) -> None:
-        self._scores: dict[str, list[tuple[str, LayoutScore, float]]] = {}
+        self._scores: list[tuple[str, LayoutScore, float]] = []
 
     def look(self, case: Case) -> None:
         """Measure one scan."""
-        self._score(case, OURS, lambda: case.ours.rooms)
-        self._score(case, "Manhattan histogram", lambda: _one(manhattan(case.ours.still)))
-        if has_open3d():
-            self._score(case, "Open3D: RANSAC planes", lambda: _one(ransac_planes(case.ours.still)))
-
-    def _score(self, case: Case, method: str, find: Callable[[], Sequence[FoundRoom]]) -> None:
-        true = case.level_truth.rooms
-        began = time.perf_counter()
-        try:
-            found = find()
-        except OrusdError:
-            found = ()
-        seconds = time.perf_counter() - began
-        if method == OURS:
-            steps = case.ours.seconds
-            seconds = sum(steps.get(step, 0.0) for step in ("clean", "level", "layout"))
-        rows = self._scores.setdefault(method, [])
-        rows += [(case.name, score, seconds) for score in score_rooms(found, true)]
+        found: Sequence[FoundRoom] = ()
+        with suppress(OrusdError):
+            found = case.ours.rooms
+        steps = case.ours.seconds
+        seconds = sum(steps.get(step, 0.0) for step in ("clean", "level", "layout"))
+        scores = score_rooms(found, case.level_truth.rooms)
+        self._scores += [(case.name, score, seconds) for score in scores]
 
     def rows(self) -> list[Row]:
-        """One row for each method."""
-        return [
-            {
-                "method": method,
-                **summary([score for _, score, _ in found]),
-                "seconds": mean(seconds for *_, seconds in found),
-            }
-            for method, found in self._scores.items()
-        ]
+        """One row."""
+        whole = summary([score for _, score, _ in self._scores])
+        return [{**whole, "seconds": mean(seconds for *_, seconds in self._scores)}]
 
     def each(self) -> list[Row]:
-        """One row for each scan, of our own method."""
+        """One row for each scan."""
         return [
             {
                 "scan": name,
@@ -88,7 +59,7 @@ class Layout:
                 "floor_offset": score.floor_offset,
                 "ceiling": score.ceiling,
             }
-            for name, score, _ in self._scores.get(OURS, ())
+            for name, score, _ in self._scores
         ]
 
 
@@ -124,7 +95,3 @@ class Openings:
                 }
             )
         return rows
-
-
-def _one(room: FoundRoom | None) -> tuple[FoundRoom, ...]:
-    return () if room is None else (room,)

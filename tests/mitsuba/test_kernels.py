@@ -1,5 +1,6 @@
 """What is compiled for one camera serves all, and arrays lie where kernels do not depend on it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -29,15 +30,20 @@ def room(build: Any) -> Any:
     return open_with(MitsubaRenderer(), made.stage)
 
 
-def kernels(opened: Any, request: RenderRequest) -> set[str]:
-    """The hashes of all kernels of Dr.Jit that ran for a request."""
+def kernels_of(work: Callable[[], object]) -> set[str]:
+    """The hashes of all kernels of Dr.Jit that ran meanwhile."""
     import drjit as dr
 
     dr.kernel_history_clear()
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
-        opened.render(request)
+        work()
         history = dr.kernel_history()
     return {entry["hash"] for entry in history if entry["type"] == dr.KernelType.JIT}
+
+
+def kernels(opened: Any, request: RenderRequest) -> set[str]:
+    """Those that ran for a request."""
+    return kernels_of(lambda: opened.render(request))
 
 
 @pytest.mark.parametrize("channels", PASSES.values(), ids=PASSES)
@@ -56,6 +62,24 @@ def test_nor_does_it_where_all_channels_come_from_the_light_cache(build: Any, mi
     request = RenderRequest("/Within", LIT, 16, 12, samples=4, grid=(4, 3), method="cache")
     first = kernels(opened, request)
     assert not kernels(opened, replace(request, camera="/Without", seed=7)) - first
+
+
+def test_bias_is_measured_by_the_code_of_both_methods(build: Any, mi: Any) -> None:
+    opened = room(build)
+    biased = RenderRequest(
+        "/Within", ("radiance",), 16, 12, samples=4, method="cache", measure_bias=False
+    )
+    both = kernels(opened, biased) | kernels(opened, replace(biased, method="reference"))
+    assert not kernels(opened, replace(biased, measure_bias=True)) - both
+
+
+def test_all_steps_of_a_walk_are_one_kernel(build: Any, mi: Any) -> None:
+    from orusd_mitsuba.cache import population
+
+    session = room(build).session
+    steps = 2 * (population._FORGOTTEN_STEPS + population._STEPS)
+    found = kernels_of(lambda: population.reached(session._scene, session._built, 1))
+    assert 1 < len(found) < steps
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.uint32])

@@ -9,16 +9,14 @@ from numpy.typing import NDArray
 
 from openrooms_usd.render import RenderRequest
 
-ROOT = Path(__file__).parents[2]
 SIZE = (32, 24)
 EYE = "/World/Camera"
 Passes = NDArray[np.float64]
 
 
 @pytest.fixture
-def case(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, lit: Any) -> Any:
+def case(tmp_path: Path, lit: Any) -> Any:
     """Gives by name an opened room and the integrator of its camera."""
-    monkeypatch.syspath_prepend(str(ROOT))
     from benchmarks.light.hard import CASES
     from orusd_mitsuba.transport.path_integrator import PathIntegrator
 

@@ -23,6 +23,7 @@ from orusd_mitsuba.cache.population import Rays, reached
 from orusd_mitsuba.cache.surfels import NEAREST_PER_SIZE, SurfelIndex, SurfelTable, tabulate
 from orusd_mitsuba.cache.tracing import Surroundings, follow
 from orusd_mitsuba.plugins import microfacet
+from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.lattice import FirstDimensions
 
 Floats = NDArray[np.float32]
@@ -181,7 +182,7 @@ def _divided(
     above = mi.Point3f(si.p + mi.Vector3f(si.n) * (side * (_ABOVE_PART * size_m)))
     # From each point to the first one of its surfel.
     _, firsts = np.unique(surfels, return_index=True)
-    across = dr.gather(mi.Point3f, above, mi.UInt32(firsts[surfels].astype(np.uint32))) - above
+    across = dr.gather(mi.Point3f, above, _numbers(firsts[surfels])) - above
     length = dr.norm(across)
     onto = mi.Ray3f(above, mi.Vector3f(across) / dr.maximum(length, 1e-12))
     onto.maxt = length
@@ -208,7 +209,7 @@ def _gathered(
         shifts.seed(seed + 2 * start + 3, len(surfels))
         numbers = FirstDimensions(_PATHS_A_SURFEL, paths, shifts)
         sums, links = Straight(paths, lights, orders), Links(index, paths, around.known.passing)
-        ray = points.rays.at(mi.UInt32(_turns(points.starts, surfels, _PATHS_A_SURFEL)))
+        ray = points.rays.at(_numbers(_turns(points.starts, surfels, _PATHS_A_SURFEL)))
         follow(around.knowing(links), sampler, ray, sums, white, numbers=numbers)
         entries = np.asarray(dr.block_sum(sums.entries, _PATHS_A_SURFEL).numpy())
         # As in pictures: what is no number counts as none.
@@ -228,7 +229,7 @@ def _matter(
 ) -> tuple[Floats, Floats, Floats, NDArray[np.uint32]]:
     """See `CacheData`: what surfels are made of, in the mean over some of their points."""
     surfels = np.arange(len(points.starts) - 1)
-    ray = points.rays.at(mi.UInt32(_turns(points.starts, surfels, _POINTS_OF_MATTER)))
+    ray = points.rays.at(_numbers(_turns(points.starts, surfels, _POINTS_OF_MATTER)))
     si = around.built.ray_intersect(ray)
     matter = around.materials(si, around.tabulated(si.shape, si.is_valid()))
     cosine = dr.abs(si.wi.z)
@@ -242,6 +243,11 @@ def _matter(
     behind = numbers.reshape(-1, _POINTS_OF_MATTER).min(axis=1).astype(np.uint32)
     behind = np.where(behind == NONE, surfels.astype(np.uint32), behind)
     return means[:, :3], means[:, 3:6], means[:, 6], behind
+
+
+def _numbers(values: NDArray[Any]) -> Any:
+    """Whole numbers for a kernel, aligned: where they are not, it is another kernel."""
+    return mi.UInt32(aligned(values.astype(np.uint32)))
 
 
 def _turns(starts: NDArray[np.int64], surfels: NDArray[np.int64], count: int) -> NDArray[np.uint32]:

@@ -49,6 +49,8 @@ class Links:
 
     def __init__(self, index: SurfelIndex, paths: int, passing: bool) -> None:
         self._index, self._paths, self.passing = index, paths, passing
+        # As a variable, not as a part of the compiled code: batches of all sizes share it.
+        self._stride = dr.opaque(mi.UInt32, paths)
         slots = LINKED_VERTICES * _SIDES * paths
         self._surfels = dr.full(mi.UInt32, NONE, slots)
         self._weights = [dr.zeros(mi.Float, slots) for _ in range(3)]
@@ -76,7 +78,7 @@ class Links:
     ) -> None:
         """See `tracing.Known`."""
         vertex = (scatterings - 2) * _SIDES + int(through)
-        slot = vertex * self._paths + dr.arange(mi.UInt32, self._paths)
+        slot = vertex * self._stride + dr.arange(mi.UInt32, self._paths)
         dr.scatter(self._surfels, surfel, slot, active)
         dr.scatter(self._crossed, crossed, slot, active)
         for plane, value in zip(self._weights, weight, strict=True):
@@ -104,6 +106,7 @@ class Straight:
 
     def __init__(self, paths: int, lights: int, orders: int) -> None:
         self._paths, self._lights, self._orders = paths, lights, orders
+        self._stride = dr.opaque(mi.UInt32, paths)
         self.entries = dr.zeros(mi.Float, orders * lights * 3 * paths)
 
     def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
@@ -113,5 +116,5 @@ class Straight:
         for channel in range(3):
             dr.scatter_reduce(
                 dr.ReduceOp.Add, self.entries, value[channel],
-                (row * 3 + channel) * self._paths + slot, active, mode=dr.ReduceMode.NoConflicts,
+                (row * 3 + channel) * self._stride + slot, active, mode=dr.ReduceMode.NoConflicts,
             )  # fmt: skip

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.arrays import Scene
+from orusd_mitsuba.plugins.memory import aligned
 
 _CANDIDATES: Final = 1 << 18
 _WALKERS: Final = 1 << 16
@@ -46,7 +47,7 @@ class Rays:
 
     def rows(self, which: NDArray[np.int64]) -> "Rays":
         """Some of them, by number."""
-        number = mi.UInt32(which.astype(np.uint32))
+        number = mi.UInt32(aligned(which.astype(np.uint32)))
         return Rays(dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number))
 
     @staticmethod
@@ -81,15 +82,18 @@ def _walk(built: Any, sampler: Any, starts: Rays) -> Rays | None:
     """What walkers who begin at some points meet after a while; None where it is nothing."""
     walker = dr.arange(mi.UInt32, _WALKERS)
     ray = starts.at(walker % len(starts))
+    o, d = ray.o, ray.d
+    sampler.schedule_state()
+    dr.eval(o, d)
     found = []
     for step in range(_FORGOTTEN_STEPS + _STEPS):
-        ray, d, onwards = _step(built, sampler, ray)
+        o, d, onwards = _step(built, sampler, o, d)
         if step < _FORGOTTEN_STEPS:
             continue
         kept: Any = dr.compress(onwards)
         if not dr.width(kept):
             continue
-        found.append(Rays(dr.gather(mi.Point3f, ray.o, kept), dr.gather(mi.Vector3f, d, kept)))
+        found.append(Rays(dr.gather(mi.Point3f, o, kept), dr.gather(mi.Vector3f, d, kept)))
     return Rays.joined(found) if found else None
 
 
@@ -136,20 +140,21 @@ def _lit(scene: Scene, built: Any, seed: int) -> Rays | None:
     return Rays(dr.gather(mi.Point3f, onto.o, kept), dr.gather(mi.Vector3f, onto.d, kept))
 
 
-def _step(built: Any, sampler: Any, ray: Any) -> tuple[Any, Any, Any]:
-    """One scattering: the next ray, its direction, and whether it meets a surface."""
-    si = built.ray_intersect(ray)
+def _step(built: Any, sampler: Any, o: Any, d: Any) -> tuple[Any, Any, Any]:
+    """One scattering: the next ray's origin and direction, and whether it meets a surface."""
+    si = built.ray_intersect(mi.Ray3f(o, d))
     sample, _ = si.bsdf().sample(
         mi.BSDFContext(), si, sampler.next_1d(), sampler.next_2d(), si.is_valid()
     )
-    onto = si.to_world(sample.wo)
-    after = si.spawn_ray(onto)
+    after = si.spawn_ray(si.to_world(sample.wo))
     meets = si.is_valid() & (sample.pdf > 0.0) & built.ray_test(after, si.is_valid())
-    # Who is lost stands where he stood.
-    after.o = dr.select(meets, after.o, ray.o)
-    after.d = dr.select(meets, after.d, ray.d)
-    dr.eval(after, onto, meets)
-    return after, after.d, meets
+    # Who is lost stands where they stood.
+    o, d = dr.select(meets, after.o, o), dr.select(meets, after.d, d)
+    # With the state of the random numbers: else each step would draw those of all steps before it
+    # again, by code of its own, which takes longer to compile than all steps to compute.
+    sampler.schedule_state()
+    dr.eval(o, d, meets)
+    return o, d, meets
 
 
 def _columns(vectors: NDArray[np.float64]) -> NDArray[np.float32]:

@@ -119,7 +119,10 @@ class CompleteIntegrator(BandedIntegrator):
         self.most = _MOST_SAMPLES
 
     def sparse(self, pixels: NDArray[np.uint32]) -> Self:
-        """See `BandedIntegrator`; without guides: such pixels have no neighbours."""
+        """See `BandedIntegrator`; without guides: such pixels have no neighbours.
+
+        They are summed all the same, so that it is the same code as of the picture.
+        """
         found = super().sparse(pixels)
         found.guided, found.planes = False, pictures_of(self.lights)
         return found
@@ -136,10 +139,11 @@ class CompleteIntegrator(BandedIntegrator):
         pixels = band.width * band.rows
         strands = max(1, min(band.samples, min(_THREADS, self.capacity) // pixels))
         threads = Band(self, band.where, strands, band.seed)
-        sums = WholeAccumulator(threads.paths, self.lights, guided=self.guided)
+        sums = WholeAccumulator(threads.paths, self.lights, guided=self._wanted.guides)
         _take_samples(self, threads, threads.sampler(), band.samples, sums)
         means = threads.means(sums.entries) * np.float32(strands / band.samples)
-        return np.ascontiguousarray(np.moveaxis(pictures(means, self.lights), 1, 3))
+        found = pictures(means, self.lights)[: self.planes]
+        return np.ascontiguousarray(np.moveaxis(found, 1, 3))
 
     def sample(
         self, threads: Band, sampler: Any, samples: int, number: Any, sums: WholeAccumulator

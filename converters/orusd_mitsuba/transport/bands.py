@@ -16,6 +16,7 @@ from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.lenses import Panorama, ThinLens
+from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.plugins.sensors import describe_sensor, has_lens, pinhole
 from orusd_mitsuba.transport.strips import most_samples, strips
 
@@ -61,10 +62,14 @@ class Band:
         # As variables, not as parts of the compiled code: bands of all sizes share it.
         pixel = dr.arange(mi.UInt32, self.paths) // dr.opaque(mi.UInt32, self.samples)
         width, rows = self.width, (self.top, self.rows)
-        if self._integrator.pixels is not None:
+        numbers = self._integrator.pixels
+        if numbers is None:
+            # Looked up as well, so that sparse pixels need no code of their own.
+            numbers = np.arange(width * self.rows, dtype=np.uint32)
+        else:
             # They stand in a row, but lie anywhere in the picture.
-            pixel = dr.gather(mi.UInt32, mi.UInt32(self._integrator.pixels), pixel)
             width, rows = self._integrator.width, (0, self._integrator.height)
+        pixel = dr.gather(mi.UInt32, mi.UInt32(aligned(numbers)), pixel)
         across = dr.opaque(mi.UInt32, width)
         corner = mi.Point2f(mi.Float(pixel % across), mi.Float(pixel // across))
         step = mi.Vector2f(*(dr.opaque(mi.Float, 1.0 / side) for side in (width, rows[1])))
