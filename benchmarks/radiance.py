@@ -29,13 +29,12 @@ from numpy.typing import NDArray
 
 from benchmarks.report import publish, table
 from benchmarks.scenes import demo_stage
-from openrooms_usd import adapters
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
 from openrooms_usd.render import RenderRequest, View, render_stage
 from openrooms_usd.render.denoise import load_denoiser
 from openrooms_usd.render.estimates import relative_mse, robust_error
-from openrooms_usd.render.opened import open_with
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.render.opening import open_for_rendering
 
 VARIANTS: Final = ("cuda", "llvm", "scalar")
 SAMPLES: Final = (4, 16, 64, 256, 1024)
@@ -112,9 +111,7 @@ def usable(stage: Path) -> tuple[str, ...]:
 
 def _opens(stage: Path, variant: str) -> bool:
     try:
-        open_with(
-            adapters.load(adapters.RENDERERS, "mitsuba"), open_stage(stage), {"variant": variant}
-        )
+        open_for_rendering(stage, RenderSettings(options={"variant": variant}))
     except RenderError:
         return False
     return True
@@ -176,9 +173,10 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
     """Render every number of samples on one backend, and once the whole way through the driver."""
     stage, folder = Path(job["stage"]), Path(job["folder"])
     width, height = job["resolution"]
-    session = open_with(
-        adapters.load(adapters.RENDERERS, "mitsuba"), open_stage(stage), {"variant": job["variant"]}
+    settings = RenderSettings(
+        resolution=(width, height), samples=64, options={"variant": job["variant"]}
     )
+    session = open_for_rendering(stage, settings)
     camera = job["camera"] or next(iter(session.cameras), None)
     pictures = []
     cleaned = _Cleaner(session, camera, width, height) if job["denoise"] else None
@@ -201,14 +199,8 @@ def measure(job: dict[str, Any]) -> dict[str, Any]:
             pixels = cleaned(image.pixels)
             pictures[-1]["denoising"] = time.perf_counter() - began
             np.save(picture_file(folder, job["variant"], samples, "d"), pixels)
-    timing = render_stage(
-        stage,
-        folder / f"{job['variant']}_all",
-        cameras=[camera] if camera else [],
-        resolution=(width, height),
-        samples=64,
-        options={"variant": job["variant"]},
-    ).timing
+    out, cameras = folder / f"{job['variant']}_all", [camera] if camera else []
+    timing = render_stage(stage, out, settings, cameras=cameras).timing
     (view,) = timing["views"].values()
     return {
         "variant": job["variant"],

@@ -36,7 +36,9 @@ _OURS: Final = """
 from pxr import Usd, UsdGeom
 import openrooms_usd.usd.subdivided
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.opened import OpenedStage
+from openrooms_usd.description.rendering import RenderSettings
+from openrooms_usd.render.channel_plan import ChannelPlan
+from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.moments import hold
@@ -55,7 +57,9 @@ hold(stage)
 looked = time.perf_counter() - began
 scene = translate(stage)
 translated = time.perf_counter() - began
-session = OpenedStage(stage, scene, MitsubaRenderer(), {"variant": sys.argv[2]})
+renderer = MitsubaRenderer()
+plan = ChannelPlan.of(RenderSettings(options={"variant": sys.argv[2]}), renderer)
+session = RenderContext(Path(sys.argv[1]), stage, scene, renderer, plan)
 opened = time.perf_counter() - began
 view = session.render(RenderRequest(None, ("radiance",), 64, 48, samples=1))
 first = time.perf_counter() - began

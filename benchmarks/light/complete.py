@@ -16,7 +16,7 @@ from benchmarks.light.sessions import OpenedRoom, methods_of
 from benchmarks.light.targets import Target
 from benchmarks.scenes import ORUSD, demo_stage
 from openrooms_usd.channels import CHANNELS, RENDERED, definition
-from openrooms_usd.render.contract import DEFAULT_GRID
+from openrooms_usd.description.rendering import DEFAULT_GRID
 
 _SAMPLES: Final = 16
 _CAMERA: Final = "dining"

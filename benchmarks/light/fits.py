@@ -12,9 +12,9 @@ from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import OpenedRoom, methods_of
 from benchmarks.light.targets import Target
+from openrooms_usd.description.rendering import DEFAULT_GRID
 from openrooms_usd.geometry import spherical_gaussians
 from openrooms_usd.geometry.hemisphere import untiled
-from openrooms_usd.render.contract import DEFAULT_GRID
 
 _ROOMS: Final = ("bedroom", "living room", "plain")
 _GRID: Final = 40, 30

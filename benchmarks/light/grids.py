@@ -16,7 +16,7 @@ from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import Cost, OpenedRoom, methods_of
 from benchmarks.light.targets import Target
-from openrooms_usd.render.contract import DEFAULT_GRID, REFERENCE
+from openrooms_usd.description.rendering import DEFAULT_GRID, REFERENCE
 
 _ASKED: Final = ("environment", "environment_direct")
 _ROOMS: Final = ("bedroom", "living room", "plain")

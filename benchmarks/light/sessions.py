@@ -5,6 +5,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, Final
 from unittest.mock import patch
 
@@ -13,9 +14,10 @@ import numpy as np
 from benchmarks.light.references import Images
 from benchmarks.light.rooms import Room
 from openrooms_usd import adapters
+from openrooms_usd.description.rendering import REFERENCE, RenderSettings
 from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.contract import REFERENCE
-from openrooms_usd.render.opened import OpenedStage
+from openrooms_usd.render.channel_plan import ChannelPlan
+from openrooms_usd.render.context import RenderContext
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usercache import VARIABLE
 
@@ -70,7 +72,8 @@ class OpenedRoom:
 
     def __init__(self, room: Room, method: str = REFERENCE) -> None:
         renderer = adapters.load(adapters.RENDERERS, "mitsuba")
-        self.opened = OpenedStage(room.stage, room.scene, renderer, {})
+        plan = ChannelPlan.of(RenderSettings(), renderer)
+        self.opened = RenderContext(Path("room"), room.stage, room.scene, renderer, plan)
         self._room, self.method = room, method
 
     @property

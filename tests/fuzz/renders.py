@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from openrooms_usd.description.rendering import RenderSettings
 from tests.fuzz.kinds import Kind
 
 _CHANNELS = """
@@ -54,12 +55,10 @@ def _render(scene: Path, out: Path, *, views: tuple[str, ...] = ("view_0",)) -> 
     render_stage(
         scene,
         out,
+        RenderSettings(
+            channels=_CHANNELS.split(), resolution=(8, 6), grid=(2, 1), samples=1, renderer=FAKE
+        ),
         cameras=views,
-        channels=_CHANNELS.split(),
-        resolution=(8, 6),
-        grid=(2, 1),
-        samples=1,
-        renderer=FAKE,
     )
 
 
