@@ -4,16 +4,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.render import probes
 from openrooms_usd.render import relight as relighting
 from openrooms_usd.render.bake import baking
-
-
-def run(*arguments: str) -> Any:
-    return CliRunner().invoke(orusd, arguments)
+from tests.commands import run
 
 
 def test_relight_takes_words_and_numbers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -24,8 +19,14 @@ def test_relight_takes_words_and_numbers(monkeypatch: pytest.MonkeyPatch, tmp_pa
         return {"lights": [{"name": "lamp_2", "factor": [0.0, 0.0, 0.0]}]}
 
     monkeypatch.setattr(relighting, "relight", turned)
-    found = run("relight", "a/left", "-o", str(tmp_path), "--light", "lamp_2=off", "--light",
-                "window_0=2.0", "--light", "lamp_0=ON", "--temperature", "lamp_1=2700")  # fmt: skip
+    found = run(
+        "relight",
+        "a/left",
+        "-o",
+        str(tmp_path),
+        *"--light lamp_2=off --light window_0=2.0 --light lamp_0=ON".split(),
+        *("--temperature", "lamp_1=2700"),
+    )
     assert found.exit_code == 0, found.output
     ((view, how),) = seen
     assert view == Path("a/left")
@@ -49,8 +50,13 @@ def test_probe_takes_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
         return {"probes": [{"name": "probe_0", "estimated_robust_error": 0.01}]}
 
     monkeypatch.setattr(probes, "probe_stage", made)
-    found = run("probe", "scene.usda", "-o", str(tmp_path), "--at", "-1,2,0.5", "--at", "0,0,1",
-                "--openings", "--resolution", "64x32", "--spp", "8")  # fmt: skip
+    found = run(
+        "probe",
+        "scene.usda",
+        "-o",
+        str(tmp_path),
+        *"--at -1,2,0.5 --at 0,0,1 --openings --resolution 64x32 --spp 8".split(),
+    )
     assert found.exit_code == 0, found.output
     (how,) = seen
     assert how["at"] == ((-1.0, 2.0, 0.5), (0.0, 0.0, 1.0))
@@ -69,13 +75,23 @@ def test_bake_says_what_it_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
 
     def made(stage: Path, out: Path, settings: Any, **how: Any) -> dict[str, Any]:
         seen.append((settings, how["options"]))
-        return {"texel": {"asked_m": 0.1, "side_m": 0.2}, "lights": [{}, {}], "left_out": [{}],
-                "atlases": [{"size": [64, 32], "lit_texels": 1234}], "estimated_error": 0.01,
-                "layer": "lightmaps.usda"}  # fmt: skip
+        return {
+            "texel": {"asked_m": 0.1, "side_m": 0.2},
+            "lights": [{}, {}],
+            "left_out": [{}],
+            "atlases": [{"size": [64, 32], "lit_texels": 1234}],
+            "estimated_error": 0.01,
+            "layer": "lightmaps.usda",
+        }
 
     monkeypatch.setattr(baking, "bake_stage", made)
-    found = run("bake", "scene.usda", "-o", str(tmp_path), "--texel", "0.1", "--spp", "8",
-                "--atlas", "512", "--max-texels", "2048", "--variant", "llvm")  # fmt: skip
+    found = run(
+        "bake",
+        "scene.usda",
+        "-o",
+        str(tmp_path),
+        *"--texel 0.1 --spp 8 --atlas 512 --max-texels 2048 --variant llvm".split(),
+    )
     assert found.exit_code == 0, found.output
     ((settings, options),) = seen
     assert settings == baking.BakeSettings(0.1, 8, 0, 7, 512, 2048)
@@ -89,5 +105,8 @@ def test_bake_offers_what_the_core_has_by_default() -> None:
     offered = {option.name: option.default for option in bake.params}
     own = baking.BakeSettings()
     assert (offered["texel"], offered["spp"], offered["side"], offered["max_texels"]) == (
-        own.texel_m, own.samples, own.side, own.most_texels,
-    )  # fmt: skip
+        own.texel_m,
+        own.samples,
+        own.side,
+        own.most_texels,
+    )

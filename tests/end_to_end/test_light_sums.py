@@ -12,12 +12,11 @@ from openrooms_usd.render.reading import RenderedView, read_render
 
 Array = NDArray[np.float64]
 SIZE = (24, 18)
-CHANNELS = [
-    "radiance", "emission", "direct", "indirect", "irradiance", "irradiance_direct",
-    "irradiance_indirect", "diffuse", "specular", "residual", "base_color", "metallic", "valid",
-    "radiance_i", "direct_i", "unoccluded_i", "visibility_i", "irradiance_i",
-    "irradiance_unoccluded_i",
-]  # fmt: skip
+CHANNELS = (
+    "radiance emission direct indirect irradiance irradiance_direct irradiance_indirect "
+    "diffuse specular residual base_color metallic valid radiance_i direct_i unoccluded_i "
+    "visibility_i irradiance_i irradiance_unoccluded_i"
+).split()
 
 
 def of_lights(view: RenderedView, name: str) -> Array:
@@ -60,7 +59,12 @@ def test_light_that_was_taken_apart_adds_up(
     fastest: str,
 ) -> None:
     render_stage(
-        generated(kind, seed), tmp_path, resolution=SIZE, options={"variant": fastest},
-        channels=CHANNELS, samples=16, cameras=["view_0"],
-    )  # fmt: skip
+        generated(kind, seed),
+        tmp_path,
+        resolution=SIZE,
+        options={"variant": fastest},
+        channels=CHANNELS,
+        samples=16,
+        cameras=["view_0"],
+    )
     assert_adds_up(read_render(tmp_path).views["view_0"])
