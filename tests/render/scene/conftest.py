@@ -10,7 +10,6 @@ from pxr import Usd
 from openrooms_usd.render import Image, RenderRequest, View
 from openrooms_usd.render.contract import NO_OPTIONS
 from openrooms_usd.render.opened import OpenedStage, open_with
-from tests.handmade import Build
 
 Open = Callable[[Usd.Stage], OpenedStage]
 
@@ -32,11 +31,6 @@ class Dark:
     ) -> dict[str, Image]:
         black = np.zeros((request.height, request.width, 3), np.float32)
         return {"radiance": Image(black, 1, 0.0, 0.0)}
-
-
-@pytest.fixture
-def build() -> type[Build]:
-    return Build
 
 
 @pytest.fixture(params=["core", "scalar", "llvm"])
