@@ -94,13 +94,19 @@ def shared_by(test: pytest.Function) -> str | None:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--cpu-limit", type=float, metavar="SECONDS", default=float("inf"),
+        "--cpu-limit",
+        type=float,
+        metavar="SECONDS",
+        default=float("inf"),
         help="list tests without the mark slow that take more processor time",
-    )  # fmt: skip
+    )
     parser.addoption(
-        "--cpu-fail", type=float, metavar="SECONDS", default=float("inf"),
+        "--cpu-fail",
+        type=float,
+        metavar="SECONDS",
+        default=float("inf"),
         help="fail tests without the mark slow that take more processor time",
-    )  # fmt: skip
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:

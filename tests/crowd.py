@@ -4,15 +4,15 @@ import numpy as np
 from pxr import Gf, UsdGeom, UsdShade, Vt
 
 from openrooms_usd.usd.surfaces import Texture
-from tests.handmade import Build
+from tests import small
 
 
-def crowd(picture: str) -> Build:
+def crowd(picture: str) -> small.Stage:
     """Boxes of one prototype, with a painted lid and a tetrahedron on it, by both ways of USD.
 
     Some are mirrored, stretched and sheared; the prototype lies far from its own origin.
     """
-    made = Build()
+    made = small.Stage()
     paper = made.material("/M/paper", base_color=Texture(picture, color_space="sRGB"))
     red = made.material("/M/red", base_color=(0.7, 0.1, 0.1))
     made.quad("/floor", [(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-3, 3, 0)])

@@ -1,6 +1,5 @@
 """Habits that a look at the files can check."""
 
-import ast
 import re
 import subprocess
 from pathlib import Path
@@ -45,15 +44,6 @@ def test_no_module_is_too_long() -> None:
     assert {str(path): n for path, n in lengths.items() if n > LONGEST} == {}
 
 
-def test_every_module_says_what_it_is() -> None:
-    silent = [
-        str(path.relative_to(ROOT))
-        for path in modules()
-        if not ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
-    ]
-    assert silent == []
-
-
 def test_text_files_end_with_one_newline_and_have_unix_line_ends() -> None:
     wrong = []
     for path in tracked():
@@ -67,27 +57,3 @@ def test_text_files_end_with_one_newline_and_have_unix_line_ends() -> None:
 def test_no_large_file_is_tracked() -> None:
     large = {str(p.relative_to(ROOT)): p.stat().st_size for p in tracked()}
     assert {name: size for name, size in large.items() if size > 2_000_000} == {}
-
-
-def chapters() -> list[Path]:
-    """Packages of several modules; the core itself is mapped by ARCHITECTURE.md.
-
-    The command line has a table of its commands, and furniture one module a category.
-    """
-    without = {"openrooms_usd", "openrooms_usd/cli", "openrooms_usd/library/furniture"}
-    return [
-        path.parent
-        for path in modules()
-        if path.name == "__init__.py"
-        and len(list(path.parent.glob("*.py"))) > 3
-        and path.parent.relative_to(ROOT).as_posix() not in without
-    ]
-
-
-@pytest.mark.parametrize("chapter", chapters(), ids=lambda path: path.name)
-def test_the_map_of_a_chapter_names_all_that_is_in_it(chapter: Path) -> None:
-    text = ast.get_docstring(ast.parse((chapter / "__init__.py").read_text(encoding="utf-8")))
-    named = set(re.findall(r"\w+", text or ""))
-    inside = {path.stem for path in chapter.glob("*.py")} - {"__init__", "__main__"}
-    inside |= {path.parent.name for path in chapter.glob("*/__init__.py")}
-    assert inside - named == set()

@@ -84,10 +84,31 @@ FOR_CONVERTERS = {
     "categories",
     # Importers of finished scenes read models, and know what stands for those that are missing.
     "library",
-    "usd", "geometry", "physics", "scan", "channels", "capture", "render", "convert", "simulate",
-    "colorimetry", "errors", "names", "atomic", "claims", "hdf5", "imagefile", "isolation",
-    "ledger", "loading", "progress", "unpickling", "untrusted", "urls", "package",
-}  # fmt: skip
+    "usd",
+    "geometry",
+    "physics",
+    "scan",
+    "channels",
+    "capture",
+    "render",
+    "convert",
+    "simulate",
+    "colorimetry",
+    "errors",
+    "names",
+    "atomic",
+    "claims",
+    "hdf5",
+    "imagefile",
+    "isolation",
+    "ledger",
+    "loading",
+    "progress",
+    "unpickling",
+    "untrusted",
+    "urls",
+    "package",
+}
 HEAVY = {
     "pxr",
     "mitsuba",
@@ -310,6 +331,9 @@ def test_what_reads_untrusted_bytes_as_code_is_not_used() -> None:
     calls = {"eval", "exec", "yaml.load", "yaml.unsafe_load", "yaml.full_load"}
     for source in SOURCES.values():
         for path in source.rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            text = path.read_text(encoding="utf-8")
+            if not any(f"{call}(" in text for call in calls):
+                continue
+            for node in ast.walk(ast.parse(text)):
                 if isinstance(node, ast.Call):
                     assert ast.unparse(node.func) not in calls, f"{path}:{node.lineno}"

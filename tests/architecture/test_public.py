@@ -14,10 +14,7 @@ import openrooms_usd
 from openrooms_usd import adapters, cli
 
 ROOT = Path(__file__).parents[2]
-HEAVY = {
-    "pxr", "mitsuba", "drjit", "numpy", "scipy", "shapely", "trimesh", "OpenImageIO", "pydantic",
-    "yaml", "rich",
-}  # fmt: skip
+HEAVY = set("pxr mitsuba drjit numpy scipy shapely trimesh OpenImageIO pydantic yaml rich".split())
 
 
 def test_all_names_the_facade_and_nothing_else() -> None:

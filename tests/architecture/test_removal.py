@@ -1,6 +1,7 @@
 """One module removes and renames: read from the syntax trees."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,10 +22,14 @@ FUNCTIONS = {
     "os": {"remove", "removedirs", "renames", "replace", "truncate", "unlink", "rmdir", "rename"},
     "shutil": {"move", "copy", "copy2", "copyfile", "copytree", "rmtree"},
 }
+# Sources without any of these are not parsed.
+WORDS = re.compile(rf"\b(os|shutil)\b|\.(replace|{'|'.join(METHODS)})\(")
 
 
 def calls(source: str) -> Iterator[tuple[int, str]]:
     """The places that remove, rename or replace files."""
+    if not WORDS.search(source):
+        return
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ImportFrom) and node.module in FUNCTIONS:
             yield from ((node.lineno, a.name) for a in node.names if a.name in METHODS)

@@ -11,10 +11,19 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = {
-    "openrooms_usd", "orusd_schemas", "orusd_gltf", "orusd_mitsuba", "orusd_nerf",
-    "orusd_openrooms", "orusd_preview", "orusd_scans", "orusd_urdf", "orusd_usdz",
-    "orusd_hypersim", "orusd_webdataset",
-}  # fmt: skip
+    "openrooms_usd",
+    "orusd_schemas",
+    "orusd_gltf",
+    "orusd_mitsuba",
+    "orusd_nerf",
+    "orusd_openrooms",
+    "orusd_preview",
+    "orusd_scans",
+    "orusd_urdf",
+    "orusd_usdz",
+    "orusd_hypersim",
+    "orusd_webdataset",
+}
 DATA = {
     "openrooms_usd/py.typed",
     "openrooms_usd/demo/room.yaml",

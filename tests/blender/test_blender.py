@@ -45,7 +45,8 @@ def test_a_room_arrives_lit_and_seen_as_it_is(blender: Blender, example: Path) -
     for name, camera in found["cameras"].items():
         ours = read_camera(stage.GetPrimAtPath(f"{names.CAMERAS}/{name}"), 640, 480)
         np.testing.assert_allclose(
-            np.array(camera["matrix"]), ours.world_from_camera @ FLIP, atol=1e-5)  # fmt: skip
+            np.array(camera["matrix"]), ours.world_from_camera @ FLIP, atol=1e-5
+        )
         assert camera["fov"] == pytest.approx(
             np.degrees(2 * np.arctan(320 / ours.K[0, 0])), rel=1e-5
         )

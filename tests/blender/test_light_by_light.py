@@ -19,8 +19,8 @@ from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from tests.blender.conftest import Blender
-from tests.handmade import Build
 from tests.opening import open_with
+from tests.small import Stage
 
 pytestmark = pytest.mark.slow
 
@@ -39,9 +39,9 @@ BRIGHT_NITS: Final = 1500.0
 Array = NDArray[Any]
 
 
-def lamp_room(path: Path) -> Build:
+def lamp_room(path: Path) -> Stage:
     """A grey box of 4 m with a window towards -Y, and a camera that sees neither it nor a lamp."""
-    made = Build(path=path)
+    made = Stage(path=path)
     made.stage.SetDefaultPrim(UsdGeom.Xform.Define(made.stage, names.WORLD).GetPrim())
     grey = made.material(f"{names.WORLD}/Looks/grey", base_color=(0.6, 0.5, 0.4), roughness=1.0)
     corners = np.array([(x, y, z) for z in (-2, 2) for y in (-2, 2) for x in (-2, 2)])
@@ -122,8 +122,13 @@ def ours_of(stage: Usd.Stage, light: str) -> Array:
         alone.GetPrimAtPath(f"{names.WORLD}/{name}").SetActive(name == light)
     width, height = SIZE
     request = RenderRequest(
-        f"{names.WORLD}/eye", ("radiance",), width=width, height=height, samples=SAMPLES,
-        bounces=BOUNCES)  # fmt: skip
+        f"{names.WORLD}/eye",
+        ("radiance",),
+        width=width,
+        height=height,
+        samples=SAMPLES,
+        bounces=BOUNCES,
+    )
     view = open_with(mitsuba.MitsubaRenderer(), alone, {"bsdf": "preview"}).render(request)
     return np.asarray(view.images["radiance"].pixels)
 
@@ -191,8 +196,13 @@ def room_light_by_light(scene: Path, camera: str) -> dict[str, Array]:
     stage = Usd.Stage.Open(str(scene))
     opened = open_with(mitsuba.MitsubaRenderer(), stage, {"bsdf": "preview"})
     request = RenderRequest(
-        f"{names.CAMERAS}/{camera}", ("radiance_i",), width=width, height=height,
-        samples=SAMPLES, bounces=BOUNCES)  # fmt: skip
+        f"{names.CAMERAS}/{camera}",
+        ("radiance_i",),
+        width=width,
+        height=height,
+        samples=SAMPLES,
+        bounces=BOUNCES,
+    )
     images = opened.render(request).images
     found: dict[str, Array] = {SKY: np.zeros((height, width, 3))}
     for light in opened.lights:
@@ -219,15 +229,16 @@ def seen_alike(ours: Array, theirs: Array) -> tuple[Array, Array]:
 
 @pytest.mark.parametrize(
     ("room", "camera", "close"),
-    [
-        ("example", "overview", CLOSE),
-        pytest.param("bedroom", "view_0", {}, marks=pytest.mark.long),
-    ],
+    [("example", "overview", CLOSE), pytest.param("bedroom", "view_0", {}, marks=pytest.mark.long)],
 )
 def test_lamps_and_sky_of_a_room_light_it_alike(
-    blender: Blender, request: pytest.FixtureRequest, tmp_path: Path, room: str, camera: str,
+    blender: Blender,
+    request: pytest.FixtureRequest,
+    tmp_path: Path,
+    room: str,
+    camera: str,
     close: dict[str, tuple[float, float]],
-) -> None:  # fmt: skip
+) -> None:
     out = request.getfixturevalue(room)
     scene = diffuse_alone(out / "scene.usda", tmp_path / "diffuse.usda")
     ours = room_light_by_light(scene, camera)

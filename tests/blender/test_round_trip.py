@@ -5,17 +5,16 @@ from typing import Any, Final
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.cli import orusd
 from openrooms_usd.demo import write_starter
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.lights import DistantLight, read_lights
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.validate import validate_stage
 from tests.blender.conftest import Blender
+from tests.commands import output_of
 
 pytestmark = pytest.mark.slow
 
@@ -29,11 +28,6 @@ SUN: Final = f"{names.WORLD}/Sun"
 CHOSEN: Final = f"{names.CAMERAS}/view_"
 LUX: Final = 3000.0
 DEGREES: Final = 2.0
-
-
-def told(*words: object) -> None:
-    done = CliRunner().invoke(orusd, [str(word) for word in words], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
 
 
 def said_by(scene: Path) -> dict[str, str]:
@@ -83,18 +77,23 @@ def trip(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> dict[str
     folder = tmp_path_factory.mktemp("trip")
     described, out = write_starter(folder)[0], folder / "out"
     scene, file = out / "scene.usda", folder / "from_blender.usda"
-    told("compose", described, "-o", out)
+    output_of("compose", described, "-o", out)
     before = said_by(scene)
     blender("visited", scene, paint=PAINT, lux=LUX, degrees=DEGREES, file=str(file))
-    told("edits", "adopt", scene, "--from", file)
+    output_of("edits", "adopt", scene, "--from", file)
     adopted, edits = said_by(scene), (out / "layers/edits.usda").read_bytes()
-    told("compose", described, "-o", out)
+    output_of("compose", described, "-o", out)
     composed = said_by(scene)
     wished = described.read_text().replace("at: [2.2, 2.4]", "at: [2.0, 2.2]")
     described.write_text(wished.replace("height: 260 cm", "height: 270 cm"))
-    told("compose", described, "-o", out)
-    return {"scene": scene, "before": before, "adopted": adopted, "composed": composed,
-            "edits": edits}  # fmt: skip
+    output_of("compose", described, "-o", out)
+    return {
+        "scene": scene,
+        "before": before,
+        "adopted": adopted,
+        "composed": composed,
+        "edits": edits,
+    }
 
 
 def paint_of(stage: Usd.Stage) -> Sdf.Path:
@@ -105,9 +104,11 @@ def paint_of(stage: Usd.Stage) -> Sdf.Path:
 
 def changed_by(stage: Usd.Stage) -> set[str]:
     return {
-        f"{CHAIR}.xformOp:translate", f"{CHAIR}.xformOp:rotateXYZ", str(paint_of(stage)),
+        f"{CHAIR}.xformOp:translate",
+        f"{CHAIR}.xformOp:rotateXYZ",
+        str(paint_of(stage)),
         f"{LAMP}/Geometry/light_bulb.inputs:intensity",
-    }  # fmt: skip
+    }
 
 
 def test_four_changes_are_five_opinions_beside_what_is_new(trip: dict[str, Any]) -> None:

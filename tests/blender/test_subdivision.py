@@ -19,40 +19,56 @@ Array = NDArray[np.float64]
 # Blender's words for interpolateBoundary and faceVaryingLinearInterpolation.
 BOUNDARIES = {"ALL": "edgeOnly", "PRESERVE_CORNERS": "edgeAndCorner"}
 SEAMS = {
-    "NONE": "all", "SMOOTH_ALL": "none", "PRESERVE_CORNERS": "cornersOnly",
+    "NONE": "all",
+    "SMOOTH_ALL": "none",
+    "PRESERVE_CORNERS": "cornersOnly",
     "PRESERVE_CORNERS_AND_JUNCTIONS": "cornersPlus1",
-    "PRESERVE_CORNERS_JUNCTIONS_AND_CONCAVE": "cornersPlus2", "PRESERVE_BOUNDARIES": "boundaries",
-}  # fmt: skip
+    "PRESERVE_CORNERS_JUNCTIONS_AND_CONCAVE": "cornersPlus2",
+    "PRESERVE_BOUNDARIES": "boundaries",
+}
 USUAL = "PRESERVE_CORNERS_AND_JUNCTIONS"
 RANDOM = np.random.default_rng(1)
 
 BOX = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], float)
 SIDES = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
 HILLS = np.array([[i, j, 0.3 * RANDOM.normal()] for j in range(4) for i in range(4)])
-FIELDS = [[4 * j + i, 4 * j + i + 1, 4 * j + i + 5, 4 * j + i + 4]
-          for j in range(3) for i in range(3)]  # fmt: skip
+FIELDS = [
+    [4 * j + i, 4 * j + i + 1, 4 * j + i + 5, 4 * j + i + 4] for j in range(3) for i in range(3)
+]
 PYRAMID = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 1]], float)
 SLOPES = [[0, 3, 2, 1], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
 
 
 def cage(
-    points: Array, faces: list[list[int]], *, creases: Any = (), corners: Any = (),
-    boundary: str = "ALL", uv: str = USUAL, seam: float | None = None,
-) -> dict[str, Any]:  # fmt: skip
+    points: Array,
+    faces: list[list[int]],
+    *,
+    creases: Any = (),
+    corners: Any = (),
+    boundary: str = "ALL",
+    uv: str = USUAL,
+    seam: float | None = None,
+) -> dict[str, Any]:
     """A control cage; with ``seam`` texture coordinates jump at that x, else at every corner."""
     indices = [index for face in faces for index in face]
     st = RANDOM.uniform(size=(len(indices), 2))
     if seam is not None:
-        beyond = np.repeat([points[face].mean(axis=0)[0] > seam for face in faces],
-                           [len(face) for face in faces])  # fmt: skip
+        beyond = np.repeat(
+            [points[face].mean(axis=0)[0] > seam for face in faces], [len(face) for face in faces]
+        )
         at = points[indices]
         st = np.stack([at[:, 0] + 5.0 * beyond, at[:, 1] + 0.2 * at[:, 2]], axis=1)
     # Blender holds single precision.
     return {
-        "points": points.astype(np.float32).tolist(), "counts": [len(face) for face in faces],
-        "indices": indices, "creases": creases, "corners": corners, "boundary": boundary,
-        "uv": uv, "st": st.astype(np.float32).tolist(),
-    }  # fmt: skip
+        "points": points.astype(np.float32).tolist(),
+        "counts": [len(face) for face in faces],
+        "indices": indices,
+        "creases": creases,
+        "corners": corners,
+        "boundary": boundary,
+        "uv": uv,
+        "st": st.astype(np.float32).tolist(),
+    }
 
 
 CAGES = [
@@ -63,7 +79,7 @@ CAGES = [
     cage(PYRAMID, SLOPES),
     cage(HILLS, FIELDS, boundary="PRESERVE_CORNERS", seam=9.0),
     *(cage(HILLS, FIELDS, uv=uv, seam=1.9) for uv in SEAMS),
-]  # fmt: skip
+]
 
 
 def test_points_and_seams_are_those_of_opensubdiv(blender: Blender, tmp_path: Path) -> None:

@@ -63,9 +63,10 @@ def arrived(_: dict[str, Any]) -> dict[str, Any]:
     A mesh is told by the names of the objects above it, those that carry its instance too.
     """
     drawn = [
-        _mesh(instance) for instance in bpy.context.evaluated_depsgraph_get().object_instances
+        _mesh(instance)
+        for instance in bpy.context.evaluated_depsgraph_get().object_instances
         if instance.object.type == "MESH"
-    ]  # fmt: skip
+    ]
     places = {found.name: _rows(found.matrix_world) for found in bpy.data.objects}
     materials = [_look(material) for material in bpy.data.materials if material.users]
     lamps = {found.name: _lamp(found) for found in bpy.data.objects if found.type == "LIGHT"}
@@ -172,10 +173,13 @@ def _part(name: str, part: str) -> Any:
 def export(job: dict[str, Any]) -> None:
     """One file for each of the forms."""
     forms: dict[str, dict[str, Any]] = {
-        "root": {}, "bare": {"root_prim_path": ""}, "merged": {"merge_parent_xform": True},
-        "instanced": {"use_instancing": True}, "unnamed": {"author_blender_name": False},
+        "root": {},
+        "bare": {"root_prim_path": ""},
+        "merged": {"merge_parent_xform": True},
+        "instanced": {"use_instancing": True},
+        "unnamed": {"author_blender_name": False},
         "matrices": {"xform_op_mode": "MAT", "export_materials": False},
-    }  # fmt: skip
+    }
     for name, options in forms.items():
         bpy.ops.wm.usd_export(filepath=str(Path(job["folder"]) / f"{name}.usda"), **options)
 
@@ -287,10 +291,16 @@ def subdivided(job: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 JOBS = {
-    "seen": seen, "rearranged": rearranged, "export": export, "panorama": panorama,
-    "picture": picture, "arrived": arrived, "alone": alone, "visited": visited,
+    "seen": seen,
+    "rearranged": rearranged,
+    "export": export,
+    "panorama": panorama,
+    "picture": picture,
+    "arrived": arrived,
+    "alone": alone,
+    "visited": visited,
     "subdivided": subdivided,
-}  # fmt: skip
+}
 
 
 if __name__ == "__main__":

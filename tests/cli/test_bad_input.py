@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.cli.test_importing import WALLS, surface
+
 DESCRIPTION, INPUT, OUTPUT, STAGE, RENDER = 2, 2, 3, 4, 5
 
 # A square whose corners, and nothing else, are given by the test.
@@ -242,17 +244,7 @@ def _reading(command: str, stage: Path, out: Path, lab: Any) -> list[object]:
 
 @pytest.mark.parametrize("command", ["validate", "render", "convert"])
 @pytest.mark.parametrize(
-    "name",
-    [
-        "empty.usda",
-        "text.usda",
-        "text.usd",
-        "cut.usdc",
-        "tail.usdc",
-        "text.usdz",
-        "cut.usdz",
-        "a.txt",
-    ],
+    "name", "empty.usda text.usda text.usd cut.usdc tail.usdc text.usdz cut.usdz a.txt".split()
 )
 def test_an_unreadable_stage(name: str, command: str, orusd: Any, lab: Any, tmp_path: Path) -> None:
     contents = {
@@ -361,6 +353,9 @@ def test_what_a_stage_lacks_is_reported(orusd: Any, lab: Any, tmp_path: Path) ->
         ("--variant vulkan", RENDER, ("'vulkan'", "auto, cuda, llvm, scalar")),
         ("--renderer mitzuba", INPUT, ("did you mean 'mitsuba'?",)),
         ("--nosuch", INPUT, ("--nosuch",)),
+        ("--time nan", INPUT, ("--time", "nan is not between")),
+        ("--error -1", INPUT, ("--error", "-1.0 is not between")),
+        ("--seed -1", INPUT, ("seed",)),
     ],
 )
 def test_render_options(
@@ -382,24 +377,8 @@ def test_other_names(orusd: Any, lab: Any, tmp_path: Path) -> None:
     assert not out.exists()
 
 
-WALLS = [
-    ([2, 1.2, 0], [1, 0, 0], 4),
-    ([4, 1.2, -1.5], [0, 0, -1], 3),
-    ([2, 1.2, -3], [-1, 0, 0], 4),
-    ([0, 1.2, -1.5], [0, 0, 1], 3),
-]
-
-
-def _wall(center: list[float], along: list[float], length: float) -> dict[str, list[float]]:
-    x, _, z = along
-    return {
-        "dimensions": [length, 2.4, 0],
-        "transform": [x, 0, z, 0, 0, 1, 0, 0, -z, 0, x, 0, *center, 1],
-    }
-
-
 def _capture(path: Path) -> Path:
-    path.write_text(json.dumps({"walls": [_wall(*wall) for wall in WALLS]}))
+    path.write_text(json.dumps({"walls": [surface(*wall) for wall in WALLS]}))
     return path
 
 
@@ -416,7 +395,7 @@ def _capture(path: Path) -> Path:
         (b'{"walls": [{"dimensions": [1e300, 1, 0], "transform": [1]}]}', "walls[0]"),
         (b'{"walls": [{"dimensions": [1, 1, 0], "transform": [1, 2]}]}', "16 numbers expected"),
         (b"[" * 100_000, "nested too deeply"),
-        (json.dumps({"walls": [_wall(*WALLS[0])]}).encode(), "no floor"),
+        (json.dumps({"walls": [surface(*WALLS[0])]}).encode(), "no floor"),
     ],
 )
 def test_a_capture(text: bytes, fragment: str, orusd: Any, tmp_path: Path) -> None:

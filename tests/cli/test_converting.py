@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError
+from tests.commands import output_of, run
 
 STAGE = """\
 #usda 1.0
@@ -49,7 +48,7 @@ def stage(tmp_path: Path) -> Path:
 def _convert(stage: Path, out: Path, *options: str, to: str = "urdf") -> Any:
     command = ["convert", str(stage), str(out), "--to", to]
     given = [word for option in options for word in ("--option", option)]
-    return CliRunner().invoke(orusd, [*command, *given])
+    return run(*command, *given)
 
 
 def _friction(out: Path) -> float:
@@ -98,13 +97,9 @@ def test_a_moment_of_what_moves(tmp_path: Path) -> None:
     (tmp_path / "scene.usda").write_text(moving)
     asked = ["convert", str(tmp_path / "scene.usda")]
     for name, code in (("a", "5"), ("b", "10")):
-        done = CliRunner().invoke(
-            orusd, [*asked, str(tmp_path / f"{name}.glb"), "--time-code", code]
-        )
+        done = run(*asked, tmp_path / f"{name}.glb", "--time-code", code)
         assert done.exit_code == 0, done.output
     assert (tmp_path / "a.glb").read_bytes() != (tmp_path / "b.glb").read_bytes()
     with pytest.raises(InputError, match="all that moves"):
-        CliRunner().invoke(
-            orusd, [*asked, str(tmp_path / "a.usdz"), "--time-code", "5"], catch_exceptions=False
-        )
+        output_of(*asked, tmp_path / "a.usdz", "--time-code", "5")
     assert not (tmp_path / "a.usdz").exists()

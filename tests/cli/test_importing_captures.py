@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from openrooms_usd.capture import read_capture
-from openrooms_usd.cli import orusd
 from openrooms_usd.description import load_room
 from openrooms_usd.errors import InputError, OutputError
+from tests.commands import run
 
 TETRAHEDRON = """mtllib model_normalized.mtl
 v -0.3 -0.4 -0.2
@@ -29,17 +28,16 @@ IDENTITY = {"translation": [0, 0, 0], "rotation": [1, 0, 0, 0], "scale": [1, 1, 
 SCAN = {**IDENTITY, "rotation": [0.5**0.5, -(0.5**0.5), 0, 0]}
 
 
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(orusd, ["import", *map(str, arguments)])
-
-
 def annotation(scan: str = "scene0001_00") -> dict[str, Any]:
     def model(cad: str, x: float) -> dict[str, Any]:
         return {
             "trs": {**IDENTITY, "translation": [x, 0.4, -2.0], "scale": [1.0, 1.5, 1.0]},
-            "bbox": [0.3, 0.4, 0.2], "center": [0, 0, 0], "sym": "__SYM_NONE",
-            "catid_cad": "03001627", "id_cad": cad,
-        }  # fmt: skip
+            "bbox": [0.3, 0.4, 0.2],
+            "center": [0, 0, 0],
+            "sym": "__SYM_NONE",
+            "catid_cad": "03001627",
+            "id_cad": cad,
+        }
 
     models = [model("here", 1.0), model("missing", 2.0), model("here", 3.0)]
     return {"id_scan": scan, "trs": SCAN, "aligned_models": models}
@@ -65,23 +63,35 @@ def scan2cad(tmp_path: Path) -> tuple[object, ...]:
     ]
     (source / "cameras.json").write_text(json.dumps(frames))
     return (
-        "scan2cad", source / "full_annotations.json", "--scan", "scene0001_00",
-        "--models", source / "shapenet", "--polygon", source / "floor.json",
-        "--frames", source / "cameras.json",
-    )  # fmt: skip
+        "scan2cad",
+        source / "full_annotations.json",
+        "--scan",
+        "scene0001_00",
+        "--models",
+        source / "shapenet",
+        "--polygon",
+        source / "floor.json",
+        "--frames",
+        source / "cameras.json",
+    )
 
 
 def test_only_what_the_scan_needs_is_copied_and_reads_the_same(scan2cad, tmp_path) -> None:
     out = tmp_path / "room"
-    result = run(*scan2cad, "-o", out, "--json")
+    result = run("import", *scan2cad, "-o", out, "--json")
     assert result.exit_code == 0, result.output
     report = json.loads(result.output)
     assert (report["objects"], report["models"], report["frames"]) == (3, 2, 2)
     assert any("missing" in note for note in report["notes"])
     here = "models/03001627/here/models/model_normalized"
     assert sorted(p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()) == [
-        "floor.json", "frames.json", f"{here}.mtl", f"{here}.obj", "room.yaml", "scene0001_00.json",
-    ]  # fmt: skip
+        "floor.json",
+        "frames.json",
+        f"{here}.mtl",
+        f"{here}.obj",
+        "room.yaml",
+        "scene0001_00.json",
+    ]
     assert str(tmp_path) not in "".join(p.read_text() for p in out.rglob("*.*") if p.is_file())
     section = load_room(out / "room.yaml").alignment
     copied = read_capture(section.reader, out / section.file, section.options, out)
@@ -98,7 +108,7 @@ def test_only_what_the_scan_needs_is_copied_and_reads_the_same(scan2cad, tmp_pat
 
 
 def test_the_cameras_of_the_photographs_are_taken(scan2cad, tmp_path) -> None:
-    run(*scan2cad, "-o", tmp_path / "room")
+    run("import", *scan2cad, "-o", tmp_path / "room")
     room = load_room(tmp_path / "room/room.yaml")
     (view,) = room.cameras.views
     assert (view.source, view.every, room.cameras.resolution) == ("capture", 1, None)
@@ -106,7 +116,7 @@ def test_the_cameras_of_the_photographs_are_taken(scan2cad, tmp_path) -> None:
 
 def test_without_a_polygon_the_remedy_is_named(scan2cad, tmp_path) -> None:
     given = [word for word in scan2cad if "floor" not in str(word) and word != "--polygon"]
-    result = run(*given, "-o", tmp_path / "room")
+    result = run("import", *given, "-o", tmp_path / "room")
     assert isinstance(result.exception, InputError)
     assert "--polygon FILE" in str(result.exception)
     assert not (tmp_path / "room").exists()
@@ -114,7 +124,7 @@ def test_without_a_polygon_the_remedy_is_named(scan2cad, tmp_path) -> None:
 
 def test_an_unknown_scan_is_told_the_nearest(scan2cad, tmp_path) -> None:
     given = ["scene0001_01" if word == "scene0001_00" else word for word in scan2cad]
-    result = run(*given, "-o", tmp_path / "room")
+    result = run("import", *given, "-o", tmp_path / "room")
     assert isinstance(result.exception, InputError)
     assert "scene0001_00" in str(result.exception)
     assert not (tmp_path / "room").exists()
@@ -123,7 +133,7 @@ def test_an_unknown_scan_is_told_the_nearest(scan2cad, tmp_path) -> None:
 def test_another_file_of_that_name_is_not_overwritten(scan2cad, tmp_path) -> None:
     (tmp_path / "room").mkdir()
     (tmp_path / "room/floor.json").write_text("mine")
-    result = run(*scan2cad, "-o", tmp_path / "room")
+    result = run("import", *scan2cad, "-o", tmp_path / "room")
     assert isinstance(result.exception, OutputError)
     assert [path.name for path in (tmp_path / "room").iterdir()] == ["floor.json"]
     assert (tmp_path / "room/floor.json").read_text() == "mine"
@@ -134,7 +144,7 @@ def test_a_scan_whose_name_is_a_path_writes_nothing(scan2cad, tmp_path: Path, sc
     annotations = tmp_path / "one.json"
     annotations.write_text(json.dumps([annotation(scan)]))
     before = sorted(tmp_path.rglob("*"))
-    result = run("scan2cad", annotations, *scan2cad[6:8], "-o", tmp_path / "a/b/room")
+    result = run("import", "scan2cad", annotations, *scan2cad[6:8], "-o", tmp_path / "a/b/room")
     assert isinstance(result.exception, InputError)
     assert "id_scan" in str(result.exception)
     assert sorted(tmp_path.rglob("*")) == before
@@ -144,7 +154,7 @@ def test_a_number_out_of_range_that_nobody_reads_is_named(scan2cad, tmp_path: Pa
     annotations = tmp_path / "one.json"
     data = json.dumps([{**annotation(), "keypoints": 1}])
     annotations.write_text(data.replace('"keypoints": 1', '"keypoints": 1e999'))
-    result = run("scan2cad", annotations, *scan2cad[6:8], "-o", tmp_path / "room")
+    result = run("import", "scan2cad", annotations, *scan2cad[6:8], "-o", tmp_path / "room")
     assert isinstance(result.exception, InputError)
     assert "out of range" in str(result.exception)
     assert not (tmp_path / "room").exists()
@@ -155,14 +165,14 @@ def test_a_file_that_would_take_the_place_of_the_room_is_refused(tmp_path: Path)
     boxes.write_text("label,x,y,z,width,depth,height\nchair,1,1,0,0.5,0.5,0.9\n")
     (tmp_path / "room.yaml").write_text('{"floor": [[0, 0], [3, 0], [3, 3], [0, 3]]}')
     given = ("boxes", boxes, "--polygon", tmp_path / "room.yaml")
-    result = run(*given, "-o", tmp_path / "room")
+    result = run("import", *given, "-o", tmp_path / "room")
     assert isinstance(result.exception, InputError)
     assert "another name" in str(result.exception)
     assert not (tmp_path / "room").exists()
 
 
 def test_help_lists_the_options_of_an_importer() -> None:
-    text = run("scan2cad", "--help").output
+    text = run("import", "scan2cad", "--help").output
     for name in ("--scan", "--models", "--frames", "--polygon"):
         assert name in text
 
@@ -181,7 +191,7 @@ BAD = {
 def test_bad_tables_leave_nothing(tmp_path: Path, name: str) -> None:
     path = tmp_path / "boxes.csv"
     path.write_text(BAD[name])
-    result = run("boxes", path, "-o", tmp_path / "room")
+    result = run("import", "boxes", path, "-o", tmp_path / "room")
     assert isinstance(result.exception, InputError), result.output
     assert str(path) in str(result.exception)
     assert result.exit_code != 0
@@ -191,7 +201,7 @@ def test_bad_tables_leave_nothing(tmp_path: Path, name: str) -> None:
 def test_a_table_becomes_a_room(tmp_path: Path) -> None:
     path = tmp_path / "boxes.csv"
     path.write_text(HEADER + "a,chair,100,200,0,50,50,90,30\nb,gizmo,300,100,0,90,40,70,0\n")
-    result = run("boxes", path, "--unit", "cm", "-o", tmp_path / "room")
+    result = run("import", "boxes", path, "--unit", "cm", "-o", tmp_path / "room")
     assert result.exit_code == 0, result.output
     room = load_room(tmp_path / "room/room.yaml")
     assert room.layout.options == {"unit": "cm"}

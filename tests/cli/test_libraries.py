@@ -6,21 +6,14 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.render.sheet import write_sheet
 from openrooms_usd.showroom import exhibits
+from tests.commands import output_of
 
 QUICK = ("--variant", "scalar", "--size", "24", "--spp", "1")
-
-
-def call(*words: object) -> str:
-    result = CliRunner().invoke(orusd, [str(word) for word in words], catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    return result.output
 
 
 def pixels(path: Path) -> np.ndarray:
@@ -28,10 +21,10 @@ def pixels(path: Path) -> np.ndarray:
 
 
 def test_the_list_for_people_and_programs() -> None:
-    said = json.loads(call("library", "list", "--json"))
+    said = json.loads(output_of("library", "list", "--json"))
     assert list(said) == sorted(CATEGORIES)
     assert all(row["styles"] == list(CATEGORIES[name].styles) for name, row in said.items())
-    rows = [line.split()[0] for line in call("library", "list").splitlines()]
+    rows = [line.split()[0] for line in output_of("library", "list").splitlines()]
     assert rows == list(said)
 
 
@@ -51,10 +44,10 @@ def test_a_small_sheet(tmp_path: Path) -> None:
     words += ["--all", *QUICK]
     names = ("ceiling_lamp", "table")
     first, second = tmp_path / "first.png", tmp_path / "second.png"
-    said = json.loads(call(*words, "-o", first, "--json"))
+    said = json.loads(output_of(*words, "-o", first, "--json"))
     shown = [tuple(row) for row in said["shown"]]
     assert shown == [(name, style) for name in names for style in CATEGORIES[name].styles]
-    assert f"{len(shown)} objects" in call(*words, "-o", second)
+    assert f"{len(shown)} objects" in output_of(*words, "-o", second)
     assert first.read_bytes() == second.read_bytes()
     # Pictures side by side with gaps of 6; lamps are rendered last and yet stand first.
     cells = {row: pixels(first)[6:30, 6 + 30 * i : 30 + 30 * i] for i, row in enumerate(shown[:10])}
@@ -87,10 +80,12 @@ def test_a_wide_sheet_is_reduced(tmp_path: Path) -> None:
 
 def test_refusals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InputError, match="did you mean 'chair'"):
-        call("library", "sheet", "-o", tmp_path / "x.png", "--category", "chiar")
+        output_of("library", "sheet", "-o", tmp_path / "x.png", "--category", "chiar")
     (tmp_path / "file").write_text("")
     # Before anything is composed or rendered.
     monkeypatch.delattr("openrooms_usd.showroom.studio.build")
     with pytest.raises(OutputError):
-        call("library", "sheet", "-o", tmp_path / "file" / "x.png", "--category", "box", *QUICK)
+        output_of(
+            "library", "sheet", "-o", tmp_path / "file" / "x.png", "--category", "box", *QUICK
+        )
     assert {path.name for path in tmp_path.iterdir()} == {"file"}

@@ -4,17 +4,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import probes
 from openrooms_usd.render import relight as relighting
 from openrooms_usd.render.bake import baking
-
-
-def run(*arguments: str) -> Any:
-    return CliRunner().invoke(orusd, arguments)
+from tests.commands import run
 
 
 def test_relight_takes_words_and_numbers(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -25,8 +20,14 @@ def test_relight_takes_words_and_numbers(monkeypatch: pytest.MonkeyPatch, tmp_pa
         return {"lights": [{"name": "lamp_2", "factor": [0.0, 0.0, 0.0]}]}
 
     monkeypatch.setattr(relighting, "relight", turned)
-    found = run("relight", "a/left", "-o", str(tmp_path), "--light", "lamp_2=off", "--light",
-                "window_0=2.0", "--light", "lamp_0=ON", "--temperature", "lamp_1=2700")  # fmt: skip
+    found = run(
+        "relight",
+        "a/left",
+        "-o",
+        str(tmp_path),
+        *"--light lamp_2=off --light window_0=2.0 --light lamp_0=ON".split(),
+        *("--temperature", "lamp_1=2700"),
+    )
     assert found.exit_code == 0, found.output
     ((view, how),) = seen
     assert view == Path("a/left")
@@ -50,8 +51,13 @@ def test_probe_takes_positions(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
         return {"probes": [{"name": "probe_0", "estimated_robust_error": 0.01}]}
 
     monkeypatch.setattr(probes, "probe_stage", made)
-    found = run("probe", "scene.usda", "-o", str(tmp_path), "--at", "-1,2,0.5", "--at", "0,0,1",
-                "--openings", "--resolution", "64x32", "--spp", "8")  # fmt: skip
+    found = run(
+        "probe",
+        "scene.usda",
+        "-o",
+        str(tmp_path),
+        *"--at -1,2,0.5 --at 0,0,1 --openings --resolution 64x32 --spp 8".split(),
+    )
     assert found.exit_code == 0, found.output
     ((settings, how),) = seen
     assert how["at"] == ((-1.0, 2.0, 0.5), (0.0, 0.0, 1.0))
@@ -70,13 +76,23 @@ def test_bake_says_what_it_made(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
 
     def made(stage: Path, out: Path, settings: Any, layout: Any, **how: Any) -> dict[str, Any]:
         seen.append((settings, layout))
-        return {"texel": {"asked_m": 0.1, "side_m": 0.2}, "lights": [{}, {}], "left_out": [{}],
-                "atlases": [{"size": [64, 32], "lit_texels": 1234}], "estimated_error": 0.01,
-                "layer": "lightmaps.usda"}  # fmt: skip
+        return {
+            "texel": {"asked_m": 0.1, "side_m": 0.2},
+            "lights": [{}, {}],
+            "left_out": [{}],
+            "atlases": [{"size": [64, 32], "lit_texels": 1234}],
+            "estimated_error": 0.01,
+            "layer": "lightmaps.usda",
+        }
 
     monkeypatch.setattr(baking, "bake_stage", made)
-    found = run("bake", "scene.usda", "-o", str(tmp_path), "--texel", "0.1", "--spp", "8",
-                "--atlas", "512", "--max-texels", "2048", "--variant", "llvm")  # fmt: skip
+    found = run(
+        "bake",
+        "scene.usda",
+        "-o",
+        str(tmp_path),
+        *"--texel 0.1 --spp 8 --atlas 512 --max-texels 2048 --variant llvm".split(),
+    )
     assert found.exit_code == 0, found.output
     ((settings, layout),) = seen
     assert settings == RenderSettings(samples=8, options={"variant": "llvm"})

@@ -5,11 +5,11 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from openrooms_usd import cli
 from openrooms_usd.cli.console import echo
 from openrooms_usd.errors import InputError, OrusdError, printable
+from tests.commands import run
 
 HOSTILE = [
     "\x1b[2J",
@@ -67,7 +67,7 @@ def test_a_stage_of_others_cannot_colour_its_report(tmp_path: Path) -> None:
         '#usda 1.0\ndef Cube "a" (\n  assetInfo = {\n'
         f'    string name = "{name}"\n    string license = "{name}"\n  }}\n) {{\n}}\n'
     )
-    shown = CliRunner().invoke(cli.orusd, ["validate", str(tmp_path / "a.usda")])
+    shown = run("validate", tmp_path / "a.usda")
     assert "\x1b[31m" not in shown.output and "\\x1b[31m" in shown.output.replace("\n", "")
-    data = CliRunner().invoke(cli.orusd, ["validate", "--json", str(tmp_path / "a.usda")])
+    data = run("validate", "--json", tmp_path / "a.usda")
     assert json.loads(data.stdout)["licences"][0]["name"] == name

@@ -1,5 +1,6 @@
 """Ctrl-C while the main thread computes in a library that does not look at signals."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -26,8 +27,24 @@ except KeyboardInterrupt:
     leave()
 """
 # It releases Python's lock, as renderers do.
-BLIND = "hashlib.pbkdf2_hmac('sha256', b'', b'', 200_000_000)"
+BLIND = "hashlib.pbkdf2_hmac('sha256', b'', b'', 2_000_000_000)"
 AWAKE = "import time; time.sleep(60)"
+
+
+def wait_until_busy(process: subprocess.Popen[str], *, computes: bool) -> None:
+    """Return once it has computed for a tenth of a second since it was ready, or sleeps."""
+    fields = Path(f"/proc/{process.pid}/stat")
+    if not fields.exists():
+        time.sleep(0.1)
+        return
+    begun = None
+    while process.poll() is None:
+        state, *rest = fields.read_text().rpartition(") ")[2].split()
+        ticks = int(rest[10])
+        begun = ticks if begun is None else begun
+        if state == "S" if not computes else ticks >= begun + os.sysconf("SC_CLK_TCK") // 10:
+            return
+        time.sleep(0.005)
 
 
 @pytest.mark.one_in(2)
@@ -45,10 +62,10 @@ def test_the_process_ends_soon_and_leaves_nothing(
     with subprocess.Popen(command, stdout=-1, stderr=-1, text=True) as process:
         assert process.stdout
         assert process.stdout.readline() == "ready\n"
-        time.sleep(0.1)
+        wait_until_busy(process, computes=compute == BLIND)
         process.send_signal(signal.SIGINT)
         # Far less than the computation takes, and far more than a busy machine may need.
-        said = process.communicate(timeout=30)[1]
+        said = process.communicate(timeout=120)[1]
     assert process.returncode == 130
     assert said.strip() == "interrupted: what was finished is whole"
     left = sorted(path.name for path in tmp_path.rglob("*"))

@@ -3,24 +3,19 @@
 import json
 import re
 import shlex
-import signal
-import subprocess
-import sys
-import time
 from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from openrooms_usd.channels import CHANNELS, WRITTEN, markdown_page
 from openrooms_usd.cli import orusd
 from openrooms_usd.cli.composing import _done
 from openrooms_usd.cli.rendering import _losses, _warnings
 from openrooms_usd.compose import ComposeSummary, StageSummary
-from openrooms_usd.errors import InputError
 from openrooms_usd.render import exr
+from tests.commands import output_of, run
 
 ROOT = Path(__file__).parents[2]
 
@@ -84,54 +79,25 @@ def ball(tmp_path: Path) -> Path:
     return path
 
 
-def call(*words: object) -> str:
-    result = CliRunner().invoke(orusd, [str(word) for word in words], catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    return result.output
-
-
 def test_the_table_for_people_and_programs():
-    said = json.loads(call("channels", "--json"))
+    said = json.loads(output_of("channels", "--json"))
     assert [row["name"] for row in said] == list(CHANNELS)
     assert all(row["meaning"] and row["unit"] for row in said)
-    table = call("channels")
+    table = output_of("channels")
     assert all(name in table for name in CHANNELS)
 
 
 def test_the_page_is_fresh():
     assert (ROOT / "docs" / "channels.md").read_text("utf-8") == markdown_page()
-    assert call("channels", "--markdown") == markdown_page()
+    assert output_of("channels", "--markdown") == markdown_page()
 
 
 @pytest.mark.parametrize("size", ["640", "640x", "x480", "-3x4", "3.5x2", "axb", "640x480x3"])
 def test_sizes_that_are_none(size, ball, tmp_path):
     words = ["render", str(ball), "-o", str(tmp_path / "out"), "--resolution", size]
-    result = CliRunner().invoke(orusd, words)
+    result = run(*words)
     assert result.exit_code == 2
     assert "640x480" in result.output
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        ["--spp", "4", "--error", "0.1"],
-        ["--spp", "0"],
-        ["--time", "nan"],
-        ["--error", "-1"],
-        ["--resolution", "0x10"],
-        ["--resolution", "99999x99999"],
-        ["--bounces", "-1"],
-        ["--seed", "-1"],
-        ["--channels", "radiance,dept"],
-        ["--channels", ","],
-        ["--renderer", "mitzuba"],
-    ],
-    ids=" ".join,
-)
-def test_options_that_are_refused(options, ball, tmp_path):
-    with pytest.raises(InputError):
-        call("render", ball, "-o", tmp_path / "out", *options)
-    assert not (tmp_path / "out").exists()
 
 
 def test_the_reflectance_model_can_be_forced(ball, tmp_path):
@@ -140,7 +106,7 @@ def test_the_reflectance_model_can_be_forced(ball, tmp_path):
     losses = {}
     for bsdf in ("auto", "openrooms"):
         out = tmp_path / bsdf
-        said = call("render", ball, "-o", out, *options, "--bsdf", bsdf, "--json")
+        said = output_of("render", ball, "-o", out, *options, "--bsdf", bsdf, "--json")
         manifest = json.loads(said)["manifest"]
         used = {"auto": "preview", "openrooms": "openrooms"}[bsdf]
         assert manifest["renderer"]["bsdf"] == used
@@ -152,7 +118,7 @@ def test_a_ball_on_the_floor(ball, tmp_path):
     out = tmp_path / "out"
     options = ["--variant", "scalar", "--resolution", "32x24", "--spp", "4", "--json"]
     options += ["--camera", "front"]
-    said = json.loads(call("render", ball, "-o", out, *options))
+    said = json.loads(output_of("render", ball, "-o", out, *options))
     assert said["manifest"] == json.loads((out / "manifest.json").read_text())
     assert said["manifest"]["views"].keys() == {"front"}
     images = exr.read_channels(out / "front" / "channels.exr")
@@ -165,28 +131,6 @@ def test_a_ball_on_the_floor(ball, tmp_path):
     assert 2.2 < images["distance"][12, 16, 0] < 2.8
 
 
-@pytest.mark.slow
-def test_ctrl_c_in_a_real_process(ball, tmp_path):
-    out = tmp_path / "out"
-    options = ["--variant", "scalar", "--resolution", "64x48", "--time", "2"]
-    command = [sys.executable, "-c", MAIN, "render", str(ball), "-o", str(out)]
-    process = subprocess.Popen(
-        [*command, *options], stderr=subprocess.PIPE, text=True,
-        # A shell's background jobs ignore Ctrl-C, and so would what they start.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
-    while not (out / "manifest.json").exists() and process.poll() is None:
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    assert "interrupted" in process.communicate(timeout=60)[1]
-    assert process.returncode == 130
-    views = json.loads((out / "manifest.json").read_text())["views"]
-    assert list(views) == ["above"]
-    assert {path.name for path in out.iterdir()} == {
-        ".orusd.render.sha256", "above", "contact_sheet.png", "manifest.json", "timing.json",
-    }  # fmt: skip
-
-
 def report_of(out: Path) -> dict:
     return json.loads((out / "manifest.json").read_text())["report"]
 
@@ -197,7 +141,7 @@ def test_an_error_that_is_not_reached_is_said(ball, tmp_path, monkeypatch):
     monkeypatch.setattr(sampling, "_MOST_SAMPLES", 16)
     options = ["--variant", "scalar", "--resolution", "16x12", "--camera", "front"]
     for error, warned in (("1e-9", True), ("1e3", False)):
-        said = call("render", ball, "-o", tmp_path / error, *options, "--error", error)
+        said = output_of("render", ball, "-o", tmp_path / error, *options, "--error", error)
         found = re.search(r"warning: estimated error \S+ after 16 samples, not 1e-09", said)
         assert bool(found) == warned
         reasons = [row["reason"] for row in report_of(tmp_path / error)["losses"]]
@@ -211,7 +155,7 @@ def test_what_is_never_seen_is_reported_and_alarms_nobody(tmp_path, as_what, los
     stage = tmp_path / "scene.usda"
     stage.write_text(BALL + f'def Cube "Shape"\n{{\n    token {as_what}\n}}\n')
     how = ("--renderer", "preview", "--resolution", "8x6", "--camera", "front")
-    said = call("render", stage, "-o", tmp_path / "out", *how)
+    said = output_of("render", stage, "-o", tmp_path / "out", *how)
     assert f"prims approximated, {lost} skipped" in said
     report = report_of(tmp_path / "out")
     assert report["skipped"] == 1
@@ -230,8 +174,12 @@ def test_what_is_surely_off_is_said():
         bias = {"total": total, "total_error": error}
         return {"estimated_error": None, "samples": 1, "nonfinite_pixels": 0, "bias": bias}
 
-    rows = {"radiance": channel(0.1, 0.02), "irradiance": channel(-0.21, 0.04), "direct": {
-        **channel(0.0, 0.0), "bias": None}, "indirect": channel(0.3, 0.01)}  # fmt: skip
+    rows = {
+        "radiance": channel(0.1, 0.02),
+        "irradiance": channel(-0.21, 0.04),
+        "direct": {**channel(0.0, 0.0), "bias": None},
+        "indirect": channel(0.3, 0.01),
+    }
     (told,) = _warnings({"channels": rows}, None)
     assert told == (
         "irradiance is off by -21.0 %, and others too (1); --method reference has no bias"
@@ -261,7 +209,7 @@ def asked(monkeypatch):
 
 
 def test_the_demo_for_programs(tmp_path, asked):
-    result = CliRunner().invoke(orusd, ["demo", "-o", str(tmp_path), "--json"])
+    result = run("demo", "-o", tmp_path, "--json")
     assert json.loads(result.stdout) == {
         "description": str(tmp_path / "source" / "room.yaml"),
         "scene": str(tmp_path / "scene.usda"),
@@ -274,14 +222,14 @@ def test_the_demo_for_programs(tmp_path, asked):
 def test_the_demo_denoises_where_it_can(tmp_path, asked, monkeypatch, usable):
     denoise = import_module("openrooms_usd.render.denoise")
     monkeypatch.setattr(denoise, "is_usable", lambda: usable)
-    said = call("demo", "-o", tmp_path)
+    said = output_of("demo", "-o", tmp_path)
     assert asked["denoise"] is usable
     assert ("denoised.png" in said) is usable
     assert ("openrooms-usd[denoise]" in said) is not usable
 
 
 def test_what_the_demo_says_to_do_next_can_be_done(tmp_path, asked):
-    lines = [line.partition("orusd ") for line in call("demo", "-o", tmp_path).splitlines()]
+    lines = [line.partition("orusd ") for line in output_of("demo", "-o", tmp_path).splitlines()]
     commands = [shlex.split(rest) for _, found, rest in lines if found]
     assert len(commands) == 5
     for name, *words in commands:
@@ -290,7 +238,7 @@ def test_what_the_demo_says_to_do_next_can_be_done(tmp_path, asked):
 
 
 def test_init_for_programs(tmp_path):
-    said = json.loads(call("init", tmp_path, "--json"))
+    said = json.loads(output_of("init", tmp_path, "--json"))
     assert said.keys() == {"description", "schema"}
     assert all(Path(path).is_file() for path in said.values())
 

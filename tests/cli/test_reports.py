@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.errors import OutputError
+from tests.commands import run
 
 STAGE = """#usda 1.0
 (
@@ -37,7 +36,7 @@ def stage(tmp_path: Path) -> Path:
 
 def _run(command: str, stage: Path, out: Path, report: Path, *more: str) -> Any:
     asked = [str(out)] if command == "convert" else ["-o", str(out), *more]
-    return CliRunner().invoke(orusd, [command, str(stage), *asked, "--report", str(report)])
+    return run(command, stage, *asked, "--report", report)
 
 
 RENDER = ("--resolution", "8x8", "--channels", "depth", "--renderer", "preview")
@@ -65,10 +64,14 @@ def test_every_prim_and_the_frame(stage: Path, tmp_path: Path, command: str, out
 @pytest.mark.parametrize(
     ("place", "why"),
     [
-        ("scene.usda", "the stage"), ("link.usda", "the stage"), ("out.xml", "the output"),
-        ("out.xml/deep/a.json", "the output"), ("folder", "a folder"), ("scene.usda/a.json", "a"),
+        ("scene.usda", "the stage"),
+        ("link.usda", "the stage"),
+        ("out.xml", "the output"),
+        ("out.xml/deep/a.json", "the output"),
+        ("folder", "a folder"),
+        ("scene.usda/a.json", "a"),
     ],
-)  # fmt: skip
+)
 def test_a_misplaced_report_is_refused_before_anything_is_written(
     stage: Path, tmp_path: Path, command: str, place: str, why: str
 ) -> None:

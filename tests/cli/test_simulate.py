@@ -4,11 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.errors import MissingPackageError, StageError
 from orusd_urdf.packages import needed
+from tests.commands import output_of, run
 from tests.engines import ENGINES
 
 STAGE = """\
@@ -55,9 +54,8 @@ def stage(tmp_path: Path) -> Path:
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_foreign_stage_settles(stage: Path, tmp_path: Path, engine: str) -> None:
     out = tmp_path / "rest.usda"
-    how = ["simulate", str(stage), "--engine", engine, "--seconds", "1", "-o", str(out), "--json"]
-    result = CliRunner().invoke(orusd, how, catch_exceptions=False)
-    data = json.loads(result.stdout)
+    how = ("--engine", engine, "--seconds", 1, "-o", out, "--json")
+    data = json.loads(output_of("simulate", stage, *how))
     (row,) = data["moved"]
     assert row["path"] == "/World/crate"
     assert row["millimetres"] == pytest.approx(50.0, abs=1.0)
@@ -65,14 +63,12 @@ def test_a_foreign_stage_settles(stage: Path, tmp_path: Path, engine: str) -> No
 
 
 def test_people_read_what_moved(stage: Path, tmp_path: Path) -> None:
-    how = ["simulate", str(stage), "--seconds", "0.5", "-o", str(tmp_path / "rest.usda")]
-    result = CliRunner().invoke(orusd, how, catch_exceptions=False)
-    assert "1 things that can move, by at most 50." in result.output
-    assert "wrote" in result.output
+    told = output_of("simulate", stage, "--seconds", 0.5, "-o", tmp_path / "rest.usda")
+    assert "1 things that can move, by at most 50." in told and "wrote" in told
 
 
 def test_a_stage_that_is_no_room_needs_a_place(stage: Path) -> None:
-    result = CliRunner().invoke(orusd, ["simulate", str(stage)])
+    result = run("simulate", stage)
     assert "no composed room" in str(result.exception)
 
 
@@ -80,10 +76,7 @@ def test_an_explosion_leaves_no_layer(stage: Path, tmp_path: Path) -> None:
     stage.write_text(STAGE.replace("(0, 0, 0.15)", "(3, 0, 0.15)"))
     out = tmp_path / "rest.usda"
     with pytest.raises(StageError, match="left the world") as caught:
-        CliRunner().invoke(
-            orusd, ["simulate", str(stage), "-o", str(out), "--seconds", "5"],
-            catch_exceptions=False,
-        )  # fmt: skip
+        output_of("simulate", stage, "-o", out, "--seconds", 5)
     assert caught.value.place == "/World/crate"
     assert not out.exists()
 

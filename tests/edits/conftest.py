@@ -1,5 +1,6 @@
 """A small composed room whose edits may be changed."""
 
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,8 +33,6 @@ class Place:
         self.out = folder / "out"
         self.scene = self.out / "scene.usda"
         self.edits = self.out / "layers" / "edits.usda"
-        self.description.write_text(ROOM)
-        self.compose()
 
     def compose(self) -> ComposeSummary:
         return compose_room(self.description, self.out, workers=1)
@@ -62,8 +61,17 @@ class Place:
         self.edits.write_text(f"{head}\n)\n{text}")
 
 
+@pytest.fixture(scope="session")
+def composed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("edited")
+    (folder / "room.yaml").write_text(ROOM)
+    Place(folder).compose()
+    return folder
+
+
 @pytest.fixture
-def place(tmp_path: Path) -> Place:
+def place(composed: Path, tmp_path: Path) -> Place:
+    shutil.copytree(composed, tmp_path, dirs_exist_ok=True)
     return Place(tmp_path)
 
 

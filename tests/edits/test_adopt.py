@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.edits.adopting import adopt
 from openrooms_usd.errors import InputError, OutputError, StageError
 from openrooms_usd.validate import validate_stage
+from tests.commands import run
 
 SOFA = "/World/Furniture/sofa"
 Values = Callable[[Usd.Stage], dict[str, object]]
@@ -189,11 +188,11 @@ def test_the_command_tells_what_it_does(place: Any) -> None:
     save_over(place)
     before = place.tree()
     call = ["edits", "adopt", str(place.scene)]
-    tried = CliRunner().invoke(orusd, [*call, "--dry-run"]).output
+    tried = run(*call, "--dry-run").output
     assert f"changed  {SOFA}: xformOp:translate, variantSelection\n" in tried
     assert "would move what is said about 5 prims" in tried
     assert place.tree() == before
-    done = json.loads(CliRunner().invoke(orusd, [*call, "--json"]).output)
+    done = json.loads(run(*call, "--json").output)
     assert done["written"]
     assert len(done["changes"]) == 5
-    assert CliRunner().invoke(orusd, call).output == "nothing to adopt\n"
+    assert run(*call).output == "nothing to adopt\n"

@@ -29,9 +29,11 @@ def others(scene: Path) -> dict[str, str]:
     return {
         str(path.relative_to(scene.parent)): hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(scene.parent.rglob("*"))
-        if path.is_file() and path.suffix in (".usda", ".usdc", ".png", ".exr")
-        and path.name != "edits.usda" and not path.is_relative_to(mine)
-    }  # fmt: skip
+        if path.is_file()
+        and path.suffix in (".usda", ".usdc", ".png", ".exr")
+        and path.name != "edits.usda"
+        and not path.is_relative_to(mine)
+    }
 
 
 def worn(scene: Path) -> dict[str, tuple[str, int]]:
@@ -40,8 +42,10 @@ def worn(scene: Path) -> dict[str, tuple[str, int]]:
     for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
         material = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
         if prim.GetTypeName() == "Mesh" and material:
-            said = (material.GetPrim().GetAttribute(n) for n in
-                    (names.MATERIAL_FAMILY, names.MATERIAL_NUMBER))  # fmt: skip
+            said = (
+                material.GetPrim().GetAttribute(n)
+                for n in (names.MATERIAL_FAMILY, names.MATERIAL_NUMBER)
+            )
             found[str(prim.GetPath())] = tuple(one.Get() for one in said)
     return found  # type: ignore[return-value]
 
@@ -55,10 +59,13 @@ def worn(scene: Path) -> dict[str, tuple[str, int]]:
         (SEAT, "category", lambda path: "/chair_" in path),
         ("/World/Room/Floor", "part", lambda path: path == "/World/Room/Floor"),
         ("/World/Room/Walls/wall_1", "category", lambda path: path.startswith("/World/Room/Walls")),
-        ("/World/Furniture/table_lamp_0/Geometry/base", "object",
-         lambda path: "/table_lamp_0/" in path and not path.endswith("light_bulb")),
+        (
+            "/World/Furniture/table_lamp_0/Geometry/base",
+            "object",
+            lambda path: "/table_lamp_0/" in path and not path.endswith("light_bulb"),
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_meant_is_made_of_it_and_nothing_else(
     scene: Path, path: str, scope: str, meant: object
 ) -> None:

@@ -83,8 +83,11 @@ class Exporter:
             rounded = np.array(local, dtype=np.float32).astype(float)
             UsdGeom.Xformable(made).MakeMatrixXform().Set(Gf.Matrix4d(rounded))
         if shape:
-            inner = made if self.merged else self.made.DefinePrim(
-                f"{path}/{prim.GetName()}", self.kind(prim))  # fmt: skip
+            inner = (
+                made
+                if self.merged
+                else self.made.DefinePrim(f"{path}/{prim.GetName()}", self.kind(prim))
+            )
             self.describe(prim, inner)
         for child in below:
             self.put(child, path)
@@ -248,9 +251,13 @@ def test_the_same_file_twice_says_nothing_new(place: Any) -> None:
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("by", "turn", "edited"),
-    [(0.5 * SAME_PLACE_METRES, 0.0, False), (2 * SAME_PLACE_METRES, 0.0, True),
-     (0.0, 0.5 * SAME_AXIS, False), (0.0, 2 * SAME_AXIS, True)],
-)  # fmt: skip
+    [
+        (0.5 * SAME_PLACE_METRES, 0.0, False),
+        (2 * SAME_PLACE_METRES, 0.0, True),
+        (0.0, 0.5 * SAME_AXIS, False),
+        (0.0, 2 * SAME_AXIS, True),
+    ],
+)
 def test_the_tolerance_is_what_it_is_said_to_be(
     place: Any, by: float, turn: float, edited: bool
 ) -> None:
@@ -279,8 +286,10 @@ def test_a_turn_and_a_scale_arrive(place: Any) -> None:
         np.array(table.GetLocalTransformation()), np.array(wanted), atol=2e-6
     )
     assert [op.GetOpName() for op in table.GetOrderedXformOps()] == [
-        "xformOp:translate", "xformOp:rotateXYZ", "xformOp:scale",
-    ]  # fmt: skip
+        "xformOp:translate",
+        "xformOp:rotateXYZ",
+        "xformOp:scale",
+    ]
 
 
 def test_a_door_that_is_opened_in_blender_is_open(place: Any) -> None:
@@ -394,7 +403,9 @@ def test_lamps_and_the_sky_are_as_bright_as_in_blender(place: Any) -> None:
     adoption = adopt(place.scene, exported(place, change))
     bulb = f"{FURNITURE}/lamp/Geometry/light_bulb"
     assert changed(adoption) == {
-        bulb: ("inputs:intensity",), names.ENVIRONMENT: ("inputs:intensity",)}  # fmt: skip
+        bulb: ("inputs:intensity",),
+        names.ENVIRONMENT: ("inputs:intensity",),
+    }
     after = {light.path: light.radiance for light in read_lights(place.stage())}
     np.testing.assert_allclose(after[bulb], 0.25 * before[bulb], rtol=1e-5)
     np.testing.assert_allclose(after[names.ENVIRONMENT], 3 * before[names.ENVIRONMENT], rtol=1e-5)

@@ -5,12 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from pxr import Sdf
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.compose import compose_room
 from openrooms_usd.errors import InputError
+from tests.commands import run
 
 ROOM = """\
 layout: {polygon: [[0, 0], [3, 0], [3, 3], [0, 3]]}
@@ -85,7 +84,7 @@ def test_every_command_refuses_it_alike(kind: str, room: Path) -> None:
 
 
 def refusal(words: list[Any]) -> str:
-    done = CliRunner().invoke(orusd, [str(word) for word in words])
+    done = run(*words)
     assert isinstance(done.exception, InputError), (words[0], done.output, done.exception)
     assert done.exception.remedy
     return str(done.exception)

@@ -7,15 +7,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.edits.fitting import fit, misfits_of
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.metrics import SCALE, TURN, find_misfits
 from openrooms_usd.validate import validate_stage
+from tests.commands import run
 
 # A board of another program: 1.2 m wide, 0.8 m high, 0.2 m deep, standing on its origin, its front
 # towards +Z where Y is up, moved 1 m to the right by an operation of its own.
@@ -163,10 +162,10 @@ def test_everybody_says_it(place, board: Callable[..., None], tmp_path: Path) ->
     assert any(text in note and "/World/Board" in note for note in place.compose().notes)
     # It is said before anything is rendered, or is found out to be impossible.
     words = ["render", str(place.scene), "-o", str(tmp_path / "r"), "--renderer", "none"]
-    assert text in CliRunner().invoke(orusd, words).stderr
-    asked = CliRunner().invoke(orusd, ["edits", "fit", str(place.out), "--dry-run"])
+    assert text in run(*words).stderr
+    asked = run("edits", "fit", place.out, "--dry-run")
     assert text in asked.stdout and "would correct 1" in asked.stdout
-    done = CliRunner().invoke(orusd, ["edits", "fit", str(place.out), "--json"])
+    done = run("edits", "fit", place.out, "--json")
     assert [row["path"] for row in json.loads(done.stdout)["fitted"]] == ["/World/Board"]
     assert place.compose().notes == ()
 

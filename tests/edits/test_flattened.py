@@ -66,9 +66,11 @@ def test_only_what_differs_moves(place: Any, values: Values, stack: bool, over: 
             place.compose()
     adoption = adopt(place.scene, None if over else flat)
     assert {(change.path, change.new) for change in adoption.changes} == {
-        (SOFA, False), ("/World/Furniture/chair_a", False), ("/World/Crate", True),
+        (SOFA, False),
+        ("/World/Furniture/chair_a", False),
+        ("/World/Crate", True),
         (f"{LAMP}/Geometry/lamp_shade", False),
-    }  # fmt: skip
+    }
     assert adoption.left == ()
     assert place.scene.read_bytes() == wanted
     now = values(place.stage())
@@ -87,8 +89,9 @@ def test_a_prim_that_is_gone_is_switched_off(place: Any) -> None:
     layer.Save()
     adoption = adopt(place.scene, flat)
     assert [(row.path, row.fields) for row in adoption.changes] == [
-        (SOFA, ("active",)), ("/World/Furniture/table", ("active",)),
-    ]  # fmt: skip
+        (SOFA, ("active",)),
+        ("/World/Furniture/table", ("active",)),
+    ]
     assert adopt(place.scene, flat).changes == ()
 
 
@@ -139,8 +142,9 @@ def _mesh(spec: Sdf.PrimSpec) -> Sdf.PrimSpec | None:
 def test_a_file_without_this_room_is_refused(place: Any) -> None:
     before = place.tree()
     blender = place.description.with_name("blender.usda")
-    blender.write_text('#usda 1.0\n(\n    upAxis = "Z"\n    metersPerUnit = 1\n)\n'
-                       'def Xform "root"\n{\n}\n')  # fmt: skip
+    blender.write_text(
+        '#usda 1.0\n(\n    upAxis = "Z"\n    metersPerUnit = 1\n)\ndef Xform "root"\n{\n}\n'
+    )
     with pytest.raises(StageError, match="has no /World, but /root"):
         adopt(place.scene, blender)
     assert place.tree() == before

@@ -4,13 +4,12 @@ import json
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from pxr import Sdf
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.edits.orphans import orphans_of
 from openrooms_usd.errors import InputError
 from openrooms_usd.validate import validate_stage
+from tests.commands import run
 
 LOST = """
 over "World" {
@@ -59,7 +58,7 @@ def test_each_kind_is_found_with_the_nearest_path(place: Any) -> None:
         (f"{furniture}/sofa.xformOp:rotateZ", "operation", ""),
         (f"{furniture}/sofa/Geometry", "instance", ""),
         (f"{furniture}/soffa", "missing", f"{furniture}/sofa"),
-    ]  # fmt: skip
+    ]
     assert summary.as_dict()["orphans"][0]["path"] == "/World/Fruniture"
     # Nothing ran, and they are still there.
     assert place.compose().unchanged
@@ -69,15 +68,15 @@ def test_each_kind_is_found_with_the_nearest_path(place: Any) -> None:
 @pytest.mark.slow
 def test_the_same_are_said_by_the_commands_and_by_validate(place: Any) -> None:
     place.write_edits(LOST)
-    said = CliRunner().invoke(orusd, ["compose", str(place.description), "-o", str(place.out)])
+    said = run("compose", place.description, "-o", place.out)
     assert "edits: /World/Fruniture: writes over a prim that is not there" in said.output
     assert "edits: 2 more; orusd edits orphans" in said.output
-    listed = CliRunner().invoke(orusd, ["edits", "orphans", str(place.out)])
+    listed = run("edits", "orphans", place.out)
     assert "remedy: /World/Furniture/sofa is near: rename it to where the prim is now" in (
         listed.output
     )
     assert listed.output.endswith("edits.usda: 7 orphans\n")
-    plain = CliRunner().invoke(orusd, ["edits", "orphans", str(place.out), "--json"])
+    plain = run("edits", "orphans", place.out, "--json")
     rows = json.loads(plain.output)["orphans"]
     assert len(rows) == 7
     assert set(rows[0]) == {"path", "reason", "message", "hint", "remedy"}
@@ -101,7 +100,7 @@ def test_what_does_something_is_no_orphan(place: Any) -> None:
         stage.GetPrimAtPath("/World").CreateAttribute("note", Sdf.ValueTypeNames.Int).Set(1)
         stage.OverridePrim("/World/Furniture/sofa/Geometry").SetCustomDataByKey("mine", 1)
     assert place.compose().orphans == ()
-    assert "no orphans" in CliRunner().invoke(orusd, ["edits", "orphans", str(place.out)]).output
+    assert "no orphans" in run("edits", "orphans", place.out).output
 
 
 @pytest.mark.slow

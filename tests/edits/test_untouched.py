@@ -3,10 +3,9 @@
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from pxr import Sdf, UsdGeom
 
-from openrooms_usd.cli import orusd
+from tests.commands import output_of
 
 EMPTY = """\
 #usda 1.0
@@ -21,11 +20,6 @@ EMPTY = """\
 )
 
 """
-
-
-def call(*words: object) -> None:
-    done = CliRunner().invoke(orusd, [str(word) for word in words], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
 
 
 @pytest.mark.slow
@@ -48,10 +42,10 @@ def test_bytes_and_time_stay_over_all_commands(place: Any) -> None:
         ("edits", "adopt", place.scene),
         ("render", place.scene, "-o", place.out / "pictures", "--spp", 1),
     ):
-        call(*words)
+        output_of(*words)
         assert (place.edits.read_bytes(), place.edits.stat().st_mtime_ns) == before, words
     place.description.write_text("seed: 9\n" + place.description.read_text())
-    call(*compose)
+    output_of(*compose)
     assert (place.edits.read_bytes(), place.edits.stat().st_mtime_ns) == before
     layer = Sdf.Layer.OpenAsAnonymous(str(place.scene))
     assert layer.subLayerPaths[0] == "./layers/edits.usda"

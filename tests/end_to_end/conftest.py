@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 import OpenImageIO
 import pytest
-from click.testing import CliRunner
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.compose import compose_room
 from openrooms_usd.demo import copy_example
 from openrooms_usd.render import render_stage
 from orusd_mitsuba import variants
+from tests.commands import output_of
 
 Show = Callable[..., "Shown"]
 
@@ -91,9 +90,17 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 # Rooms that the generator makes: types that differ in their furniture, each with a seed.
 GENERATED = (
-    ("bathroom", 11), ("bedroom", 12), ("classroom", 13), ("dining_room", 14), ("garage", 15),
-    ("kitchen", 16), ("library", 17), ("living_room", 18), ("office", 19), ("stairs", 20),
-)  # fmt: skip
+    ("bathroom", 11),
+    ("bedroom", 12),
+    ("classroom", 13),
+    ("dining_room", 14),
+    ("garage", 15),
+    ("kitchen", 16),
+    ("library", 17),
+    ("living_room", 18),
+    ("office", 19),
+    ("stairs", 20),
+)
 ROOMS = (("demo",), *GENERATED)
 QUICK = (("bathroom", 11),)
 # Those that are looked at for every change; the rest is long.
@@ -107,8 +114,7 @@ CLUTTER = {"bedroom": "1", "kitchen": "1", "living_room": "2"}
 def described(kind: str, seed: str, folder: Path) -> str:
     """The text of a generated room, with small textures."""
     call = ["generate", "--type", kind, "--seed", seed, "--clutter", CLUTTER.get(kind, "0")]
-    done = CliRunner().invoke(orusd, [*call, "-o", str(folder)], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
+    output_of(*call, "-o", folder)
     text = (folder / "room.yaml").read_text(encoding="utf-8")
     assert "\nmaterials:\n" in text
     return text.replace("\nmaterials:\n", "\nmaterials:\n  resolution: 64\n")

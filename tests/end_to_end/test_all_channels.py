@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import OpenImageIO
 import pytest
-from click.testing import CliRunner
 
 from openrooms_usd.channels import CHANNELS, FLOWS
-from openrooms_usd.cli import orusd
+from tests.commands import output_of
 
 GRID = (8, 8)
 
@@ -26,11 +25,16 @@ def picture(path: Path) -> np.ndarray:
 @pytest.fixture(scope="module")
 def home(vectorized: str, demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("light")
-    call = ["render", str(demo), "-o", str(folder / "render"), "--camera", "dining",
-            "--resolution", "32x32", "--grid", "8x8", "--spp", "32", "--channels", "all",
-            "--variant", "llvm", "--error-maps", "--dataset", str(folder / "data")]  # fmt: skip
-    done = CliRunner().invoke(orusd, call, catch_exceptions=False)
-    assert done.exit_code == 0, done.output
+    call = [
+        "render",
+        str(demo),
+        "-o",
+        str(folder / "render"),
+        *"--camera dining --resolution 32x32 --grid 8x8 --spp 32 --channels all".split(),
+        *"--variant llvm --error-maps --dataset".split(),
+        str(folder / "data"),
+    ]
+    output_of(*call)
     return folder
 
 
@@ -121,8 +125,13 @@ def test_lights_say_where_they_are_and_masks_agree(manifest: Any, layers: Any, h
         outwards = np.array(window["world_from_box"])[:3, 2]
         # What falls in through the rectangle: the cosine's part of all pixels.
         theta, phi = (np.arange(128) + 0.5) / 128 * np.pi, (np.arange(256) + 0.5) / 128 * np.pi
-        way = np.array([np.outer(np.sin(theta), np.sin(phi)), np.outer(np.sin(theta), np.cos(phi)),
-                        np.outer(np.cos(theta), np.ones(256))])  # fmt: skip
+        way = np.array(
+            [
+                np.outer(np.sin(theta), np.sin(phi)),
+                np.outer(np.sin(theta), np.cos(phi)),
+                np.outer(np.cos(theta), np.ones(256)),
+            ]
+        )
         weight = np.maximum(np.einsum("x,xrc->rc", outwards, way), 0) * np.sin(theta)[:, None]
         lux = np.einsum("rc,rck->k", weight, seen) * (np.pi / 128) ** 2
         np.testing.assert_allclose(lux / np.pi, window["radiance"], rtol=0.03)

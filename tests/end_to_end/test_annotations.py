@@ -10,7 +10,6 @@ import pytest
 from click.testing import CliRunner
 from pxr import Gf, Usd, UsdGeom, Vt
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.cli.labelling import labels
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
@@ -18,6 +17,7 @@ from openrooms_usd.render import render_stage
 from openrooms_usd.render.boxes import _tightest, boxes
 from openrooms_usd.render.coco import coco
 from openrooms_usd.usd.semantics import label
+from tests.commands import run
 
 WIDTH, HEIGHT = 96, 72
 CHANNELS = ["instance", "semantic", "semantic_nyu40", "semantic_ade20k", "semantic_coco"]
@@ -175,7 +175,7 @@ def test_many_renders_make_one_file(house: list[Path], tmp_path: Path) -> None:
 def test_the_old_name_of_the_command_writes_the_same(house: list[Path], tmp_path: Path) -> None:
     for name in ("labels", "annotate"):
         words = [name, str(house[0]), "-o", str(tmp_path / name)]
-        assert CliRunner().invoke(orusd, words).exit_code == 0
+        assert run(*words).exit_code == 0
     assert (tmp_path / "labels").read_bytes() == (tmp_path / "annotate").read_bytes()
 
 

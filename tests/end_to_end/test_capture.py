@@ -5,30 +5,30 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pxr import Usd
 
 from openrooms_usd.channels import WRITTEN
-from openrooms_usd.cli import orusd
-
-
-def call(*words: object) -> str:
-    result = CliRunner().invoke(orusd, [*map(str, words)], catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    return result.output
+from tests.commands import output_of
 
 
 @pytest.mark.slow
 def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened, real) -> None:
     source = real("roomplan_libroom/Room.json")
     room, out, pictures = (tmp_path / name for name in ("room", "out", "pictures"))
-    call("import", "roomplan", source, "-o", room)
-    call("compose", room / "room.yaml", "-o", out)
+    output_of("import", "roomplan", source, "-o", room)
+    output_of("compose", room / "room.yaml", "-o", out)
     # Its table was captured 7 cm beyond a wall: that is warned of, and nothing else.
-    found = json.loads(call("validate", "--json", out / "scene.usda"))["findings"]
+    found = json.loads(output_of("validate", "--json", out / "scene.usda"))["findings"]
     assert [(one["severity"], one["code"]) for one in found] == [("warning", "outside-room")]
-    said = call("render", out / "scene.usda", "-o", pictures, "--resolution", "32x24", "--spp", 2,
-                "--variant", fastest, "--json")  # fmt: skip
+    said = output_of(
+        "render",
+        out / "scene.usda",
+        "-o",
+        pictures,
+        *"--resolution 32x24 --spp 2 --variant".split(),
+        fastest,
+        "--json",
+    )
     manifest = json.loads((pictures / "manifest.json").read_text())
     assert json.loads(said)["manifest"] == manifest
     assert set(manifest["channels"]) == set(WRITTEN)

@@ -30,10 +30,12 @@ def under_a_transform(scene: Path, target: Path) -> None:
     stage.Save()
 
 
-LENGTHS = {
-    "focalLength", "horizontalAperture", "verticalAperture", "horizontalApertureOffset",
-    "verticalApertureOffset", "focusDistance", "inputs:width", "inputs:height", "inputs:radius",
-}  # fmt: skip
+LENGTHS = set(
+    (
+        "focalLength horizontalAperture verticalAperture horizontalApertureOffset "
+        "verticalApertureOffset focusDistance inputs:width inputs:height inputs:radius"
+    ).split()
+)
 
 
 def rewritten(scene: Path, target: Path) -> None:

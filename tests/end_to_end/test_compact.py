@@ -6,21 +6,14 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
+from tests.commands import output_of
 
 pytestmark = pytest.mark.slow
 
 STORAGES = ("complete", "compact")
 # Of pictures and of what is made of them; hemispheres are noisy at so few samples, and lose more.
 MEAN_ERROR = {"im": 0.04, "imenv": 0.15}
-
-
-def run(*words: object) -> str:
-    done = CliRunner().invoke(orusd, [*map(str, words)], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
-    return done.output
 
 
 def picture(path: Path) -> np.ndarray:
@@ -32,11 +25,15 @@ def picture(path: Path) -> np.ndarray:
 def home(vectorized: str, demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("storage")
     for storage in ("complete", "compact"):
-        run(
-            "render", demo, "-o", folder / storage, "--camera", "dining", "--resolution", "40x32",
-            "--grid", "10x8", "--spp", 8, "--channels", "all", "--variant", "llvm",
-            "--storage", storage,
-        )  # fmt: skip
+        output_of(
+            "render",
+            demo,
+            "-o",
+            folder / storage,
+            *"--camera dining --resolution 40x32 --grid 10x8 --spp 8 --channels all".split(),
+            *"--variant llvm --storage".split(),
+            storage,
+        )
     return folder
 
 
@@ -51,7 +48,7 @@ def test_relit_pictures_agree(home: Path, tmp_path: Path) -> None:
     light = json.loads((home / "compact/manifest.json").read_text())["lights"][0]["name"]
     relit = []
     for storage in STORAGES:
-        run("relight", home / storage, "-o", tmp_path / storage, "--light", f"{light}=0.5")
+        output_of("relight", home / storage, "-o", tmp_path / storage, "--light", f"{light}=0.5")
         relit.append(picture(tmp_path / storage / "radiance.exr"))
     assert np.abs(relit[1] - relit[0]).mean() < MEAN_ERROR["im"] * relit[0].mean()
 
@@ -59,7 +56,7 @@ def test_relit_pictures_agree(home: Path, tmp_path: Path) -> None:
 def test_annotations_are_the_same(home: Path, tmp_path: Path) -> None:
     found = []
     for storage in STORAGES:
-        run("labels", home / storage, "-o", tmp_path / f"{storage}.json")
+        output_of("labels", home / storage, "-o", tmp_path / f"{storage}.json")
         found.append(json.loads((tmp_path / f"{storage}.json").read_text()))
     assert found[0] == found[1] and found[0]["annotations"]
 
@@ -67,7 +64,7 @@ def test_annotations_are_the_same(home: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["openrooms", "nerf"])
 def test_foreign_forms_have_the_same_files(home: Path, kind: str, tmp_path: Path) -> None:
     for storage in STORAGES:
-        run("dataset", "write", home / storage, "-o", tmp_path / storage, "--as", kind)
+        output_of("dataset", "write", home / storage, "-o", tmp_path / storage, "--as", kind)
     trees = [
         {p.relative_to(tmp_path / s): p for p in (tmp_path / s).rglob("*") if p.is_file()}
         for s in STORAGES

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pxr import Sdf, Usd, UsdLux, UsdShade
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import dump_room, load_room
+from tests.commands import output_of
 
 ALBEDO, EMISSION, BOUNCES = 0.5, (3.0, 2.0, 1.0), 3
 
@@ -17,7 +16,7 @@ ALBEDO, EMISSION, BOUNCES = 0.5, (3.0, 2.0, 1.0), 3
 def closed_room(kind: str, seed: int, folder: Path) -> Path:
     """A generated room without its openings, composed."""
     call = ["generate", "--type", kind, "--seed", str(seed), "-o", str(folder / "source")]
-    assert CliRunner().invoke(orusd, call, catch_exceptions=False).exit_code == 0
+    output_of(*call)
     room = load_room(folder / "source" / "room.yaml")
     layout = room.layout.model_copy(update={"openings": ()})
     description = folder / "room.yaml"

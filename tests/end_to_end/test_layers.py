@@ -4,11 +4,10 @@ import shutil
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.compose import compose_room
+from tests.commands import output_of
 
 
 @pytest.fixture
@@ -29,10 +28,9 @@ def state(folder: Path) -> dict[Path, tuple[int, int, bytes]]:
 def test_a_second_compose_touches_no_file_and_says_so(room: Path) -> None:
     before = state(room)
     words = ["compose", str(room / "room.yaml"), "-o", str(room / "out")]
-    result = CliRunner().invoke(orusd, words, catch_exceptions=False)
-    assert result.exit_code == 0
-    assert "nothing to do" in result.output
-    assert result.output.count("unchanged") == 6
+    result = output_of(*words)
+    assert "nothing to do" in result
+    assert result.count("unchanged") == 6
     assert state(room) == before
 
 
@@ -65,15 +63,22 @@ def test_one_layer_defines_a_prim_and_the_others_only_say_more(composed_demo: Pa
         assert prim.IsDefined()
         shared += len(own) > 1
     assert shared > 10, "several layers speak about some prims"
-    assert [spec.layer.GetDisplayName() for spec in stage.GetPrimAtPath("/World").GetPrimStack()
-            if spec.specifier == Sdf.SpecifierDef] == ["layout.usda"]  # fmt: skip
+    assert [
+        spec.layer.GetDisplayName()
+        for spec in stage.GetPrimAtPath("/World").GetPrimStack()
+        if spec.specifier == Sdf.SpecifierDef
+    ] == ["layout.usda"]
 
 
 @pytest.mark.slow
 def test_edits_reach_the_pictures_and_survive(room: Path, show, paint, fastest: str) -> None:
     scene, edits = room / "out" / "scene.usda", room / "out" / "layers" / "edits.usda"
-    how = {"options": {"variant": fastest}, "resolution": (24, 18), "samples": 1,
-           "channels": ["instance", "material", "base_color", "roughness", "metallic"]}  # fmt: skip
+    how = {
+        "options": {"variant": fastest},
+        "resolution": (24, 18),
+        "samples": 1,
+        "channels": ["instance", "material", "base_color", "roughness", "metallic"],
+    }
     before = show(scene, "before", **how)
     stage = Usd.Stage.Open(str(scene))
     color = (0.125, 0.375, 0.75)

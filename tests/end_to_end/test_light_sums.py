@@ -13,12 +13,11 @@ from openrooms_usd.render.reading import RenderedView, read_render
 
 Array = NDArray[np.float64]
 SIZE = (24, 18)
-CHANNELS = [
-    "radiance", "emission", "direct", "indirect", "irradiance", "irradiance_direct",
-    "irradiance_indirect", "diffuse", "specular", "residual", "base_color", "metallic", "valid",
-    "radiance_i", "direct_i", "unoccluded_i", "visibility_i", "irradiance_i",
-    "irradiance_unoccluded_i",
-]  # fmt: skip
+CHANNELS = (
+    "radiance emission direct indirect irradiance irradiance_direct irradiance_indirect "
+    "diffuse specular residual base_color metallic valid radiance_i direct_i unoccluded_i "
+    "visibility_i irradiance_i irradiance_unoccluded_i"
+).split()
 
 
 def of_lights(view: RenderedView, name: str) -> Array:

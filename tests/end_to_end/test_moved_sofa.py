@@ -46,8 +46,13 @@ def test_the_next_pictures_show_it(tmp_path: Path, show: Any, fastest: str, pinn
     (tmp_path / "room.yaml").write_text(ROOM)
     scene = compose_room(tmp_path / "room.yaml", tmp_path / "out").scene
     chosen = cameras(scene)
-    how = {"options": {"variant": fastest}, "samples": 128, "channels": CHANNELS,
-           "cameras": ["above"], "resolution": (96, 72)}  # fmt: skip
+    how = {
+        "options": {"variant": fastest},
+        "samples": 128,
+        "channels": CHANNELS,
+        "cameras": ["above"],
+        "resolution": (96, 72),
+    }
     before = None if pinned else show(scene, "before", **how)
     stage = Usd.Stage.Open(str(scene))
     stage.SetEditTarget(Sdf.Layer.FindOrOpen(str(tmp_path / "out/layers/edits.usda")))
@@ -73,8 +78,10 @@ def test_the_next_pictures_show_it(tmp_path: Path, show: Any, fastest: str, pinn
         np.testing.assert_allclose((middle[1] - middle[0])[:2], SHIFT[:2], atol=0.12)
     # The light around the lamp, with the shadows of sofa and table in it, went along.
     start = np.array([3.2, 3.1])
-    lights = [_floor_light(shown, at) for shown, at in
-              ((before, start), (after, start + SHIFT[:2]), (after, start))]  # fmt: skip
+    lights = [
+        _floor_light(shown, at)
+        for shown, at in ((before, start), (after, start + SHIFT[:2]), (after, start))
+    ]
     along, stayed = (_alikeness(lights[0], other) for other in lights[1:])
     assert along > 0.8
     assert stayed < along - 0.3

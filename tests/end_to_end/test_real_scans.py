@@ -8,28 +8,21 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from click.testing import CliRunner
 from pxr import Usd, UsdGeom
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.cli import orusd
+from tests.commands import output_of
 
 FRAME = "frame_000017"
 Real = Callable[[str], Path]
 
 
-def call(*words: object) -> str:
-    result = CliRunner().invoke(orusd, [*map(str, words)], catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    return result.output
-
-
 def composed(folder: Path, kind: str, source: Path, *options: object) -> dict[str, Any]:
     """Import, compose, validate; the report."""
-    call("import", kind, source, "-o", folder, *options)
-    call("compose", folder / "room.yaml", "-o", folder / "out")
+    output_of("import", kind, source, "-o", folder, *options)
+    output_of("compose", folder / "room.yaml", "-o", folder / "out")
     # Smaller overlaps of real things are kept and warned of; nothing else may be found.
-    found = json.loads(call("validate", "--json", folder / "out/scene.usda"))["findings"]
+    found = json.loads(output_of("validate", "--json", folder / "out/scene.usda"))["findings"]
     assert {(one["severity"], one["code"]) for one in found} <= {("warning", "overlap")}
     assert (folder / "out/overlay.png").stat().st_size > 1000
     report: dict[str, Any] = json.loads((folder / "out/report.json").read_text())

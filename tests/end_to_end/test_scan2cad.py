@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pxr import Usd, UsdGeom
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.cli import orusd
+from tests.commands import output_of
 
 FLOOR = {"floor": [[-0.1, -0.1], [3.6, -0.1], [3.6, 3.0], [-0.1, 3.0]], "height": 2.5}
 
@@ -43,12 +42,6 @@ def sample(real: Callable[[str], Path]) -> Sample:
     return Sample(real("scan2cad_scene0470_00"))
 
 
-def call(*words: object) -> str:
-    result = CliRunner().invoke(orusd, [*map(str, words)], catch_exceptions=False)
-    assert result.exit_code == 0, result.output
-    return result.output
-
-
 @pytest.fixture(scope="module")
 def composed(sample: Sample, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("scan2cad")
@@ -61,8 +54,8 @@ def composed(sample: Sample, tmp_path_factory: pytest.TempPathFactory) -> Path:
         "--polygon",
         folder / "floor.json",
     )
-    call("import", "scan2cad", sample.annotation, *options, "-o", folder / "room")
-    call("compose", folder / "room/room.yaml", "-o", folder / "out")
+    output_of("import", "scan2cad", sample.annotation, *options, "-o", folder / "room")
+    output_of("compose", folder / "room/room.yaml", "-o", folder / "out")
     return folder / "out/scene.usda"
 
 
@@ -152,7 +145,7 @@ def test_repeats_share_an_asset_and_tilts_are_kept(composed: Path) -> None:
 
 
 def test_it_is_valid(composed: Path) -> None:
-    assert "clean" in call("validate", "--strict", composed)
+    assert "clean" in output_of("validate", "--strict", composed)
 
 
 def test_boxes_take_the_place_of_cads_that_are_missing(
@@ -160,8 +153,8 @@ def test_boxes_take_the_place_of_cads_that_are_missing(
 ) -> None:
     floor = tmp_path / "floor.json"
     floor.write_text(json.dumps(FLOOR))
-    call("import", "scan2cad", sample.annotation, "--polygon", floor, "-o", tmp_path / "room")
-    call("compose", tmp_path / "room/room.yaml", "-o", tmp_path / "out")
+    output_of("import", "scan2cad", sample.annotation, "--polygon", floor, "-o", tmp_path / "room")
+    output_of("compose", tmp_path / "room/room.yaml", "-o", tmp_path / "out")
     stages = [Usd.Stage.Open(str(path)) for path in (composed, tmp_path / "out/scene.usda")]
     real, boxes = map(furniture, stages)
     assert {key: prim.GetName() for key, prim in boxes.items()} == {

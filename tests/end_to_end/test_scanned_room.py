@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from pxr import Usd, UsdGeom
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.cli import orusd
+from tests.commands import output_of
 
 WIDTH, DEPTH, HEIGHT = 4.2, 3.1, 2.5
 # The table: top and legs as boxes (centre, size), its place, its heading and what it is scaled by.
@@ -61,16 +60,22 @@ def cloud() -> dict[str, np.ndarray]:
     """Points, NYU40 labels and instances, in the frame of the scan."""
     rng = np.random.default_rng(5)
     x, y, z = np.diag([WIDTH, DEPTH, HEIGHT])
-    walls = [sheet(rng, (0, 0, 0), x, z, 4000), sheet(rng, y, x, z, 4000),
-             sheet(rng, (0, 0, 0), y, z, 4000), sheet(rng, x, y, z, 4000)]  # fmt: skip
+    walls = [
+        sheet(rng, (0, 0, 0), x, z, 4000),
+        sheet(rng, y, x, z, 4000),
+        sheet(rng, (0, 0, 0), y, z, 4000),
+        sheet(rng, x, y, z, 4000),
+    ]
     left, right, low, high = WINDOW
     front = walls[0]
     pane = (front[:, 0] > left) & (front[:, 0] < right) & (front[:, 2] > low) & (front[:, 2] < high)
     table = np.concatenate([box(rng, *part, 15000) for part in TABLE])
     parts = [
-        (np.concatenate(walls), 1, 0), (sheet(rng, (0, 0, 0), x, y, 4000), 2, 0),
-        (sheet(rng, z, x, y, 4000), 22, 0), (table @ rotation("z", HEADING).T + AT, 7, 1),
-    ]  # fmt: skip
+        (np.concatenate(walls), 1, 0),
+        (sheet(rng, (0, 0, 0), x, y, 4000), 2, 0),
+        (sheet(rng, z, x, y, 4000), 22, 0),
+        (table @ rotation("z", HEADING).T + AT, 7, 1),
+    ]
     points = np.concatenate([part[0] for part in parts])
     label = np.concatenate([np.full(len(p), n) for p, n, _ in parts])
     label[: len(front)][pane] = 9
@@ -109,8 +114,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "  further: [{category: ceiling_lamp, at: [0, 0]}]\n"
     )
     call = ["compose", str(folder / "room.yaml"), "-o", str(folder / "out")]
-    done = CliRunner().invoke(orusd, call, catch_exceptions=False)
-    assert done.exit_code == 0, done.output
+    output_of(*call)
     return folder / "out"
 
 
@@ -212,7 +216,7 @@ def test_a_cad_that_says_nothing_of_its_vertical_is_put_upright(tmp_path: Path, 
     room = {"layout": {"from": "scan", "scan": "scan.npz"}, "alignment": alignment}
     (tmp_path / "room.yaml").write_text(json.dumps(room))
     call = ["compose", str(tmp_path / "room.yaml"), "-o", str(tmp_path / "out")]
-    assert CliRunner().invoke(orusd, call, catch_exceptions=False).exit_code == 0
+    output_of(*call)
     (table,) = json.loads((tmp_path / "out/report.json").read_text())["alignment"]["objects"]
     matrix = Rotation.from_quat(table["rotation_wxyz"], scalar_first=True).as_matrix()
     vertical = SCAN_FROM_ROOM.T @ matrix @ upright.T @ [0.0, 0.0, 1.0]
@@ -239,7 +243,7 @@ def test_a_scan_in_millimetres_and_far_away_is_reported_where_it_lies(tmp_path: 
     alignment = {"from": "scan", "cad": "cad", "objects": [hint]}
     (tmp_path / "room.yaml").write_text(json.dumps({"layout": layout, "alignment": alignment}))
     call = ["compose", str(tmp_path / "room.yaml"), "-o", str(tmp_path / "out")]
-    assert CliRunner().invoke(orusd, call, catch_exceptions=False).exit_code == 0
+    output_of(*call)
     report = json.loads((tmp_path / "out/report.json").read_text())
     corners = (np.array(report["layout"]["rooms"][0]["corners"]) - away) @ SCAN_FROM_ROOM
     true = np.array([[0, 0, 0], [WIDTH, 0, 0], [WIDTH, DEPTH, 0], [0, DEPTH, 0]])

@@ -56,13 +56,17 @@ def toward_sun(moment: datetime, latitude: float, longitude: float, north: float
     )
     tilt = math.radians(23.439 - 4e-7 * n)
     sun = np.array(
-        [math.cos(longitude_of_sun), math.cos(tilt) * math.sin(longitude_of_sun),
-         math.sin(tilt) * math.sin(longitude_of_sun)]
-    )  # fmt: skip
+        [
+            math.cos(longitude_of_sun),
+            math.cos(tilt) * math.sin(longitude_of_sun),
+            math.sin(tilt) * math.sin(longitude_of_sun),
+        ]
+    )
     meridian = math.radians(280.46062 + 360.98564737 * n + longitude)
     phi = math.radians(latitude)
-    up = np.array([math.cos(phi) * math.cos(meridian), math.cos(phi) * math.sin(meridian),
-                   math.sin(phi)])  # fmt: skip
+    up = np.array(
+        [math.cos(phi) * math.cos(meridian), math.cos(phi) * math.sin(meridian), math.sin(phi)]
+    )
     east = np.array([-math.sin(meridian), math.cos(meridian), 0.0])
     northwards = np.cross(up, east)
     turn = math.radians(north)
@@ -96,9 +100,14 @@ def test_the_sun_falls_where_geometry_says(case: str, tmp_path: Path) -> None:
     date, time, offset = clock.split()
     text = ROOM
     for word, value in {
-        "WALL": wall, "LATITUDE": latitude, "LONGITUDE": longitude, "DATE": date, "TIME": time,
-        "OFFSET": int(offset), "NORTH": north,
-    }.items():  # fmt: skip
+        "WALL": wall,
+        "LATITUDE": latitude,
+        "LONGITUDE": longitude,
+        "DATE": date,
+        "TIME": time,
+        "OFFSET": int(offset),
+        "NORTH": north,
+    }.items():
         text = text.replace(word, str(value))
     (tmp_path / "room.yaml").write_text(text)
     scene = compose_room(tmp_path / "room.yaml", tmp_path / "room").scene

@@ -64,10 +64,18 @@ def _placements(room: Room, shapes: Shapes) -> dict[str, Placement]:
         x, y, *z = item.at
         spec = category(item.category)
         placements[name] = Placement(
-            name, Asset(item.category, (), lambda model=model: model), item.size, x, y,
-            z[0] if z else None, item.yaw, item.on or spec.support, relative_to=item.relative_to,
-            level=given(spec.level, 0.0), tilt=item.tilt,
-        )  # fmt: skip
+            name,
+            Asset(item.category, (), lambda model=model: model),
+            item.size,
+            x,
+            y,
+            z[0] if z else None,
+            item.yaw,
+            item.on or spec.support,
+            relative_to=item.relative_to,
+            level=given(spec.level, 0.0),
+            tilt=item.tilt,
+        )
     return placements
 
 

@@ -11,9 +11,7 @@ from tests.generate.scenes import Body, Opening, Scene
 IN_LINE = 0.003
 ROW = {"kitchen_unit", "dishwasher"}
 # Sockets can be plugged into, and hands reach switches: so much before them is free, metres.
-FREE = {
-    "socket": 0.04, "data_outlet": 0.04, "light_switch": 0.3, "thermostat": 0.1,
-}  # fmt: skip
+FREE = {"socket": 0.04, "data_outlet": 0.04, "light_switch": 0.3, "thermostat": 0.1}
 # What is lower is moved by whoever wants a plug, metres.
 HEAVY = 0.5
 # Boards end at doors: above thresholds, below lintels, so far into the hole; metres.
@@ -38,10 +36,12 @@ def misbuilt(scene: Scene, supports: dict[str, str]) -> Iterator[str]:
 def _out_of_line(top: Body, scene: Scene) -> Iterator[str]:
     """Units below a worktop whose back or upper side is not where that of the others is."""
     units = [
-        body for body in scene.objects
-        if body.category in ROW and body.hits(top, np.array([0.0, 0.0, 0.02]))
+        body
+        for body in scene.objects
+        if body.category in ROW
+        and body.hits(top, np.array([0.0, 0.0, 0.02]))
         and abs(body.frame[:3, 0] @ top.frame[:3, 0]) > 0.5
-    ]  # fmt: skip
+    ]
     backs = [_reach(body, top)[1, 1] for body in units]
     heights = [body.high[2] for body in units]
     for name, sides in (("back", backs), ("upper side", heights)):

@@ -40,9 +40,13 @@ def violations(
         hanging: The objects that hang over an edge or from a hook, by their description.
     """
     return [
-        *_penetrations(scene), *_outside(scene), *floating(scene, supports, hanging),
-        *swings(scene), *blocked(scene), *misbuilt(scene, supports),
-    ]  # fmt: skip
+        *_penetrations(scene),
+        *_outside(scene),
+        *floating(scene, supports, hanging),
+        *swings(scene),
+        *blocked(scene),
+        *misbuilt(scene, supports),
+    ]
 
 
 def _pairs(scene: Scene) -> Iterator[tuple[Body, Body]]:
@@ -94,9 +98,7 @@ def described_supports(rows: Sequence[Any], usual: Callable[[str], str]) -> dict
     return {row.name: row.on or usual(row.category) for row in rows}
 
 
-def described_hanging(
-    rows: Sequence[Any], lies: Callable[[str], Sequence[Any]]
-) -> frozenset[str]:  # fmt: skip
+def described_hanging(rows: Sequence[Any], lies: Callable[[str], Sequence[Any]]) -> frozenset[str]:
     """What hangs, of a description: ``lies`` says how a category lies.
 
     A thing of a style that hangs and never stands hangs wherever it is.

@@ -79,10 +79,12 @@ def _stands(body: Body, support: Body | None, scene: Scene) -> Iterator[str]:
     if support and not (held.all() or soft or stack or _carried(base, held, support)):
         yield f"{body.name} stands over the edge of {on}"
     elif not (
-        soft or body.category in HELD or within
+        soft
+        or body.category in HELD
+        or within
         or within_hull(middle_of_mass(body)[:2], _contacts(base[held], body, support))
         or (_leans(body) and _leant_on(body, scene))
-    ):  # fmt: skip
+    ):
         yield f"{body.name} would tip over on {on}"
 
 

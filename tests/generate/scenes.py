@@ -81,9 +81,7 @@ class Body:
 
     def meets(self, solid: Any) -> bool:
         """Whether its surface meets that of something else."""
-        return bool(
-            fcl.collide(self.solid(), solid, fcl.CollisionRequest(), fcl.CollisionResult())
-        )  # fmt: skip
+        return bool(fcl.collide(self.solid(), solid, fcl.CollisionRequest(), fcl.CollisionResult()))
 
     def hits(self, other: "Body", offset: np.ndarray | None = None) -> bool:
         """Whether it meets another body, surfaces or insides, when it is moved by an offset."""
@@ -191,10 +189,14 @@ def read(path: Path) -> Scene:
     boards = stage.GetPrimAtPath("/World/Room/Trim")
     trim = [_body(p, cache) for p in Usd.PrimRange(boards) if p.IsA(UsdGeom.Mesh)] if boards else []
     scene = Scene(
-        objects, [*shell, *trim], trim, [], [],
+        objects,
+        [*shell, *trim],
+        trim,
+        [],
+        [],
         np.array(room.GetAttribute("openrooms:room:floor").Get(), dtype=float),
         float(room.GetAttribute("openrooms:room:height").Get()),
-    )  # fmt: skip
+    )
     for prim in stage.GetPrimAtPath("/World/Room/Openings").GetChildren():
         _add_opening(scene, prim, cache)
     return scene
@@ -223,9 +225,7 @@ def _matrix(m: Gf.Matrix4d) -> np.ndarray:
     return np.array(m).T
 
 
-def _body(
-    prim: Usd.Prim, cache: UsdGeom.XformCache, forms: dict[Any, Form] | None = None
-) -> Body:  # fmt: skip
+def _body(prim: Usd.Prim, cache: UsdGeom.XformCache, forms: dict[Any, Form] | None = None) -> Body:
     """All meshes below a prim as one."""
     known = {} if forms is None else forms
     key = prim.GetPrototype().GetPath() if prim.IsInstance() else prim.GetPath()

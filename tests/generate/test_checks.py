@@ -38,10 +38,11 @@ class Room:
     def first(self, *names: str, on: str = "") -> Body:
         """The first of some categories, on something."""
         return next(
-            body for body in self.scene.objects
+            body
+            for body in self.scene.objects
             if (body.category in names or not names)
             and (not on or self.supports[body.name].startswith(on))
-        )  # fmt: skip
+        )
 
     def moved(self, body: Body, offset: np.ndarray) -> Scene:
         return self.put(body, body.moved(offset))
@@ -59,10 +60,12 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
 def small(room: Room) -> Body:
     """Something on the worktop that is let into nothing."""
     return next(
-        body for body in room.scene.objects
-        if room.supports[body.name].startswith("worktop") and body.category not in ("sink", "hob")
+        body
+        for body in room.scene.objects
+        if room.supports[body.name].startswith("worktop")
+        and body.category not in ("sink", "hob")
         and body.high[2] - body.low[2] > 0.05
-    )  # fmt: skip
+    )
 
 
 def door(room: Room) -> tuple[np.ndarray, np.ndarray]:
@@ -117,7 +120,8 @@ PLANTED: dict[str, tuple[Callable[[Room], Scene], str]] = {
     "6 mm into what carries it": (lambda room: room.moved(small(room), DOWN), "penetrates"),
     "6 mm above its rest": (lambda room: room.moved(small(room), UP), "does not touch"),
     "6 mm above the floor": (
-        lambda room: room.moved(room.first("chair", on="floor"), UP), "does not touch floor",
+        lambda room: room.moved(room.first("chair", on="floor"), UP),
+        "does not touch floor",
     ),
     "half over the edge": (half_over_the_edge, "stands over the edge of worktop"),
     "sink out of its hole": (
@@ -129,7 +133,8 @@ PLANTED: dict[str, tuple[Callable[[Room], Scene], str]] = {
     "half out of the room": (half_outside, "outside of the room"),
     "unit out of line": (unit_out_of_line, "is out of line"),
     "worktop off its units": (
-        lambda room: room.moved(room.first("worktop"), UP), "does not touch kitchen_unit",
+        lambda room: room.moved(room.first("worktop"), UP),
+        "does not touch kitchen_unit",
     ),
     "board across a door": (board_across_door, "skirting runs across door"),
     "socket off its wall": (
@@ -137,7 +142,7 @@ PLANTED: dict[str, tuple[Callable[[Room], Scene], str]] = {
         "does not touch wall",
     ),
     "socket behind a cupboard": (cupboard_before_socket, "is behind"),
-}  # fmt: skip
+}
 
 
 def test_the_room_itself_is_sound(room: Room) -> None:
@@ -184,11 +189,19 @@ def cuboid(name: str, kind: str, size: tuple[float, float, float], *place: float
 
 def fallen(*bodies: Body, on: str) -> list[str]:
     """What is said of the first body, which lies on the second one."""
-    scene = Scene([*bodies], [cuboid("Floor", "", (9, 9, 0.1), 0, 0, -0.1)], [], [], [],
-                  np.array([[-4, -4], [4, -4], [4, 4], [-4, 4]]), 3.0)  # fmt: skip
+    scene = Scene(
+        [*bodies],
+        [cuboid("Floor", "", (9, 9, 0.1), 0, 0, -0.1)],
+        [],
+        [],
+        [],
+        np.array([[-4, -4], [4, -4], [4, 4], [-4, 4]]),
+        3.0,
+    )
     supports = {body.name: "floor" for body in bodies} | {bodies[0].name: on}
-    return [found for found in resting.floating(scene, supports, frozenset())
-            if bodies[0].name in found]  # fmt: skip
+    return [
+        found for found in resting.floating(scene, supports, frozenset()) if bodies[0].name in found
+    ]
 
 
 @pytest.mark.parametrize(("shift", "stands"), [(0.03, True), (0.096, True), (0.104, False)])
@@ -221,19 +234,24 @@ def test_what_stands_on_one_foot_tips() -> None:
 def test_things_stand_over_narrow_gaps_between_slats(
     gap: float, width: float, stands: bool
 ) -> None:
-    slats = [box((0.06, 0.3, 0.02), (k * (0.06 + gap) - 0.5 * (0.06 + gap), 0, 0.01))
-             for k in range(-2, 4)]  # fmt: skip
+    slats = [
+        box((0.06, 0.3, 0.02), (k * (0.06 + gap) - 0.5 * (0.06 + gap), 0, 0.01))
+        for k in range(-2, 4)
+    ]
     crate = Body("crate", "box", form(joined(slats)), at(0, 0, 0))
     thing = cuboid("thing", "jar", (width, 0.05, 0.1), 0, 0, 0.02)
     assert (fallen(thing, crate, on="crate") == []) == stands
 
 
-@pytest.mark.parametrize(("gap", "beyond", "held"),
-                         [(0.6, 0.1, True), (0.7, 0.1, False), (0.3, 0.35, False)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("gap", "beyond", "held"), [(0.6, 0.1, True), (0.7, 0.1, False), (0.3, 0.35, False)]
+)
 def test_worktops_are_held_along_their_length(gap: float, beyond: float, held: bool) -> None:
     top = cuboid("top", "worktop", (1.2 + gap + 2 * beyond, 0.6, 0.04), 0, 0, 0.87)
-    units = [cuboid(f"unit_{k}", "kitchen_unit", (0.6, 0.6, 0.87), s * 0.5 * (0.6 + gap), 0, 0)
-             for k, s in enumerate((-1, 1))]  # fmt: skip
+    units = [
+        cuboid(f"unit_{k}", "kitchen_unit", (0.6, 0.6, 0.87), s * 0.5 * (0.6 + gap), 0, 0)
+        for k, s in enumerate((-1, 1))
+    ]
     assert (fallen(top, *units, on="unit_0") == []) == held
 
 

@@ -3,15 +3,13 @@
 import json
 from pathlib import Path
 
-from click.testing import CliRunner
-
-from openrooms_usd.cli import orusd
 from openrooms_usd.description import load_room
 from openrooms_usd.generate import generate, write
+from tests import commands
 
 
 def run(*words: object) -> tuple[int, str]:
-    done = CliRunner().invoke(orusd, [str(word) for word in words])
+    done = commands.run(*words)
     return done.exit_code, f"{done.output}{done.exception or ''}"
 
 
@@ -27,9 +25,8 @@ def test_one_room(tmp_path: Path) -> None:
 
 def test_several_rooms_as_data(tmp_path: Path) -> None:
     code, said = run(
-        "generate", "--type", "closet", "--seed", 5, "--count", 3, "--area", 4, "-o", tmp_path,
-        "--json",
-    )  # fmt: skip
+        *"generate --type closet --seed 5 --count 3 --area 4 -o".split(), tmp_path, "--json"
+    )
     rows = json.loads(said)["rooms"]
     assert code == 0
     assert [row["seed"] for row in rows] == [5, 6, 7]

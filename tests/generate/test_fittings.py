@@ -35,9 +35,12 @@ def test_doors_have_switches_at_the_height_of_hands(room: Generated) -> None:
 def test_fittings_are_apart_from_everything_else(room: Generated) -> None:
     found = fittings(room)
     others = [
-        item.box for title, items in room.furnishing.groups if title != FITTINGS for item in items
+        item.box
+        for title, items in room.furnishing.groups
+        if title != FITTINGS
+        for item in items
         if item.on == "wall" and item.category not in ("backsplash", "curtain")
-    ]  # fmt: skip
+    ]
     flat = np.array([item.box for item in found if item.category != "ceiling_rose"])
     if others:
         assert not overlap(flat, np.array(others)).any()

@@ -125,8 +125,12 @@ def test_a_suite_has_one_finish_on_the_fronts_of_all_its_categories() -> None:
     for seed in range(12):
         worn = {tuple(finishes_of(name, parts, RNG(seed)).items()) for name in members}
         assert len(worn) == 1
-    assert {told.suite for _, known in records() if isinstance(known.schemes, tuple)
-            for told in known.schemes} >= {"", "kitchen"}  # fmt: skip
+    assert {
+        told.suite
+        for _, known in records()
+        if isinstance(known.schemes, tuple)
+        for told in known.schemes
+    } >= {"", "kitchen"}
 
 
 @pytest.mark.parametrize("fronts", ["slab", "shaker", "handleless"])

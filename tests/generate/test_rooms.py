@@ -22,18 +22,32 @@ from openrooms_usd.library.furniture import CATEGORIES
 ESSENTIAL = {
     "apartment": {"bed", "sofa", "refrigerator", "worktop"},
     "bathroom": {"toilet", "sink"},
-    "bedroom": {"bed"}, "hotel": {"bed", "desk"}, "bookstore": {"bookshelf", "counter"},
-    "library": {"bookshelf", "table"}, "classroom": {"whiteboard", "desk", "chair"},
-    "closet": {"wardrobe"}, "computer_cluster": {"desk", "office_chair"},
-    "conference_room": {"table", "office_chair"}, "copy_room": {"bookshelf", "cabinet"},
-    "mail_room": {"bookshelf", "box"}, "dining_room": {"table", "chair"},
-    "game_room": {"sofa", "table"}, "gym": {"bench", "rug"}, "hallway": set(),
+    "bedroom": {"bed"},
+    "hotel": {"bed", "desk"},
+    "bookstore": {"bookshelf", "counter"},
+    "library": {"bookshelf", "table"},
+    "classroom": {"whiteboard", "desk", "chair"},
+    "closet": {"wardrobe"},
+    "computer_cluster": {"desk", "office_chair"},
+    "conference_room": {"table", "office_chair"},
+    "copy_room": {"bookshelf", "cabinet"},
+    "mail_room": {"bookshelf", "box"},
+    "dining_room": {"table", "chair"},
+    "game_room": {"sofa", "table"},
+    "gym": {"bench", "rug"},
+    "hallway": set(),
     "kitchen": {"refrigerator", "kitchen_unit", "sink", "worktop"},
     "laundry_room": {"washing_machine"},
-    "lounge": {"sofa", "plant_pot"}, "living_room": {"sofa"}, "lobby": {"counter", "sofa"},
-    "office": {"desk"}, "stairs": {"stairs"}, "storage": {"bookshelf", "box"},
-    "basement": {"bookshelf", "box"}, "garage": {"table", "bookshelf"}, "misc": set(),
-}  # fmt: skip
+    "lounge": {"sofa", "plant_pot"},
+    "living_room": {"sofa"},
+    "lobby": {"counter", "sofa"},
+    "office": {"desk"},
+    "stairs": {"stairs"},
+    "storage": {"bookshelf", "box"},
+    "basement": {"bookshelf", "box"},
+    "garage": {"table", "bookshelf"},
+    "misc": set(),
+}
 
 
 def test_every_room_type_has_a_program() -> None:
@@ -93,9 +107,12 @@ def test_equal_seeds_give_equal_rooms_in_any_process() -> None:
     here = [write(generate(kind, 5)) for kind in kinds]
     for seed in ("1", "2"):
         done = subprocess.run(
-            [sys.executable, "-c", code, *kinds], capture_output=True, text=True, check=True,
+            [sys.executable, "-c", code, *kinds],
+            capture_output=True,
+            text=True,
+            check=True,
             env={"PYTHONHASHSEED": seed},
-        )  # fmt: skip
+        )
         assert json.loads(done.stdout) == here
     layout = here[0].partition("layout:")[2]
     assert layout and write(generate("bathroom", 6)).partition("layout:")[2] != layout

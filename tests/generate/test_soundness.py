@@ -30,9 +30,13 @@ alignment:
     - {{name: shelf, category: bookshelf, at: [{shelf}], size: [0.8, 0.3, 1.9]}}
 """
 GOOD = {
-    "sofa": "2, 3.54", "table": "2, 2.5", "jar": "2, 2.5", "shelf": "0.7, 0.16", "hinge": "left",
+    "sofa": "2, 3.54",
+    "table": "2, 2.5",
+    "jar": "2, 2.5",
+    "shelf": "0.7, 0.16",
+    "hinge": "left",
     "open": "0",
-}  # fmt: skip
+}
 PLANTED = {
     "sofa in the wall": ({"sofa": "2, 3.58"}, "sofa penetrates wall_2"),
     "sofa outside": ({"sofa": "2, 3.58"}, "sofa is 30 mm outside"),
@@ -44,7 +48,7 @@ PLANTED = {
     "shelf in the swing": ({"shelf": "4.3, 1.7"}, "door_0 meets shelf"),
     "shelf in the other swing": ({"shelf": "4.3, 2.3", "hinge": "right"}, "door_0 meets shelf"),
     "shelf in an open door's swing": ({"shelf": "4.3, 1.7", "open": "20"}, "door_0 meets shelf"),
-}  # fmt: skip
+}
 
 
 def found(text: str, folder: Path) -> list[str]:

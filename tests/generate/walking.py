@@ -14,11 +14,12 @@ PATH = 0.6  # width of the narrowest path, metres
 APPROACH = 0.6  # how deep the floor before a door must be free, metres
 HEADROOM = (0.06, 1.9)
 # What people must be able to come near to, and how near, metres.
-USED = {
-    "bed", "sofa", "desk", "wardrobe", "dresser", "refrigerator", "stove", "oven", "toilet",
-    "bathtub", "kitchen_unit", "dishwasher",
-    "sink", "washing_machine", "bookshelf", "cabinet", "file_cabinet", "stairs", "fireplace",
-}  # fmt: skip
+USED = set(
+    (
+        "bed sofa desk wardrobe dresser refrigerator stove oven toilet bathtub kitchen_unit "
+        "dishwasher sink washing_machine bookshelf cabinet file_cabinet stairs fireplace"
+    ).split()
+)
 NEAR = 0.9
 # A sofa may have its table before it: then that is what people come near to.
 NEAR_SOFA = 1.5
@@ -37,8 +38,11 @@ def swings(scene: Scene) -> Iterator[str]:
             closed[:2, :2] = [[c, -s], [s, c]]
             m = leaf.world @ closed @ turn
             moved = Body(leaf.name, "", leaf.body.form, m)
-            near = (o for o in scene.objects
-                    if (o.low < moved.high).all() and (o.high > moved.low).all())  # fmt: skip
+            near = (
+                o
+                for o in scene.objects
+                if (o.low < moved.high).all() and (o.high > moved.low).all()
+            )
             hit = next((o.name for o in near if o.meets(moved.solid())), None)
             if hit:
                 yield f"{leaf.name} meets {hit} at {angle:g} degrees"
@@ -108,8 +112,10 @@ def free_floor(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     # The large ones first: what lies on them then takes nothing more away.
     for body in sorted(scene.objects, key=lambda o: -np.prod((o.high - o.low)[:2])):
         if body.high[2] > HEADROOM[0] and body.low[2] < HEADROOM[1]:
-            (i0, j0), (i1, j1) = (np.maximum(np.floor((side[:2] - low) / CELL).astype(int), 0)
-                                  for side in (body.low, body.high))  # fmt: skip
+            (i0, j0), (i1, j1) = (
+                np.maximum(np.floor((side[:2] - low) / CELL).astype(int), 0)
+                for side in (body.low, body.high)
+            )
             if free[j0 : j1 + 1, i0 : i1 + 1].any():
                 _stamp(free, body, low)
     away = ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * CELL

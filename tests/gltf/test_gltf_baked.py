@@ -15,7 +15,7 @@ from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.surfaces import Texture
 from tests.gltf.conftest import Export
-from tests.handmade import Build
+from tests.small import Stage
 
 SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
 STOPS = -6.0
@@ -31,13 +31,13 @@ def save(path: Path, pixels: np.ndarray, kind: str) -> str:
     return str(path)
 
 
-def lit(tmp_path: Path) -> tuple[Build, np.ndarray, np.ndarray]:
+def lit(tmp_path: Path) -> tuple[Stage, np.ndarray, np.ndarray]:
     """Two squares in one lightmap; its irradiance, and the colour of the squares."""
     columns, rows = np.meshgrid(np.arange(32) / 32.0, np.arange(32) / 32.0)
     light = np.stack([20 + 60 * columns, 30 + 50 * rows, 40 + 0 * rows], axis=-1)
     paint = np.stack([0.3 + 0.6 * rows, 0.9 - 0.5 * columns, 0.6 + 0 * rows], axis=-1)
     codes = np.round(paint * 255).astype(np.uint8)
-    made = Build()
+    made = Stage()
     color = Texture(save(tmp_path / "paint.png", codes, "uint8"), color_space="sRGB",
                     wrap_s="clamp", wrap_t="clamp")  # fmt: skip
     look = made.material("/M", base_color=color)
@@ -101,7 +101,7 @@ def test_what_has_no_lightmap_is_shown_and_told(export: Export, tmp_path: Path) 
 
 
 def test_a_stage_without_lightmaps_is_told_how_to_get_them(export: Export) -> None:
-    made = Build()
+    made = Stage()
     made.box("/Box", 1.0)
     with pytest.raises(StageError, match="no lightmaps"):
         export(made.stage, {"light": "baked"})
@@ -125,7 +125,7 @@ def test_a_node_tells_where_it_lies_in_a_lightmap(export: Export, tmp_path: Path
 
 
 def test_lightmaps_need_some(export: Export) -> None:
-    made = Build()
+    made = Stage()
     made.box("/Box", 1.0)
     with pytest.raises(StageError, match="no lightmaps"):
         export(made.stage, {"light": "lightmaps"})

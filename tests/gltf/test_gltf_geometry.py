@@ -12,7 +12,7 @@ from openrooms_usd.usd.meshes import read_meshes
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb, read, volume
-from tests.handmade import Build
+from tests.small import Stage
 
 SHEAR = Gf.Matrix4d(1, 0.4, 0, 0, 0, 1, 0.3, 0, 0.2, 0, 1, 0, 0.5, 1, 2, 1)
 
@@ -39,7 +39,7 @@ def assert_same(glb: Glb, stage: Usd.Stage) -> None:
 def test_meshes_stand_where_they_stood_whatever_moves_turns_mirrors_or_shears_them(
     export: Export,
 ) -> None:
-    made = Build(up="Y", metres=0.01)
+    made = Stage(up="Y", metres=0.01)
     made.box("/A/plain", 30.0).AddTranslateOp().Set(Gf.Vec3d(100, 20, 3))
     UsdGeom.Xform.Define(made.stage, "/A").AddRotateXYZOp().Set(Gf.Vec3f(20, 30, 40))
     made.box("/A/mirrored", 20.0).AddScaleOp().Set(Gf.Vec3f(-1, 2, 3))
@@ -59,7 +59,7 @@ def test_meshes_stand_where_they_stood_whatever_moves_turns_mirrors_or_shears_th
 
 
 def test_what_repeats_is_stored_once(export: Export) -> None:
-    made = Build()
+    made = Stage()
     made.box("/Parts/chair/seat", 0.4)
     made.stage.GetPrimAtPath("/Parts").SetSpecifier(Sdf.SpecifierClass)
     for number in range(3):

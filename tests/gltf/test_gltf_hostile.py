@@ -13,7 +13,7 @@ from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.surfaces import Texture
 from orusd_gltf import GltfExporter
 from tests.gltf.reading import read
-from tests.handmade import Build
+from tests.small import Stage
 
 SURFACES: tuple[dict[str, Any], ...] = (
     {"base_color": (2.0, -1.0, 0.5)},
@@ -34,7 +34,7 @@ SURFACES: tuple[dict[str, Any], ...] = (
 
 
 def odd_stage() -> Usd.Stage:
-    made = Build()
+    made = Stage()
     far, corners = 1e39, ((0, 0), (1, 0), (1, 1), (0, 1))
     for name, size in (("huge", far), ("none", math.nan), ("tiny", 1e-30)):
         made.quad(f"/W/{name}", [(x * size, y * size, 0) for x, y in corners])

@@ -17,7 +17,7 @@ from openrooms_usd.usd.lights import define_mesh_light
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb
-from tests.handmade import Build
+from tests.small import Stage
 
 
 def lamps(glb: Glb) -> dict[str, tuple[dict, np.ndarray]]:
@@ -33,7 +33,7 @@ def lamps(glb: Glb) -> dict[str, tuple[dict, np.ndarray]]:
 
 
 def test_lamps_have_the_candela_of_their_surface(export: Export) -> None:
-    made = Build()
+    made = Stage()
     ball = UsdLux.SphereLight.Define(made.stage, "/L/Ball")
     ball.CreateRadiusAttr(0.2)
     ball.CreateIntensityAttr(100.0)
@@ -90,7 +90,7 @@ def test_lamps_have_the_candela_of_their_surface(export: Export) -> None:
 
 
 def test_a_mesh_glows_as_its_light_does(export: Export) -> None:
-    made = Build()
+    made = Stage()
     grey = made.material("/Grey", base_color=(0.5, 0.5, 0.5))
     made.box("/Dark", 1.0, material=grey)
     define_mesh_light(made.box("/Bulb", 0.1, material=grey).GetPrim(), nits=5000.0)
@@ -104,7 +104,7 @@ def test_a_mesh_glows_as_its_light_does(export: Export) -> None:
 
 
 def test_parallel_cameras_see_as_much(export: Export) -> None:
-    made = Build()
+    made = Stage()
     made.camera((0, -4, 1), (0, 0, 1), aspect=4 / 3)
     camera = UsdGeom.Camera(made.stage.GetPrimAtPath("/Camera"))
     camera.CreateProjectionAttr("orthographic")
@@ -118,7 +118,7 @@ def test_parallel_cameras_see_as_much(export: Export) -> None:
 
 
 def test_cameras_see_as_much(export: Export) -> None:
-    made = Build()
+    made = Stage()
     made.camera((0, -4, 1), (0, 0, 1), fov=70.0, aspect=4 / 3)
     camera = UsdGeom.Camera(made.stage.GetPrimAtPath("/Camera"))
     camera.CreateExposureAttr(-7.5)
@@ -135,7 +135,7 @@ def test_cameras_see_as_much(export: Export) -> None:
 
 
 def test_options_and_endings_that_are_not_known_are_refused(tmp_path: Path) -> None:
-    stage = Build().stage
+    stage = Stage().stage
     for options in ({"draco": True}, {"pictures": "gif"}):
         with pytest.raises(InputError):
             GltfExporter().convert(stage, tmp_path / "a.glb", options)
@@ -156,7 +156,7 @@ def test_the_ending_says_which_exporter(tmp_path: Path, monkeypatch: pytest.Monk
         return GltfExporter()
 
     monkeypatch.setattr(adapters, "load", load)
-    made = Build(path=tmp_path / "scene.usda")
+    made = Stage(path=tmp_path / "scene.usda")
     made.box("/Box", 1.0)
     made.stage.Save()
     words = ["convert", str(tmp_path / "scene.usda"), str(tmp_path / "room.glb"), "--json"]
@@ -182,7 +182,7 @@ def test_what_is_not_drawn_is_told(composed_bodies: Path, tmp_path: Path) -> Non
 
 
 def test_viewers_that_cannot_expose_get_light_that_is_exposed(export: Export) -> None:
-    made = Build()
+    made = Stage()
     ball = UsdLux.SphereLight.Define(made.stage, "/Ball")
     ball.CreateIntensityAttr(1000.0)
     define_mesh_light(made.box("/Bulb", 0.1).GetPrim(), nits=5000.0)

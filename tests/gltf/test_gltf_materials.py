@@ -14,7 +14,7 @@ from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb
-from tests.handmade import Build
+from tests.small import Stage
 
 Array = NDArray[Any]
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -146,7 +146,7 @@ def test_a_surface_is_what_it_is_here(
     name: str, files: dict[str, str], export: Export, tmp_path: Path
 ) -> None:
     inputs = cases(files)[name]
-    made = Build()
+    made = Stage()
     made.quad("/Square", CORNERS, material=made.material("/M", **inputs))
     glb, _ = export(made.stage)
     looks = shown(glb, tmp_path)
@@ -171,7 +171,7 @@ def test_a_surface_is_what_it_is_here(
 
 
 def test_files_are_kept_and_used_once(files: dict[str, str], export: Export) -> None:
-    made = Build()
+    made = Stage()
     inputs = cases(files)["kept"]
     for number, st in enumerate(((1.0, 1.0), (2.0, 2.0))):
         color = Texture(files["color"], color_space="sRGB", uv_scale=st)
@@ -185,7 +185,7 @@ def test_files_are_kept_and_used_once(files: dict[str, str], export: Export) -> 
 
 
 def test_clear_glass_lets_light_through_and_is_seen_by_all(export: Export) -> None:
-    made = Build()
+    made = Stage()
     glass = made.material("/M", base_color=(1, 1, 1), opacity=0.125, roughness=0.0, ior=1.25)
     made.quad("/Pane", CORNERS, material=glass).CreateDoubleSidedAttr(True)
     leaf = made.material("/L", opacity=0.5, opacity_mode="presence", transmission=0.0)
@@ -204,7 +204,7 @@ def test_clear_glass_lets_light_through_and_is_seen_by_all(export: Export) -> No
 
 
 def test_tangents_lead_where_the_picture_does(files: dict[str, str], export: Export) -> None:
-    made = Build()
+    made = Stage()
     relief = Texture(files["relief"], scale=NORMAL_SCALE, bias=NORMAL_BIAS, uv_rotation=90.0)
     made.quad("/Square", CORNERS, material=made.material("/M", normal=relief))
     mirrored = made.mesh("/Mirrored", np.add(CORNERS, (2, 0, 0)), [[0, 1, 2, 3]],

@@ -14,7 +14,7 @@ from orusd_gltf import GltfExporter
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb, local, read
 from tests.gltf.test_gltf_materials import CORNERS, save
-from tests.handmade import Build
+from tests.small import Stage
 
 
 def written(scene: Path, target: Path, **options: str) -> Glb:
@@ -48,7 +48,7 @@ def test_draco_is_asked_for_where_it_is_missing(
     export: Export, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "DracoPy", None)
-    made = Build()
+    made = Stage()
     made.box("/Box", 1.0)
     with pytest.raises(MissingPackageError) as told:
         export(made.stage, {"compression": "draco"})
@@ -56,7 +56,7 @@ def test_draco_is_asked_for_where_it_is_missing(
 
 
 def test_one_node_draws_all_places_of_a_mesh(export: Export) -> None:
-    made = Build()
+    made = Stage()
     made.box("/Parts/chair/seat", 0.4)
     made.stage.GetPrimAtPath("/Parts").SetSpecifier(Sdf.SpecifierClass)
     places = [(0.0, 0.0, 0.0, 1.0), (1.0, 2.0, 30.0, 1.0), (2.0, 0.0, 80.0, 2.0), (3.0, 1.0, 0, -1)]
@@ -88,7 +88,7 @@ def test_one_node_draws_all_places_of_a_mesh(export: Export) -> None:
 
 @pytest.mark.parametrize("form", ["jpeg", "webp"])
 def test_pictures_are_stored_smaller(form: str, export: Export, tmp_path: Path) -> None:
-    made = Build()
+    made = Stage()
     rows, columns = np.mgrid[0:64, 0:64] / 64.0
     codes = np.stack([rows, columns, 0.5 + 0 * rows, 1 - rows], axis=-1)
     codes = np.round(codes * 255).astype(np.uint8)

@@ -1,7 +1,6 @@
 """One record a category: complete, beside its builder, and the only place that lists it."""
 
 import ast
-import re
 from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import get_args
@@ -24,7 +23,6 @@ from openrooms_usd.usd.taxonomies import TAXONOMIES, classes
 
 ROOT = Path(__file__).parents[2]
 FURNITURE = ROOT / "openrooms_usd/library/furniture"
-NAME = "openrooms_usd/description/categories.py"
 # Most things neither lie about nor carry what does, and their size says how they are photographed.
 _USUALLY_NOTHING = ("lies", "carries", "photographed")
 
@@ -80,69 +78,6 @@ def test_every_record_stands_in_the_module_of_its_name_and_has_its_name_in_the_l
     assert all(module_of(name).endswith(f".{name}") for name in BUILT)
     assert not set(BUILT) & set(OTHERS)
     assert record("no such thing") is None and record("") is None
-
-
-def tables(path: Path) -> list[str]:
-    """Places where five categories or more are the keys or the members of one table."""
-    known = {name for name, _ in records()}
-    text = path.read_text("utf-8")
-    if len(known & set(re.findall(r"\w+", text))) < 5:
-        return []
-    found = []
-    for node in ast.walk(ast.parse(text)):
-        members: list[ast.expr | None] = []
-        if isinstance(node, ast.Dict):
-            members = [*node.keys]
-        elif isinstance(node, ast.Tuple | ast.List | ast.Set):
-            members = [*node.elts]
-        words = [m.value for m in members if isinstance(m, ast.Constant)]
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            words = node.value.split() if len(node.value) < 500 else []
-        words = sorted({str(word) for word in words})
-        if len(words) >= 5 and sum(word in known for word in words) >= 0.8 * len(words):
-            found.append(f"{path.relative_to(ROOT)}:{node.lineno}")
-    return found
-
-
-def test_no_table_of_categories_stands_beside_the_records() -> None:
-    allowed = {
-        NAME,
-        "openrooms_usd/categories/others.py",
-        # What may stand for each other: said of several at once.
-        "openrooms_usd/categories/words.py",
-        # The shell of rooms, which several stages leave alone.
-        "openrooms_usd/names.py",
-        # What goes together in a style: said of several at once.
-        "openrooms_usd/library/interiors.py",
-        # What is fixed to the shell: which key says its material.
-        "openrooms_usd/stages/surfaces.py",
-        "openrooms_usd/view/fields.py",
-        # The class lists of others, in their own words and numbers.
-        "openrooms_usd/usd/taxonomies.py",
-        "converters/orusd_scans/sunrgbd/files.py",
-        # RoomPlan's words for the shell.
-        "converters/orusd_scans/roomplan/usdz.py",
-        "converters/orusd_scans/roomplan/components.py",
-        # What is special about objects of the OpenRooms release.
-        "converters/orusd_openrooms/scenes/sceneobjects.py",
-        # NYU40's numbers for the shell.
-        "openrooms_usd/scan/segmentation/labelled.py",
-    }
-    found = [
-        place
-        for folder in ("openrooms_usd", "schemas", "converters")
-        for path in sorted((ROOT / folder).rglob("*.py"))
-        if str(path.relative_to(ROOT)) not in allowed
-        for place in tables(path)
-    ]
-    assert found == []
-
-
-def test_no_document_lists_the_categories() -> None:
-    for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")):
-        for paragraph in path.read_text("utf-8").split("\n\n"):
-            named = set(re.findall(r"`([a-z_]+)`", paragraph)) & set(BUILT)
-            assert len(named) < 7, f"{path.name}: {sorted(named)}"
 
 
 def test_words_and_synsets_mean_one_category() -> None:

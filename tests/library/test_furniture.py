@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from openrooms_usd.categories.record import given
 from openrooms_usd.description.alignment import LibraryCategory
@@ -140,29 +141,49 @@ def test_doors_and_drawers_have_gaps_between_them() -> None:
     assert gaps == pytest.approx([0.003] * len(gaps), abs=1e-6)
 
 
-@pytest.mark.parametrize(("name", "style"), LAMPS)
-def test_light_leaves_the_lamp(name: str, style: str) -> None:
-    """From the bulb outwards, a good share of directions reaches the room past every other part."""
-    parts = make(name, usual(name, style), style, _rng()).parts
-    bulb = parts.pop("light_bulb")
-    others = joined(list(parts.values()))
-    corners, _ = others.triangles()
-    caster = RayCaster(others.points, others.indices[corners])
-    corners, _ = bulb.triangles()
-    a, b, c = np.moveaxis(bulb.points[bulb.indices[corners]], 1, 0)
-    area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+def freed(parts: Parts) -> NDArray[np.float64]:
+    """(3,) the share of a bulb's light that passes all other parts: downwards, level, upwards."""
+    parts = dict(parts)
+    bulb, others = parts.pop("light_bulb"), joined(list(parts.values()))
+    caster = RayCaster(others.points, others.indices[others.triangles()[0]])
+    a, b, c = np.moveaxis(bulb.points[bulb.indices[bulb.triangles()[0]]], 1, 0)
+    normal = np.cross(b - a, c - a)
+    area = np.linalg.norm(normal, axis=1)
     rng = _rng(1)
-    face = rng.choice(len(area), size=4000, p=area / area.sum())
+    face = rng.choice(len(area), size=1500, p=area / area.sum())
     u = rng.dirichlet((1, 1, 1), size=len(face))
     origins = u[:, :1] * a[face] + u[:, 1:2] * b[face] + u[:, 2:] * c[face]
-    normal = np.cross(b - a, c - a)[face] / area[face][:, None]
+    normal = normal[face] / area[face][:, None]
     # Lambertian: normal plus a point on the unit sphere.
     sphere = rng.normal(size=normal.shape)
-    directions = normal + sphere / np.linalg.norm(sphere, axis=1, keepdims=True)
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    ways = normal + sphere / np.linalg.norm(sphere, axis=1, keepdims=True)
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     # Past itself too: bulbs are convex, so only other parts block.
-    hits = caster.first_hit(origins + 1e-4 * normal, directions)
-    assert np.isinf(hits.distance).mean() > 0.3
+    free = np.isinf(caster.first_hit(origins + 1e-4 * normal, ways).distance)
+    # Within 60 degrees of the vertical, and else.
+    bands = [ways[:, 2] < -0.5, np.abs(ways[:, 2]) <= 0.5, ways[:, 2] > 0.5]
+    return np.array([free[band].mean() for band in bands])
+
+
+# At least and at most, of what is sent downwards, level and upwards.
+OPEN_ROUND = ((0.6, 0.8, 0.6), (1.0, 1.0, 1.0))
+OPEN_ENDS = ((0.08, 0.0, 0.65), (1.0, 0.4, 1.0))
+OPEN_BELOW = ((0.65, 0.0, 0.0), (1.0, 0.7, 0.02))
+OPEN_ABOVE = ((0.0, 0.0, 0.65), (0.02, 0.4, 1.0))
+LEAVES = {
+    **dict.fromkeys(("globe", "chandelier", "cluster"), OPEN_ROUND),
+    **dict.fromkeys(("drum", "tripod", "urn", "stick", "sconce", "swing"), OPEN_ENDS),
+    **dict.fromkeys(("pendant", "flush", "spots", "arc", "task"), OPEN_BELOW),
+    "uplight": OPEN_ABOVE,
+}
+
+
+@pytest.mark.parametrize(("name", "style"), LAMPS)
+def test_light_leaves_the_lamp_where_its_style_is_open(name: str, style: str) -> None:
+    """Shades that are closed, and bulbs that stand out of them, are seen at once."""
+    found = freed(make(name, usual(name, style), style, _rng()).parts)
+    least, most = LEAVES[style]
+    assert (found >= least).all() and (found <= most).all(), found
 
 
 def test_the_description_knows_the_same_categories() -> None:

@@ -9,46 +9,16 @@ import numpy as np
 import OpenImageIO
 import pytest
 from numpy.typing import NDArray
-from pxr import Usd, UsdLux
+from pxr import Usd
 
-from openrooms_usd.render import RenderRequest, View
-from openrooms_usd.usd.lights import define_mesh_light
-from orusd_mitsuba import MitsubaRenderer, variants
-from tests.handmade import Build
-from tests.opening import open_with
+from openrooms_usd.render import View
+from orusd_mitsuba import variants
+from tests.mitsuba.rendering import session_of, shown
 
 Open = Callable[[Usd.Stage], Any]
 
 # Some tests import modules that import Dr.Jit: which library it loads is chosen before.
 variants.choose()
-
-
-@pytest.fixture(scope="session")
-def build() -> type[Build]:
-    return Build
-
-
-@pytest.fixture(scope="session")
-def half_hidden() -> Callable[..., Usd.Stage]:
-    """A stage with two lamps, one of which is hidden from a part of what is seen."""
-    return _half_hidden
-
-
-def _half_hidden(**looks: Any) -> Usd.Stage:
-    """A grey room with a panel over a board, and a ball."""
-    made = Build()
-    made.box("/Room", 2.0, inside=True, material=made.material(
-        "/Grey", **({"base_color": (0.5,) * 3} | looks)))  # fmt: skip
-    board = [(x, y, -0.5) for x, y in ((-0.6, -0.3), (0.1, -0.3), (0.1, 0.4), (-0.6, 0.4))]
-    made.quad("/Board", board, material="/Grey")
-    panel = [(-0.4, -0.2, 0.9), (-0.4, 0.3, 0.9), (0.1, 0.3, 0.9), (0.1, -0.2, 0.9)]
-    define_mesh_light(made.quad("/Panel", panel, material="/Grey").GetPrim(), nits=100.0)
-    ball = UsdLux.SphereLight.Define(made.stage, "/Ball")
-    ball.CreateRadiusAttr(0.2)
-    ball.CreateIntensityAttr(100.0)
-    ball.AddTranslateOp().Set((0.6, 0.5, -0.2))
-    made.camera((-0.9, -0.9, 0.0), (0.3, 0.4, -0.5), fov=70)
-    return made.stage
 
 
 @pytest.fixture(params=["scalar", "llvm"])
@@ -88,19 +58,17 @@ def prepare(request: pytest.FixtureRequest) -> Callable[[str], Any]:
 
 @pytest.fixture
 def open_stage(variant: str) -> Open:
-    return lambda stage: open_with(MitsubaRenderer(), stage, {"variant": variant})
+    return lambda stage: session_of(stage, variant=variant)
 
 
 @pytest.fixture
 def shoot(open_stage: Open) -> Callable[..., View]:
-    """Render one camera of a stage: 32 by 24 pixels unless it says otherwise."""
+    """Render one camera of a stage: 32 by 24 pixels and one sample unless it says otherwise."""
 
-    def render(
-        stage: Usd.Stage, *channels: str, camera: str | None = "/Camera", **how: Any
-    ) -> View:
-        size = {"width": 32, "height": 24}
-        how = size | ({} if {"error", "seconds"} & set(how) else {"samples": 1}) | how
-        return open_stage(stage).render(RenderRequest(camera, channels, **how))  # type: ignore[no-any-return]
+    def render(stage: Usd.Stage, *channels: str, **how: Any) -> View:
+        samples = {} if {"error", "seconds"} & set(how) else {"samples": 1}
+        how = {"width": 32, "height": 24} | samples | how
+        return shown(open_stage(stage), *channels, **how)  # type: ignore[no-any-return]
 
     return render
 
@@ -155,15 +123,21 @@ class Lit:
 
         return RoomLight(self.scene, self.built, self.builder, self.index, self.first, bounces)
 
+    def paths(self, depth: int = 8, size: tuple[int, int] = (32, 24), **how: Any) -> Any:
+        """The `PathIntegrator` of ``/Camera``; `depth` counts segments, scatterings and one."""
+        from orusd_mitsuba.transport.path_integrator import PathIntegrator
+
+        eye = self.camera(*size, path=how.pop("path", "/Camera"))
+        return PathIntegrator(self.built, self.index, eye, *size, self.scene.origin, depth, **how)
+
     def direct(
         self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)
     ) -> NDArray[np.float32]:
         """(4 L, height, width, 3) of `DirectIntegrator`."""
         from orusd_mitsuba.direct.integrator import DirectIntegrator
 
-        integrator = DirectIntegrator(self.scene, self.built, self.sources, self.index, self.first,
-                          self.camera(*size), *size)  # fmt: skip
-        return integrator(samples, seed)
+        known = self.scene, self.built, self.sources, self.index, self.first
+        return DirectIntegrator(*known, self.camera(*size), *size)(samples, seed)
 
     def lights(self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)) -> Any:
         """The channels that `finish` makes of it, without the picture's axes."""
@@ -176,3 +150,15 @@ class Lit:
 @pytest.fixture(scope="session")
 def lit(vectorized: str) -> type[Lit]:
     return Lit
+
+
+@pytest.fixture
+def few_surfels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few surfels, filled by few paths, and no file."""
+    from openrooms_usd.render import light_store
+    from orusd_mitsuba.cache import filling, population
+
+    monkeypatch.setattr(light_store, "places", lambda scene: ())
+    monkeypatch.setattr(filling, "_SURFELS", 600)
+    monkeypatch.setattr(population, "_CANDIDATES", 1 << 14)
+    monkeypatch.setattr(population, "_WALKERS", 1 << 13)

@@ -2,11 +2,13 @@
 
 # One of each kind of pass, and all that each gives.
 PASSES = {
-    "light": (
-        "radiance", "emission", "direct", "indirect", "radiance_i", "diffuse", "specular",
-        "irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i",
-        "direct_i", "unoccluded_i", "visibility_i",
+    "light": tuple(
+        (
+            "radiance emission direct indirect radiance_i diffuse specular irradiance "
+            "irradiance_direct irradiance_indirect irradiance_i direct_i unoccluded_i "
+            "visibility_i"
+        ).split()
     ),
     "environment": ("environment", "environment_direct"),
-}  # fmt: skip
+}
 LIT = tuple(name for names in PASSES.values() for name in names)

@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.render.exr import read_channels
 from openrooms_usd.render.paths.rendering import render_path
+from tests.commands import output_of, run
+from tests.mitsuba.rooms import half_hidden
 
 pytestmark = pytest.mark.slow
 
@@ -25,7 +25,7 @@ KEYS = """{"fov": 70, "keys": [
 
 
 @pytest.fixture(scope="module")
-def room(half_hidden: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pytest.importorskip("av")
     folder = tmp_path_factory.mktemp("room")
     half_hidden().Export(str(folder / "room.usda"))
@@ -34,11 +34,13 @@ def room(half_hidden: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def rendered(room: Path, out: Path, **how: Any) -> Any:
-    fields = {"resolution": SIZE, "samples": 8} | {
-        name: how.pop(name) for name in [*how] if name in RenderSettings.model_fields
-    }
+    settings = RenderSettings(
+        resolution=how.pop("resolution", SIZE),
+        samples=8,
+        denoise=how.pop("denoise", False),
+        method=how.pop("method", None),
+    )
     wanted = {"rate": 4, "keep_frames": True} | how
-    settings = RenderSettings(**fields)
     return render_path(room / "room.usda", out, str(room / "tour.json"), settings, **wanted)
 
 
@@ -113,11 +115,10 @@ def test_what_is_not_ours_is_not_replaced(room: Path, tmp_path: Path) -> None:
 def test_one_command_writes_a_walk(room: Path, tmp_path: Path) -> None:
     command = ["render", str(room / "room.usda"), "-o", str(tmp_path), "--path", "walk"]
     more = ["--duration", "0.5", "--fps", "4", "--resolution", "16x12", "--spp", "2"]
-    done = CliRunner().invoke(orusd, command + more, catch_exceptions=False)
-    assert done.exit_code == 0, done.output
-    assert "2 frames of 16x12" in done.output
+    done = output_of(*command, *more)
+    assert "2 frames of 16x12" in done
     assert (tmp_path / "walk.webm").stat().st_size > 100
-    refused = CliRunner().invoke(orusd, [*command, "--error", "0.1"])
+    refused = run(*command, "--error", "0.1")
     assert refused.exit_code == 2 and "with --path there is no" in refused.output
-    refused = CliRunner().invoke(orusd, [*command[:4], "--fps", "4"])
+    refused = run(*command[:4], "--fps", "4")
     assert refused.exit_code == 2 and "belong to --path" in refused.output

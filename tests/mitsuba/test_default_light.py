@@ -11,19 +11,20 @@ from pxr import Sdf, UsdGeom, UsdLux
 from openrooms_usd import names
 from openrooms_usd.convert import convert_stage
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render import RenderRequest, render_stage
+from openrooms_usd.render import render_stage
 from openrooms_usd.render.scene.default_light import BRIGHTEST_FROM, EXPOSURE, TOLD
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.lights import define_mesh_light
-from orusd_mitsuba import MitsubaRenderer
-from tests.opening import open_with
+from tests import small
+from tests.mitsuba.rendering import radiance, session_of
+from tests.small import square
 
 NORMALS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1), (1, 2, 3)]
 
 
-def facing(build: Any, normal: Any, **options: Any) -> Any:
+def facing(normal: Any, **options: Any) -> Any:
     """A small white Lambertian square that faces somewhere, and a camera that faces it."""
-    made = build(**options)
+    made = small.Stage(**options)
     n = np.array(normal) / np.linalg.norm(normal)
     u = np.cross(n, (0.0, 0.0, 1.0) if abs(n[2]) < 0.9 else (1.0, 0.0, 0.0))
     u /= np.linalg.norm(u)
@@ -35,47 +36,46 @@ def facing(build: Any, normal: Any, **options: Any) -> Any:
 
 
 @pytest.mark.parametrize("normal", NORMALS)
-def test_irradiance_is_that_of_its_closed_form(build: Any, open_stage: Any, normal: Any) -> None:
-    made = facing(build, normal)
-    request = RenderRequest("/Camera", ("radiance",), 8, 8, samples=256, bounces=1)
-    found = open_stage(made.stage).render(request).images["radiance"].pixels.mean(axis=(0, 1))
+def test_irradiance_is_that_of_its_closed_form(open_stage: Any, normal: Any) -> None:
+    made = facing(normal)
+    found = radiance(open_stage(made.stage), width=8, height=8, samples=256, bounces=1).mean(
+        axis=(0, 1)
+    )
     c = float(np.array(normal) / np.linalg.norm(normal) @ BRIGHTEST_FROM)
     # Of 1/4 + 9/16 (1 + c)^2 by spherical harmonics: A0 = pi, A1 = 2 pi / 3, A2 = pi / 4.
     expected = 1.0 + 0.75 * c + (0.75 / 16.0) * (3.0 * c * c - 1.0)
     assert found == pytest.approx([expected] * 3, rel=0.02)
 
 
-def test_it_comes_from_above_whatever_axis_is_up(build: Any) -> None:
+def test_it_comes_from_above_whatever_axis_is_up() -> None:
     """What stands in a stage that is Y up is lit as the same that is Z up."""
     seen = []
     for up in "YZ":
-        made = build(up=up)
+        made = small.Stage(up=up)
         made.box("/Box", 1.0, material=made.material("/White", base_color=(1.0, 1.0, 1.0)))
-        opened = open_with(MitsubaRenderer(), made.stage)
-        request = RenderRequest(None, ("radiance",), 16, 12, samples=256)
-        seen.append(opened.render(request).images["radiance"].pixels)
+        opened = session_of(made.stage)
+        seen.append(radiance(opened, camera=None, width=16, height=12, samples=256))
     assert np.abs(seen[0] - seen[1]).mean() < 0.02 * seen[0].mean()
 
 
-def test_it_is_told_and_can_be_left_away(build: Any) -> None:
-    made = facing(build, (0, 0, 1))
-    assert ("/", "approximated", TOLD) in open_with(MitsubaRenderer(), made.stage).report.rows
-    dark = open_with(MitsubaRenderer(), made.stage, default_light=False)
-    request = RenderRequest("/Camera", ("radiance",), 4, 4, samples=4)
-    assert not dark.render(request).images["radiance"].pixels.any()
+def test_it_is_told_and_can_be_left_away() -> None:
+    made = facing((0, 0, 1))
+    assert ("/", "approximated", TOLD) in session_of(made.stage).report.rows
+    dark = session_of(made.stage, default_light=False)
+    assert not radiance(dark, width=4, height=4, samples=4).any()
     assert TOLD not in {reason for _, _, reason in dark.report.rows}
 
 
-def test_who_says_how_a_stage_is_lit_is_heeded(build: Any) -> None:
+def test_who_says_how_a_stage_is_lit_is_heeded() -> None:
     """A light that is off, invisible or inactive, or no kind that is read; our own empty lights."""
 
     def scene(change: Any) -> Any:
-        made = facing(build, (0, 0, 1))
+        made = facing((0, 0, 1))
         change(made)
         return translate(made.stage, default_light=True)
 
     def invisible(made: Any) -> None:
-        light = UsdLux.SphereLight.Define(made.stage, "/Light")
+        light = made.light("Sphere", "/Light", 1.0)
         light.CreateVisibilityAttr(UsdGeom.Tokens.invisible)
 
     def off(made: Any) -> None:
@@ -97,22 +97,28 @@ def test_who_says_how_a_stage_is_lit_is_heeded(build: Any) -> None:
         assert TOLD not in {reason for _, _, reason in found.report.rows}
 
 
-def test_what_merely_glows_lights_nothing(build: Any) -> None:
+def test_what_merely_glows_lights_nothing() -> None:
     """A screen of a model is not meant to light a scene; what is brighter than white is."""
-    glowing = facing(build, (0, 0, 1))
-    glowing.quad("/Screen", [(2, 0, 0), (3, 0, 0), (3, 1, 0), (2, 1, 0)],
-                 material=glowing.material("/Glow", emissive=(1.0, 1.0, 1.0)))  # fmt: skip
+    glowing = facing((0, 0, 1))
+    glowing.quad(
+        "/Screen",
+        square((2.5, 0.5, 0), 0.5),
+        material=glowing.material("/Glow", emissive=(1.0, 1.0, 1.0)),
+    )
     assert translate(glowing.stage, default_light=True).exposure == EXPOSURE
     define_mesh_light(glowing.stage.GetPrimAtPath("/Screen"), nits=5.0)
     assert translate(glowing.stage, default_light=True).environment is None
-    bright = facing(build, (0, 0, 1))
-    bright.quad("/Panel", [(2, 0, 0), (3, 0, 0), (3, 1, 0), (2, 1, 0)],
-                material=bright.material("/Glow", emissive=(17.0, 12.0, 4.0)))  # fmt: skip
+    bright = facing((0, 0, 1))
+    bright.quad(
+        "/Panel",
+        square((2.5, 0.5, 0), 0.5),
+        material=bright.material("/Glow", emissive=(17.0, 12.0, 4.0)),
+    )
     assert translate(bright.stage, default_light=True).environment is None
 
 
-def test_pictures_have_its_exposure_and_files_its_words(build: Any, tmp_path: Path) -> None:
-    made = facing(build, (0, 0, 1), path=tmp_path / "stage.usda")
+def test_pictures_have_its_exposure_and_files_its_words(tmp_path: Path) -> None:
+    made = facing((0, 0, 1), path=tmp_path / "stage.usda")
     made.stage.Save()
     asked = RenderSettings(resolution=(16, 12), samples=4)
     lit = render_stage(tmp_path / "stage.usda", tmp_path / "lit", asked)
@@ -126,10 +132,10 @@ def test_pictures_have_its_exposure_and_files_its_words(build: Any, tmp_path: Pa
     assert not any(row["reason"] == TOLD for row in dark.manifest["report"]["losses"])
 
 
-def test_exported_scenes_have_it_too(build: Any, tmp_path: Path) -> None:
+def test_exported_scenes_have_it_too(tmp_path: Path) -> None:
     import mitsuba as mi
 
-    made = facing(build, (0, 0, 1), path=tmp_path / "stage.usda")
+    made = facing((0, 0, 1), path=tmp_path / "stage.usda")
     made.stage.Save()
     convert_stage(tmp_path / "stage.usda", tmp_path / "out/scene.xml")
     loaded = mi.load_file(str(tmp_path / "out/scene.xml"))

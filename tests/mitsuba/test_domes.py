@@ -12,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from pxr import UsdLux
 
-from openrooms_usd.render import RenderRequest
+from tests import small
+from tests.mitsuba.rendering import radiance
 
 Array = NDArray[np.float64]
 # Directions of the integral, from pole to pole and around.
@@ -64,10 +65,10 @@ def pictures() -> dict[str, Array]:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pictures())
 def test_they_bring_what_they_hold(
-    build: Any, open_stage: Any, save_picture: Any, tmp_path: Path, name: str
+    open_stage: Any, save_picture: Any, tmp_path: Path, name: str
 ) -> None:
     pixels = pictures()[name].astype(np.float32)
-    made = build(up="Y")
+    made = small.Stage(up="Y")
     dome = UsdLux.DomeLight.Define(made.stage, "/Sky")
     dome.CreateTextureFileAttr(save_picture(tmp_path / "sky.exr", pixels))
     dome.CreateTextureFormatAttr("latlong")
@@ -77,7 +78,6 @@ def test_they_bring_what_they_hold(
     square = [a * side + b * other for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     made.quad("/Square", square, material=made.material("/White", base_color=(1.0,) * 3))
     made.camera(3.0 * normal, (0, 0, 0), up=other, fov=10.0)
-    request = RenderRequest("/Camera", ("radiance",), 16, 16, samples=256, bounces=1)
-    found = open_stage(made.stage).render(request).images["radiance"].pixels
+    found = radiance(open_stage(made.stage), width=16, height=16, samples=256, bounces=1)
     expected = irradiance(pixels.astype(np.float64), normal) / np.pi
     assert found.mean(axis=(0, 1)) == pytest.approx(expected, rel=0.015)

@@ -10,16 +10,18 @@ import pytest
 from pxr import Gf, UsdGeom, UsdLux, UsdRender
 
 from openrooms_usd.errors import InputError, OutputError
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene import gathering
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from orusd_mitsuba import MitsubaExporter
+from tests import small
 from tests.crowd import crowd
+from tests.mitsuba.rendering import radiance
+from tests.small import square
 
 
-def room(build, save_picture, folder):
+def room(save_picture, folder):
     """One of everything that is exported."""
-    made = build()
+    made = small.Stage()
     random = np.random.default_rng(2)
     paper = save_picture(folder / "paper.png", random.integers(0, 255, (8, 8, 3)).astype(np.uint8))
     sky = save_picture(folder / "sky.exr", random.random((8, 16, 3)).astype(np.float32))
@@ -35,15 +37,12 @@ def room(build, save_picture, folder):
     )
     leaf = made.material("/M/leaf", base_color=(0.2, 0.6, 0.2), opacity=0.6)
     metal = made.material("/M/metal", base_color=(0.9, 0.7, 0.5), metallic=1.0, roughness=0.3)
-    made.quad("/Floor", [(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], material=textured)
-    made.box("/a/box", 0.8, material=metal).AddTranslateOp().Set(Gf.Vec3d(0.7, 0, 0.4))
-    made.box("/A/Box", 0.8, material=leaf).AddTranslateOp().Set(Gf.Vec3d(-0.7, 0.3, 0.4))
-    bulb = made.box("/bsdf", 0.2)
-    bulb.AddTranslateOp().Set(Gf.Vec3d(0, 0, 1.5))
+    made.quad("/Floor", square((0, 0, 0), 2), material=textured)
+    made.box("/a/box", 0.8, material=metal, at=(0.7, 0, 0.4))
+    made.box("/A/Box", 0.8, material=leaf, at=(-0.7, 0.3, 0.4))
+    bulb = made.box("/bsdf", 0.2, at=(0, 0, 1.5))
     UsdLux.LightAPI(UsdLux.MeshLightAPI.Apply(bulb.GetPrim())).CreateIntensityAttr(20.0)
-    sun = UsdLux.DistantLight.Define(made.stage, "/Sun")
-    sun.CreateIntensityAttr(1.0)
-    sun.AddRotateXOp().Set(40.0)
+    made.light("Distant", "/Sun", 1.0, turn=(40.0, 0, 0))
     made.dome("/environment", radiance=2.0).CreateTextureFileAttr(sky)
     made.camera((0.5, -4, 2), (0, 0, 0.4))
     settings = UsdRender.Settings.Define(made.stage, "/Render/Settings")
@@ -53,8 +52,8 @@ def room(build, save_picture, folder):
 
 
 @pytest.mark.one_in(2)
-def test_mitsuba_loads_the_file_and_sees_the_same(build, shoot, save_picture, tmp_path, variant):
-    stage = room(build, save_picture, tmp_path)
+def test_mitsuba_loads_the_file_and_sees_the_same(shoot, save_picture, tmp_path, variant):
+    stage = room(save_picture, tmp_path)
     ours = shoot(stage, "radiance", width=64, height=48, samples=64).images["radiance"]
     MitsubaExporter().convert(stage, tmp_path / "out", {})
     import mitsuba as mi
@@ -77,8 +76,8 @@ def test_mitsuba_loads_the_file_and_sees_the_same(build, shoot, save_picture, tm
     assert difference == pytest.approx(2 * ours.error, rel=0.5)
 
 
-def test_one_shape_for_each_prim_with_names_that_differ(build, save_picture, tmp_path):
-    MitsubaExporter().convert(room(build, save_picture, tmp_path), tmp_path / "x.xml", {})
+def test_one_shape_for_each_prim_with_names_that_differ(save_picture, tmp_path):
+    MitsubaExporter().convert(room(save_picture, tmp_path), tmp_path / "x.xml", {})
     root = ElementTree.parse(tmp_path / "x.xml").getroot()
     identifiers = [element.get("id") for element in root]
     assert len({name.lower() for name in identifiers}) == len(identifiers)
@@ -93,18 +92,18 @@ def test_one_shape_for_each_prim_with_names_that_differ(build, save_picture, tmp
 
 
 @pytest.mark.slow
-def test_equal_stages_give_equal_bytes(build, save_picture, tmp_path):
+def test_equal_stages_give_equal_bytes(save_picture, tmp_path):
     digests = []
     for name in ("first", "second"):
-        MitsubaExporter().convert(room(build, save_picture, tmp_path), tmp_path / name, {})
+        MitsubaExporter().convert(room(save_picture, tmp_path), tmp_path / name, {})
         files = sorted(path for path in (tmp_path / name).rglob("*") if path.is_file())
         time.sleep(1.1)  # whatever writes the time of day writes another one now
         digests.append([hashlib.sha256(file.read_bytes()).hexdigest() for file in files])
     assert digests[0] == digests[1]
 
 
-def test_options_and_places_that_cannot_be_used_are_refused(build, tmp_path):
-    made = build()
+def test_options_and_places_that_cannot_be_used_are_refused(tmp_path):
+    made = small.Stage()
     with pytest.raises(InputError, match="colour"):
         MitsubaExporter().convert(made.stage, tmp_path, {"colour": 1})
     (tmp_path / "file").write_text("")
@@ -113,9 +112,9 @@ def test_options_and_places_that_cannot_be_used_are_refused(build, tmp_path):
         MitsubaExporter().convert(made.stage, tmp_path / "file", {})
 
 
-def test_a_stage_far_away_is_moved_near_and_says_so(build, tmp_path):
-    made = build()
-    made.box("/Box", 1.0).AddTranslateOp().Set(Gf.Vec3d(5e6, 0, 0))
+def test_a_stage_far_away_is_moved_near_and_says_so(tmp_path):
+    made = small.Stage()
+    made.box("/Box", 1.0, at=(5e6, 0, 0))
     report = MitsubaExporter().convert(made.stage, tmp_path, {})
     assert any(path == "/" and "moved" in reason for path, _, reason in report.losses())
 
@@ -132,8 +131,7 @@ def test_instances_share_a_file_and_stand_where_they_do(
     kinds = [element.get("type") for element in root if element.tag == "shape"]
     assert [kinds.count(kind) for kind in ("ply", "shapegroup", "instance")] == [1, 6, 24]
     assert len(list((tmp_path / "out" / "meshes").iterdir())) == 7
-    request = RenderRequest("/Camera", ("radiance",), width=32, height=24, samples=32)
-    ours = open_stage(stage).render(request).images["radiance"].pixels
+    ours = radiance(open_stage(stage), width=32, height=24, samples=32)
     import mitsuba as mi
 
     loaded = mi.load_file(str(tmp_path / "out" / "scene.xml"))

@@ -11,8 +11,10 @@ import pytest
 
 from openrooms_usd.render.scene.pictures import Picture, load, mended
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from tests import small
+from tests.small import square
 
-QUAD = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+QUAD = square((0, 0, 0), 1)
 UNIT, NORMAL, ANY = (0.0, 1.0), (-1.0, 1.0), (0.0, math.inf)
 Save = Callable[..., str]
 
@@ -45,11 +47,11 @@ def decoded(encoded: Any) -> Any:
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 5), (5, 1)])
 def test_one_texel_is_a_constant_for_channel_and_renderer(
-    build: Any, shoot: Any, save: Save, shape: tuple[int, int]
+    shoot: Any, save: Save, shape: tuple[int, int]
 ) -> None:
     color = np.array([0.8, 0.4, 0.2])
     file = save("one.png", np.broadcast_to(color, (*shape, 3)), "uint8")
-    made = build()
+    made = small.Stage()
     material = made.material("/Paper", base_color=Texture(file))
     made.quad("/Quad", QUAD, material=material)
     made.camera((0, 0, 3), (0, 0, 0), up=(0, 1, 0), fov=20)
@@ -94,8 +96,10 @@ def test_texels_that_are_no_numbers_become_the_mean_of_their_neighbours(save: Sa
     for row, column in holes:
         around = [
             values[(row + i) % 6, (column + j) % 6]
-            for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)
-        ]  # fmt: skip
+            for i in (-1, 0, 1)
+            for j in (-1, 0, 1)
+            if (i, j) != (0, 0)
+        ]
         assert np.allclose(found[row, column], np.mean(around, axis=0), atol=1e-3)
     kept = np.ones((6, 6), bool)
     kept[tuple(zip(*holes, strict=True))] = False

@@ -4,17 +4,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import UsdLux
 
 from openrooms_usd.render import RenderRequest
-from orusd_mitsuba import MitsubaRenderer
-from tests.opening import open_with
+from tests import small
+from tests.mitsuba.rendering import session_of
+from tests.small import square
 
 
-def before_a_wall(build: Any, *, light: bool = True) -> Any:
+def before_a_wall(*, light: bool = True) -> Any:
     """A camera that looks at a grey wall, in even light."""
-    made = build()
-    wall = [(-5, 2, -5), (5, 2, -5), (5, 2, 5), (-5, 2, 5)]
+    made = small.Stage()
+    wall = square((0, 2, 0), 5, "-Y")
     made.quad("/Wall", wall, material=made.material("/Grey", base_color=(0.5, 0.5, 0.5)))
     made.camera((0, 0, 0), (0, 1, 0), fov=20.0)
     if light:
@@ -30,41 +30,37 @@ def seen(stage: Any, open_stage: Any, *names: str, samples: int = 64) -> dict[st
 
 def ball(made: Any, nits: float) -> None:
     """A ball of light about the camera."""
-    light = UsdLux.SphereLight.Define(made.stage, "/Ball")
-    light.CreateRadiusAttr(0.5)
-    light.CreateIntensityAttr(nits)
+    made.light("Sphere", "/Ball", nits, radius=0.5)
 
 
 def panel(made: Any, nits: float, turn: float) -> None:
     """A panel between the camera and the wall."""
-    light = UsdLux.RectLight.Define(made.stage, "/Panel")
-    light.CreateWidthAttr(2.0)
-    light.CreateHeightAttr(2.0)
-    light.CreateIntensityAttr(nits)
-    light.AddTranslateOp().Set((0, 1, 0))
-    light.AddRotateXOp().Set(turn)
+    made.light("Rect", "/Panel", nits, at=(0, 1, 0), turn=(turn, 0, 0), width=2.0, height=2.0)
 
 
 def facing_the_wall(made: Any, nits: float) -> None:
     panel(made, nits, 90.0)
 
 
-def test_a_camera_in_a_ball_of_light_sees_the_room(build: Any, open_stage: Any) -> None:
-    plain, inside = before_a_wall(build), before_a_wall(build)
+def test_a_camera_in_a_ball_of_light_sees_the_room(open_stage: Any) -> None:
+    plain, inside = before_a_wall(), before_a_wall()
     ball(inside, 0.0)
     names = "radiance", "depth", "part"
     found = seen(inside.stage, open_stage, *names)
     expected = seen(plain.stage, open_stage, *names)
     assert found["depth"] == pytest.approx(expected["depth"], abs=1e-4)
-    # The front of the ball hides a part of the dome from the wall: 0.25 pi / 4 pi of 2 m, some 2 %.
-    assert found["radiance"].mean() == pytest.approx(expected["radiance"].mean(), rel=0.06)
+    # The front of the ball hides (r / d)^2 of the dome's light from the wall.
+    hidden = (0.5 / 2.0) ** 2
+    assert found["radiance"].mean() == pytest.approx(
+        (1.0 - hidden) * expected["radiance"].mean(), rel=0.02
+    )
 
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("shape", [ball, facing_the_wall])
-def test_it_lights_the_room_all_the_same(build: Any, open_stage: Any, shape: Any) -> None:
+def test_it_lights_the_room_all_the_same(open_stage: Any, shape: Any) -> None:
     """As far as a lamp that is behind the camera would: in the middle of the wall L F / pi."""
-    made = before_a_wall(build, light=False)
+    made = before_a_wall(light=False)
     shape(made, 10.0)
     found = seen(made.stage, open_stage, "radiance", samples=1024)["radiance"]
     middle = found[3:6, 5:7].mean()
@@ -79,8 +75,8 @@ def test_it_lights_the_room_all_the_same(build: Any, open_stage: Any, shape: Any
     assert middle == pytest.approx(expected, rel=0.03)
 
 
-def test_from_the_front_it_is_a_surface(build: Any, open_stage: Any) -> None:
-    made = before_a_wall(build)
+def test_from_the_front_it_is_a_surface(open_stage: Any) -> None:
+    made = before_a_wall()
     panel(made, 10.0, -90.0)
     found = seen(made.stage, open_stage, "radiance", "depth")
     assert found["radiance"] == pytest.approx(np.full_like(found["radiance"], 10.0), rel=1e-4)
@@ -88,26 +84,20 @@ def test_from_the_front_it_is_a_surface(build: Any, open_stage: Any) -> None:
 
 
 @pytest.mark.usefixtures("vectorized")
-def test_who_sees_its_back_is_lit_through_it(build: Any) -> None:
+def test_who_sees_its_back_is_lit_through_it() -> None:
     """A panel that shows a floor its back leaves the light of a lamp behind; its front does not."""
 
     def lit(turn: float | None) -> float:
-        made = build()
-        floor = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+        made = small.Stage()
+        floor = square((0, 0, 0), 1)
         made.quad("/Floor", floor, material=made.material("/White", base_color=(1.0,) * 3))
-        lamp = UsdLux.DiskLight.Define(made.stage, "/Lamp")
-        lamp.CreateRadiusAttr(0.2)
-        lamp.CreateIntensityAttr(100.0)
-        lamp.AddTranslateOp().Set((0, 0, 2))
+        made.light("Disk", "/Lamp", 100.0, at=(0, 0, 2), radius=0.2)
         if turn is not None:
-            between = UsdLux.RectLight.Define(made.stage, "/Between")
-            between.CreateIntensityAttr(0.0)
-            between.CreateWidthAttr(4.0)
-            between.CreateHeightAttr(4.0)
-            between.AddTranslateOp().Set((0, 0, 1))
-            between.AddRotateXOp().Set(turn)
+            made.light(
+                "Rect", "/Between", 0.0, at=(0, 0, 1), turn=(turn, 0, 0), width=4.0, height=4.0
+            )
         made.camera((0, 0, 0.9), (0, 0, 0), up=(0, 1, 0), fov=20.0)
-        opened = open_with(MitsubaRenderer(), made.stage)
+        opened = session_of(made.stage)
         names = "radiance", "irradiance_direct"
         request = RenderRequest("/Camera", names, 8, 8, samples=256, bounces=2)
         images = opened.render(request).images

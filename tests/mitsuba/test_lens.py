@@ -6,18 +6,21 @@ import numpy as np
 import pytest
 from pxr import Usd
 
+from tests import small
+from tests.small import square
+
 FOCUS_M, EDGE_M, RADIUS_M = 1.0, 2.0, 0.05
 WIDTH, HEIGHT = 64, 8
 
 
 @pytest.fixture
-def edge(build: Any) -> Usd.Stage:
+def edge() -> Usd.Stage:
     """Black on the left, glowing on the right, behind the plane of focus."""
-    made = build()
+    made = small.Stage()
     black = made.material("/Black", base_color=(0, 0, 0))
     bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(1, 1, 1))
-    made.quad("/Left", [(-9, -9, 0), (0, -9, 0), (0, 9, 0), (-9, 9, 0)], material=black)
-    made.quad("/Right", [(0, -9, 0), (9, -9, 0), (9, 9, 0), (0, 9, 0)], material=bright)
+    made.quad("/Left", square((-4.5, 0, 0), (4.5, 9)), material=black)
+    made.quad("/Right", square((4.5, 0, 0), (4.5, 9)), material=bright)
     made.dome(radiance=0.0)
     path = made.camera((0, 0, EDGE_M), (0, 0, 0), up=(0, 1, 0), fov=40, aspect=WIDTH / HEIGHT)
     camera = made.stage.GetPrimAtPath(path)

@@ -5,46 +5,27 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Gf, UsdGeom, UsdLux, UsdShade
 
-from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
-from openrooms_usd.render import RenderRequest, light_store
-from openrooms_usd.usd.materials import define_preview_surface
-from openrooms_usd.usd.surfaces import PreviewSurface
-from orusd_mitsuba import MitsubaRenderer
-from tests.mitsuba.test_transport import integrator_of, little_room, passes
-from tests.opening import open_with
+from openrooms_usd.render import light_store
+from tests import small
+from tests.mitsuba.rendering import passes, session_of, shown
+from tests.mitsuba.rooms import little_room
+from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
+from tests.small import square
 
 
-@pytest.fixture
-def small(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Few surfels, filled by few paths, and no file."""
-    from orusd_mitsuba.cache import filling, population
-
-    monkeypatch.setattr(light_store, "places", lambda scene: ())
-    monkeypatch.setattr(filling, "_SURFELS", 600)
-    monkeypatch.setattr(population, "_CANDIDATES", 1 << 14)
-    monkeypatch.setattr(population, "_WALKERS", 1 << 13)
-
-
-def furnace(build: Any, albedo: float) -> Any:
+def furnace(albedo: float) -> Any:
     """A closed box whose walls all emit 3 nits and reflect a part of what they get."""
-    made = build()
+    made = small.Stage()
     wall = made.material("/Wall", base_color=(albedo,) * 3, roughness=1.0, ior=1.0)
-    corners = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
-    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    prim = made.mesh("/Walls", corners, faces, material=wall).GetPrim()
-    UsdLux.MeshLightAPI.Apply(prim)
-    light = UsdLux.LightAPI(prim)
-    light.CreateIntensityAttr(3.0)
-    light.CreateMaterialSyncModeAttr("independent")
+    made.box("/Walls", 2.0, inside=True, material=wall, nits=3.0)
     made.camera((-0.6, -0.9, 0.2), (0.3, 0.9, -0.4), fov=75)
     return made.stage
 
 
-def test_a_box_that_emits_all_over_has_a_closed_form(small: None, build: Any, lit: Any) -> None:
+def test_a_box_that_emits_all_over_has_a_closed_form(few_surfels: None, lit: Any) -> None:
     """E = pi L (1 + a + a^2 + ...): with each number of scatterings one term more."""
-    room = lit(furnace(build, 0.6), "openrooms")
+    room = lit(furnace(0.6), "openrooms")
     irradiance = room.cache(bounces=5)._data.irradiance.sum(axis=2)
     for row, scatterings in enumerate((3, 2, 1, 0)):
         expected = np.pi * 3.0 * sum(0.6**n for n in range(scatterings + 1))
@@ -54,21 +35,17 @@ def test_a_box_that_emits_all_over_has_a_closed_form(small: None, build: Any, li
 
 @pytest.mark.slow
 def test_pixels_say_what_was_not_looked_up(
-    small: None, build: Any, lit: Any, monkeypatch: pytest.MonkeyPatch
+    few_surfels: None, lit: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nothing far from all corners, all of it by reference or where no ray is long enough."""
-    lit(build().stage)
     from orusd_mitsuba.cache import lookup
 
-    stage = little_room(build, ior=1.0)
-    session = open_with(MitsubaRenderer(), stage, {"bsdf": "openrooms", "variant": "llvm"})
+    stage = little_room(ior=1.0)
+    session = session_of(stage, bsdf="openrooms", variant="llvm")
 
     def traced(method: str) -> Any:
-        request = RenderRequest(
-            "/Camera", ("traced", "indirect"), 24, 18, samples=16, method=method,
-            measure_bias=False,
-        )  # fmt: skip
-        return session.render(request).images["traced"].pixels
+        how: Any = {"method": method, "measure_bias": False}
+        return shown(session, "traced", "indirect", **how).images["traced"].pixels
 
     assert (traced("reference") == 1.0).all()
     found = traced("cache")
@@ -88,78 +65,68 @@ def _agree(reference: Any, cached: Any, share: float = 0.02) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("white", [False, True])
-def test_it_agrees_with_paths_to_the_end(build: Any, lit: Any, white: bool) -> None:
+def test_it_agrees_with_paths_to_the_end(lit: Any, white: bool) -> None:
     """In the mean over the picture, by kind and by light, and with far less noise."""
-    room = lit(little_room(build, ior=1.5), "openrooms")
+    room = lit(little_room(ior=1.5), "openrooms")
     how = {"first": room.first} if white else {}
-    reference = passes(integrator_of(room, **how), count=24)
-    cached = passes(integrator_of(room, paths=room.cache().paths(by_light=True), **how), count=24)
+    reference = passes(room.paths(**how), count=24)
+    cached = passes(room.paths(paths=room.cache().paths(by_light=True), **how), count=24)
     _agree(reference, cached)
     noise = [x[:, 2].var(axis=0).mean() for x in (reference, cached)]
     assert noise[1] < 0.5 * noise[0]
 
 
 @pytest.mark.slow
-def test_equal_rooms_get_equal_bytes(small: None, build: Any, lit: Any) -> None:
-    one, other = (lit(little_room(build, ior=1.5), "openrooms").cache()._data for _ in range(2))
+def test_equal_rooms_get_equal_bytes(few_surfels: None, lit: Any) -> None:
+    one, other = (lit(little_room(ior=1.5), "openrooms").cache()._data for _ in range(2))
     np.testing.assert_array_equal(one.table.entries, other.table.entries)
     np.testing.assert_array_equal(one.irradiance, other.irradiance)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("bounces", [2, 3, 12])
-def test_it_counts_scatterings_exactly(build: Any, lit: Any, bounces: int) -> None:
+def test_it_counts_scatterings_exactly(lit: Any, bounces: int) -> None:
     """One more or less is some percent of the light in a bright room."""
-    room = lit(little_room(build, ior=1.5), "openrooms")
-    reference = passes(integrator_of(room, depth=bounces + 1), count=16)
+    room = lit(little_room(ior=1.5), "openrooms")
+    reference = passes(room.paths(bounces + 1), count=16)
     paths = room.cache(bounces).paths(by_light=True)
-    cached = passes(integrator_of(room, depth=bounces + 1, paths=paths), count=16)
+    cached = passes(room.paths(bounces + 1, paths=paths), count=16)
     _agree(reference, cached)
 
 
-def _curtained(build: Any, *behind_m: float) -> Any:
+def _curtained(*behind_m: float) -> Any:
     """The little room with a cloth before its window, and as much more behind it."""
-    stage = little_room(build, ior=1.5)
-    cloth = PreviewSurface(base_color=(0.4, 0.4, 0.4), ior=1.5, transmission=0.3)
-    define_preview_surface(stage, "/Cloth", cloth)
+    made = small.Stage.of(little_room(ior=1.5))
+    made.material("/Cloth", base_color=(0.4, 0.4, 0.4), ior=1.5, transmission=0.3)
     for number, y in enumerate((0.8, *(0.8 + behind for behind in behind_m))):
-        mesh = UsdGeom.Mesh.Define(stage, f"/Curtain_{number}")
-        corners = [(-0.8, 0.8), (0.8, 0.8), (0.8, -0.8), (-0.8, -0.8)]
-        mesh.CreatePointsAttr([Gf.Vec3f(x, y, z) for x, z in corners])
-        mesh.CreateFaceVertexCountsAttr([4])
-        mesh.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
-        mesh.CreateSubdivisionSchemeAttr("none")
-        material = UsdShade.Material(stage.GetPrimAtPath("/Cloth"))
-        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
-    return stage
+        made.quad(f"/Curtain_{number}", square((0, y, 0), 0.8, "+Y"), material="/Cloth")
+    return made.stage
 
 
 @pytest.mark.slow
-def test_light_goes_through_sheets(build: Any, lit: Any) -> None:
+def test_light_goes_through_sheets(lit: Any) -> None:
     """What arrives at their other side is looked up where it is seen from this one."""
-    _agrees_behind(lit(_curtained(build), "openrooms"))
+    _agrees_behind(lit(_curtained(), "openrooms"))
 
 
 @pytest.mark.long
 @pytest.mark.slow
-def test_light_goes_through_sheets_that_nearly_touch(build: Any, lit: Any) -> None:
+def test_light_goes_through_sheets_that_nearly_touch(lit: Any) -> None:
     """What arrives between them is not what arrives behind both; steps here are of 0.16 mm."""
-    _agrees_behind(lit(_curtained(build, 0.00024), "openrooms"))
+    _agrees_behind(lit(_curtained(0.00024), "openrooms"))
 
 
 def _agrees_behind(room: Any) -> None:
     assert any(patch.surface.transmission > 0.0 for patch in room.scene.patches)
-    reference = passes(integrator_of(room), count=24)
-    cached = passes(integrator_of(room, paths=room.cache().paths(by_light=True)), count=24)
+    reference = passes(room.paths(), count=24)
+    cached = passes(room.paths(paths=room.cache().paths(by_light=True)), count=24)
     _agree(reference, cached, 0.03)
 
 
 @pytest.mark.slow
-def test_environment_maps_look_it_up(build: Any, lit: Any) -> None:
+def test_environment_maps_look_it_up(lit: Any) -> None:
     """Rays that are only looked up, and those that are followed apart, make the same mean."""
-    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
-
-    room = lit(_curtained(build), "openrooms")
+    room = lit(_curtained(), "openrooms")
     reference, cached = (
         np.stack([integrator(2, seed) for seed in range(12)]).mean(axis=(2, 3, 4))
         for integrator in (
@@ -173,12 +140,10 @@ def test_environment_maps_look_it_up(build: Any, lit: Any) -> None:
 
 
 @pytest.mark.slow
-def test_hemispheres_in_a_box_that_emits_all_over(small: None, build: Any, lit: Any) -> None:
+def test_hemispheres_in_a_box_that_emits_all_over(few_surfels: None, lit: Any) -> None:
     """L straight, and L (1 + a + a^2 + ...) in all, in every cell: light samples and directions
     share the straight light, and nothing is counted twice."""
-    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
-
-    room = lit(furnace(build, 0.6), "openrooms")
+    room = lit(furnace(0.6), "openrooms")
     integrator = hemispheres_of(room, grid=(8, 6), arrival=room.cache(bounces=5).arriving())
     straight, every = np.stack([integrator(2, seed) for seed in range(3)]).mean(axis=(0, 4))
     assert straight.mean() == pytest.approx(3.0, rel=0.01)
@@ -190,38 +155,11 @@ def test_hemispheres_in_a_box_that_emits_all_over(small: None, build: Any, lit: 
 
 
 @pytest.mark.slow
-def test_hemispheres_that_look_it_up_have_the_irradiance_of_paths(build: Any, lit: Any) -> None:
-    """Cells times cosines against the irradiance that paths bring to the same point."""
-    from orusd_mitsuba.transport.path_integrator import PathIntegrator
-    from tests.mitsuba.test_hemispheres import convex_room
-    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
-
-    made = convex_room(build)
-    made.camera((-0.5, -0.6, 0.1), (0.3, 0.2, -1.0), fov=0.05, aspect=1.0)
-    room = lit(made.stage, "openrooms")
-    integrator = hemispheres_of(room, (1, 1), arrival=room.cache().arriving())
-    ours = np.array([[irradiance(untiled(p))[0, 0] for p in integrator(8, s)] for s in range(8)])
-    bound = irradiance_bound(untiled(integrator(8, 20)[1]))[0, 0]
-    white = PathIntegrator(
-        room.built, room.index, room.camera(4, 4), 4, 4, room.scene.origin, 8, by_light=False,
-        first=room.first,
-    )  # fmt: skip
-    theirs = np.pi * np.array([white(128, 90 + s).mean(axis=(1, 2)) for s in range(8)])
-    theirs = np.stack([theirs[:, 1], theirs[:, 1] + theirs[:, 2]], axis=1)
-    spread = np.sqrt((ours.var(axis=0, ddof=1) + theirs.var(axis=0, ddof=1)) / 8)
-    off = np.abs(ours.mean(axis=0) - theirs.mean(axis=0))
-    assert (off <= bound + 4.0 * spread + 0.01 * theirs.mean(axis=0)).all()
-    assert (bound < 0.2 * ours.mean(axis=0)).all()
-
-
-@pytest.mark.slow
-def test_hemispheres_that_look_it_up_have_equal_bits(small: None, build: Any, lit: Any) -> None:
+def test_hemispheres_that_look_it_up_have_equal_bits(few_surfels: None, lit: Any) -> None:
     """For one thread and for several."""
     import drjit as dr
 
-    from tests.mitsuba.test_hemispheres import integrator_of as hemispheres_of
-
-    room = lit(_curtained(build), "openrooms")
+    room = lit(_curtained(), "openrooms")
     integrator = hemispheres_of(room, grid=(8, 6), arrival=room.cache().arriving())
     found = []
     before = dr.thread_count()
@@ -236,13 +174,13 @@ def test_hemispheres_that_look_it_up_have_equal_bits(small: None, build: Any, li
 
 @pytest.mark.slow
 def test_the_file_holds_it(
-    small: None, build: Any, lit: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    few_surfels: None, lit: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What is read is what was filled; what is not sound is filled again."""
     from orusd_mitsuba.cache import room_light
 
     monkeypatch.setattr(light_store, "places", lambda scene: (tmp_path,))
-    room = lit(little_room(build, ior=1.5), "openrooms")
+    room = lit(little_room(ior=1.5), "openrooms")
     filled = room.cache()._data
     (kept,) = tmp_path.iterdir()
     arrays = light_store.load(kept.stem, (tmp_path,))
@@ -262,11 +200,10 @@ def test_the_file_holds_it(
         assert room_light._data_of(spoilt, *shape) is None, name
 
 
-def test_a_room_without_light_has_an_empty_cache(small: None, build: Any, lit: Any) -> None:
-    made = build()
-    made.box("/Room", 2.0, inside=True, material=made.material("/Grey", ior=1.0))
+def test_a_room_without_light_has_an_empty_cache(few_surfels: None, lit: Any) -> None:
+    made = small.room()
     made.camera((-0.9, -0.9, 0.0), (0.3, 0.4, -0.5), fov=70)
     room = lit(made.stage)
     light = room.cache()
     assert not light._data.irradiance.any()
-    assert not integrator_of(room, size=(8, 6), paths=light.paths(by_light=True))(2, 0).any()
+    assert not room.paths(size=(8, 6), paths=light.paths(by_light=True))(2, 0).any()

@@ -17,11 +17,11 @@ from orusd_mitsuba import session as mitsuba_session
 from orusd_mitsuba.complete import integrator as complete_integrator
 from orusd_mitsuba.transport import incident
 from tests.mitsuba.passes import LIT, PASSES
+from tests.mitsuba.rooms import half_hidden
 
 
 @pytest.fixture(scope="module")
-def file(half_hidden: Any, lit: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    del lit
+def file(lit: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("half_hidden") / "scene.usda"
     write(half_hidden(), path)
     return path
@@ -144,13 +144,15 @@ def test_what_is_made_of_others_is_what_the_files_say(file: Path, tmp_path: Path
         assert straight.sum() > 1.0
         np.testing.assert_allclose(
             found[f"irradiance_unoccluded_{light}"],
-            found[f"irradiance_{light}"] + straight, rtol=1e-5, atol=1e-4,
-        )  # fmt: skip
+            found[f"irradiance_{light}"] + straight,
+            rtol=1e-5,
+            atol=1e-4,
+        )
 
 
 @pytest.mark.slow
 def test_lambertian_surfaces_have_no_specular_part_and_glossy_ones_do(
-    half_hidden: Any, lit: Any, tmp_path: Path
+    lit: Any, tmp_path: Path
 ) -> None:
     parts = {}
     for kind, looks in (("dull", {"ior": 1.0}), ("glossy", {"ior": 1.5, "roughness": 0.2})):

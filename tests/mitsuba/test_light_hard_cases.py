@@ -39,8 +39,9 @@ def passes(integrator: Any, count: int = 8, samples: int = 8, seed: int = 0) -> 
 
 def assert_alike(a: Passes, b: Passes) -> None:
     """The means of quarters of the picture, in standard errors."""
-    parts = [x.reshape(len(x), 2, 12, 2, 16, 3).mean(axis=(2, 4, 5)).reshape(len(x), 4)
-             for x in (a, b)]  # fmt: skip
+    parts = [
+        x.reshape(len(x), 2, 12, 2, 16, 3).mean(axis=(2, 4, 5)).reshape(len(x), 4) for x in (a, b)
+    ]
     error = np.sqrt(sum(part.var(axis=0, ddof=1) / len(part) for part in parts))
     difference = parts[0].mean(axis=0) - parts[1].mean(axis=0)
     assert (np.abs(difference) <= 5.0 * error + 1e-9).all()
@@ -49,9 +50,18 @@ def assert_alike(a: Passes, b: Passes) -> None:
 @pytest.mark.one_in(27)
 @pytest.mark.parametrize(
     ("name", "bounces"),
-    [("mirror", 7), ("door ajar", 7), ("two openings", 7), ("slit", 7), ("50 lamps", 7),
-     ("three windows", 7), ("lamp at the wall", 7), ("white", 50), ("coincident", 7)],
-)  # fmt: skip
+    [
+        ("mirror", 7),
+        ("door ajar", 7),
+        ("two openings", 7),
+        ("slit", 7),
+        ("50 lamps", 7),
+        ("three windows", 7),
+        ("lamp at the wall", 7),
+        ("white", 50),
+        ("coincident", 7),
+    ],
+)
 def test_it_is_what_mitsubas_own_integrator_gives(case: Any, name: str, bounces: int) -> None:
     from orusd_mitsuba.transport.builtin_integrator import BuiltinIntegrator
 

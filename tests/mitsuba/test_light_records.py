@@ -4,13 +4,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import UsdGeom, UsdLux
+from pxr import UsdGeom
 
 from openrooms_usd.render.lights import view_lights
 from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
+from openrooms_usd.usd.portals import Portal
 from openrooms_usd.usd.semantics import label
+from tests import small
+from tests.small import square
 
 SIZE = (64, 48)
 
@@ -26,30 +28,22 @@ def lamp_object(
     bulb = made.box(f"{path}/Bulb", 1.0)
     UsdGeom.Xformable(bulb).AddScaleOp().Set((0.2, 0.1, 0.3))
     define_mesh_light(bulb.GetPrim(), nits=nits, kelvin=kelvin)
-    made.quad(
-        f"{path}/Shade", [(-0.3, -0.3, 0.3), (0.3, -0.3, 0.3), (0.3, 0.3, 0.3), (-0.3, 0.3, 0.3)]
-    )
+    made.quad(f"{path}/Shade", square((0, 0, 0.3), 0.3))
 
 
 def portal() -> Portal:
     """1.2 by 0.8 m around (0, 3, 0), outwards along y."""
-    world = np.eye(4)
-    world[:3, :3] = np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]).T
-    world[:3, 3] = (0.0, 3.0, 0.0)
-    return Portal("/World/Lights/window", world, 1.2, 0.8)
+    return small.window((-0.6, -0.4, 0.6, 0.4), 3.0, "/World/Lights/window")
 
 
-def scene(build: Any) -> Any:
-    made = build()
+def scene() -> Any:
+    made = small.Stage()
     lamp_object(made, "/World/Lamp", 30.0, nits=50.0, kelvin=3000.0)
     lamp_object(made, "/World/Other/Lamp", 0.0, nits=0.0)
-    x, z = 3.0, 2.0
-    outer = [(-x, 3, -z), (x, 3, -z), (x, 3, z), (-x, 3, z)]
-    inner = [(-0.6, 3, -0.4), (0.6, 3, -0.4), (0.6, 3, 0.4), (-0.6, 3, 0.4)]
+    outer, inner = square((0, 3, 0), (2, 3), "-Y"), square((0, 3, 0), (0.4, 0.6), "-Y")
     ring = [[i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)]
     made.mesh("/World/Wall", [*outer, *inner], ring)
-    dome = made.dome(radiance=10.0)
-    connect_portals(dome.GetPrim(), [define_portal(made.stage, portal()).GetPrim()])
+    made.dome(radiance=10.0, portals=(portal(),))
     made.camera((0.0, -2.0, 0.0), (0.0, 3.0, 0.0), fov=60)
     return made
 
@@ -61,10 +55,15 @@ def records(lit: Any, made: Any) -> tuple[Any, tuple[LightRecord, ...]]:
     return stage, light_records(made.stage, stage.scene, stage.sources)
 
 
-def test_a_lamp_is_described_as_it_was_authored(build: Any, lit: Any) -> None:
-    _, (lamp, off, *_) = records(lit, scene(build))
+def test_a_lamp_is_described_as_it_was_authored(lit: Any) -> None:
+    _, (lamp, off, *_) = records(lit, scene())
     assert (lamp.number, lamp.name, lamp.path, lamp.kind, lamp.on) == (
-        0, "Lamp", "/World/Lamp", "lamp", True)  # fmt: skip
+        0,
+        "Lamp",
+        "/World/Lamp",
+        "lamp",
+        True,
+    )
     area = 2.0 * (0.2 * 0.1 + 0.2 * 0.3 + 0.1 * 0.3)
     assert lamp.lumen == pytest.approx(np.pi * area * 50.0, rel=1e-5)
     assert lamp.radiance @ [0.2126, 0.7152, 0.0722] == pytest.approx(50.0, rel=1e-5)
@@ -77,8 +76,8 @@ def test_a_lamp_is_described_as_it_was_authored(build: Any, lit: Any) -> None:
     assert (off.number, off.name, off.on, off.lumen) == (1, "Lamp_2", False, 0.0)
 
 
-def test_an_opening_lets_the_surroundings_in(build: Any, lit: Any) -> None:
-    _, (*_, window, rest) = records(lit, scene(build))
+def test_an_opening_lets_the_surroundings_in(lit: Any) -> None:
+    _, (*_, window, rest) = records(lit, scene())
     assert (window.kind, window.name, window.on) == ("opening", "window", True)
     np.testing.assert_allclose(window.radiance, 10.0, rtol=2e-3)
     assert window.lumen == pytest.approx(np.pi * 10.0 * 1.2 * 0.8, rel=2e-3)
@@ -96,24 +95,24 @@ def test_names_are_unique_whatever_the_objects_are_called() -> None:
 
 
 def test_a_textured_lamp_is_the_mean_of_its_picture(
-    build: Any, lit: Any, save_picture: Any, tmp_path: Any
+    lit: Any, save_picture: Any, tmp_path: Any
 ) -> None:
-    made = build()
+    made = small.Stage()
     pixels = np.zeros((2, 4, 3), dtype=np.float32)
     pixels[:, :2] = 4.0
-    light = UsdLux.RectLight.Define(made.stage, "/Light")
+    light = made.light("Rect", "/Light", 1.0)
     light.CreateTextureFileAttr(save_picture(tmp_path / "light.exr", pixels))
     light.CreateIntensityAttr(5.0)
     _, (lamp, _) = records(lit, made)
     np.testing.assert_allclose(lamp.radiance, 10.0, rtol=0.02)
 
 
-def test_masks_are_where_pixels_see_the_light(build: Any, lit: Any) -> None:
+def test_masks_are_where_pixels_see_the_light(lit: Any) -> None:
     from openrooms_usd.render.scene.first_hits import first_hits
     from openrooms_usd.render.scene.light_masks import light_masks
     from orusd_mitsuba.tracer import MitsubaTracer
 
-    made = scene(build)
+    made = scene()
     stage, found = records(lit, made)
     camera = stage.camera(*SIZE)
     hits = first_hits(stage.scene, MitsubaTracer(stage.scene, stage.built), camera, *SIZE)

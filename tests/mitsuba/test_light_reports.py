@@ -8,25 +8,21 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
-from openrooms_usd.render import RenderRequest
-from orusd_mitsuba import MitsubaRenderer
+from openrooms_usd.render.estimates import robust_error
 from orusd_mitsuba.complete import integrator as complete_integrator
 from orusd_mitsuba.transport import incident
 from tests.mitsuba.passes import LIT, PASSES
-from tests.opening import open_with
-
-SIZE = {"width": 24, "height": 18, "grid": (6, 4)}
+from tests.mitsuba.rendering import session_of, shown
+from tests.mitsuba.rooms import half_hidden
 
 
 @pytest.fixture(scope="module")
-def session(half_hidden: Any, lit: Any) -> Any:
-    del lit
-    return open_with(MitsubaRenderer(), half_hidden())
+def session(lit: Any) -> Any:
+    return session_of(half_hidden())
 
 
 def images(session: Any, *names: str, **how: Any) -> Any:
-    request = RenderRequest("/Camera", names, **(SIZE | {"samples": 32} | how))  # type: ignore[arg-type]
-    return session.render(request).images
+    return shown(session, *names, grid=(6, 4), **({"samples": 32} | how)).images
 
 
 def distance(a: NDArray[Any], b: NDArray[Any], scale: NDArray[Any]) -> float:
@@ -54,6 +50,20 @@ def truth(session: Any) -> Any:
     names = tuple(name for name in LIT if name not in PASSES["environment"])
     many = images(session, *names, samples=640, seed=77)
     return many | images(session, *PASSES["environment"], samples=2560, seed=77)
+
+
+def test_each_channel_tells_the_error_that_it_has(session: Any) -> None:
+    """Against many more samples, with another seed."""
+    names = ("radiance", "direct", "indirect", "irradiance", "radiance_i")
+    few, many = (images(session, *names, samples=n, seed=n) for n in (32, 1024))
+    for name, image in few.items():
+        truth = many[name].pixels
+        if name.endswith("_2"):  # Nothing comes in from elsewhere.
+            assert not truth.any() and not image.pixels.any() and image.error is None
+            continue
+        assert 0.5 * distance(image.pixels, truth, truth) <= image.error, name
+        robust = robust_error(image.pixels, truth.astype(np.float64))
+        assert 0.5 * robust <= image.robust_error <= 3.0 * robust, name
 
 
 # Of emission the edges of lamps are all there is: what hardly ever meets one has no estimate.
@@ -113,11 +123,11 @@ def one_thread() -> Iterator[None]:
 
 
 def test_equal_seeds_give_equal_bits_of_every_channel_on_any_number_of_threads(
-    half_hidden: Any, session: Any, request: pytest.FixtureRequest
+    session: Any, request: pytest.FixtureRequest
 ) -> None:
     first = images(session, *LIT)
     request.getfixturevalue("one_thread")
-    again = open_with(MitsubaRenderer(), half_hidden())
+    again = session_of(half_hidden())
     for names in PASSES.values():
         for name, image in images(again, *names).items():
             assert image.pixels.tobytes() == first[name].pixels.tobytes(), name
@@ -127,3 +137,18 @@ def test_equal_seeds_give_equal_bits_of_every_channel_on_any_number_of_threads(
         for name, image in first.items()
         if image.pixels.any()
     )
+
+
+@pytest.mark.parametrize(
+    ("some", "more"),
+    [
+        (["radiance"], ["radiance", "emission", "direct", "indirect", "depth"]),
+        (["irradiance", "radiance"], ["irradiance", "diffuse", "specular", "radiance", "direct"]),
+    ],
+)
+def test_a_channel_has_equal_bits_whatever_else_is_asked_for(
+    session: Any, some: list[str], more: list[str]
+) -> None:
+    """Of what comes from the same pass."""
+    few, many = images(session, *some), images(session, *more)
+    assert np.array_equal(few[some[0]].pixels, many[some[0]].pixels)

@@ -16,10 +16,11 @@ from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.bake.baking import AtlasLayout, bake_stage
 from openrooms_usd.usd.cameras import list_cameras
-from openrooms_usd.usd.lights import define_mesh_light
-from orusd_mitsuba import MitsubaRenderer
+from tests import small
 from tests.mitsuba import lightmap_client as client
-from tests.opening import open_with
+from tests.mitsuba.rendering import session_of
+from tests.mitsuba.rooms import half_hidden
+from tests.small import square
 
 NITS = 1000.0
 
@@ -58,7 +59,7 @@ def lookup(baked: Path, camera: Any, size: tuple[int, int]) -> tuple[Any, Any]:
 
 def differences(source: Path, baked: Path, camera: str, samples: int) -> tuple[float, Any]:
     """The ratio of the sums, and |client - picture| of each pixel, relative to its light."""
-    opened = open_with(MitsubaRenderer(), Usd.Stage.Open(str(source)))
+    opened = session_of(Usd.Stage.Open(str(source)))
     size = 28, 21
     needs = ("irradiance", "base_color", "metallic")
     view = opened.render(RenderRequest(camera, needs, *size, samples=samples))
@@ -76,7 +77,7 @@ def differences(source: Path, baked: Path, camera: str, samples: int) -> tuple[f
     return float(shown.sum() / there.sum()), relative
 
 
-def test_a_client_sees_the_diffuse_part_of_the_picture(half_hidden: Any, tmp_path: Path) -> None:
+def test_a_client_sees_the_diffuse_part_of_the_picture(tmp_path: Path) -> None:
     """A room with two lamps and what throws shadows; a picture upside down would fail."""
     source = saved(half_hidden(), tmp_path)
     found = bake_stage(
@@ -101,8 +102,8 @@ def test_a_client_sees_the_diffuse_part_of_the_picture(half_hidden: Any, tmp_pat
 def test_so_it_is_in_a_furnished_room(method: Any, tmp_path: Path) -> None:
     """The bundled example, through its own camera; what the noise of both leaves is told."""
     source = ou.compose(ou.copy_example(tmp_path / "room"), tmp_path / "out").path
-    settings = RenderSettings(samples=64, method=method)
-    found = bake_stage(source, tmp_path / "lit", settings, AtlasLayout(texel_m=0.1))
+    settings = RenderSettings(samples=64, method=method), AtlasLayout(texel_m=0.1)
+    found = bake_stage(source, tmp_path / "lit", *settings)
     assert found["method"] == method
     camera = str(list_cameras(Usd.Stage.Open(str(source)))[0].GetPath())
     ratio, relative = differences(source, tmp_path / "lit/baked.usda", camera, 256)
@@ -111,11 +112,14 @@ def test_so_it_is_in_a_furnished_room(method: Any, tmp_path: Path) -> None:
     assert np.percentile(relative, 95) < 0.7
 
 
-def test_an_even_sky_gives_pi_times_its_radiance(build: Any, tmp_path: Path) -> None:
+def test_an_even_sky_gives_pi_times_its_radiance(tmp_path: Path) -> None:
     """To the edges of the chart, whose border a bilinear look-up takes too."""
-    room = build()
-    room.quad("/Plate", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)],
-              material=room.material("/Black", base_color=(0.0,) * 3))  # fmt: skip
+    room = small.Stage()
+    room.quad(
+        "/Plate",
+        square((0.5, 0.5, 0), 0.5),
+        material=room.material("/Black", base_color=(0.0,) * 3),
+    )
     room.dome(radiance=NITS)
     bake_stage(
         saved(room.stage, tmp_path), tmp_path / "out", RenderSettings(samples=16), AtlasLayout(0.1)
@@ -128,31 +132,29 @@ def test_an_even_sky_gives_pi_times_its_radiance(build: Any, tmp_path: Path) -> 
     assert lux.mean() == pytest.approx(np.pi * NITS, rel=0.02)
 
 
-def _two_of_a_kind(build: Any, folder: Path) -> Path:
+def _two_of_a_kind(folder: Path) -> Path:
     """Two instances of a box: one under a lamp, the other under a board."""
-    asset = build(path=folder / "asset.usda")
+    asset = small.Stage(path=folder / "asset.usda")
     UsdGeom.Xform.Define(asset.stage, "/Thing")
     asset.box("/Thing/Box", 0.5)
     asset.stage.SetDefaultPrim(asset.stage.GetPrimAtPath("/Thing"))
     asset.stage.Save()
-    room = build(path=folder / "scene.usda")
+    room = small.Stage(path=folder / "scene.usda")
     for name, x in (("a", -1.0), ("b", 1.0)):
         thing = UsdGeom.Xform.Define(room.stage, f"/World/{name}")
         thing.AddTranslateOp().Set(Gf.Vec3d(x, 0, 0))
         thing.GetPrim().GetReferences().AddReference("./asset.usda")
         thing.GetPrim().SetInstanceable(True)
     room.box("/World/Room", 5.0, inside=True)
-    room.quad(
-        "/World/Board", [(0.5, -0.5, 0.5), (1.5, -0.5, 0.5), (1.5, 0.5, 0.5), (0.5, 0.5, 0.5)]
-    )
-    lamp = [(-1.2, -0.2, 2), (-1.2, 0.2, 2), (-0.8, 0.2, 2), (-0.8, -0.2, 2)]
-    define_mesh_light(room.quad("/World/Lamp", lamp).GetPrim(), nits=NITS)
+    room.quad("/World/Board", square((1, 0, 0.5), 0.5))
+    lamp = square((-1, 0, 2), (0.2, 0.2), "-Z")
+    room.quad("/World/Lamp", lamp, nits=NITS)
     room.stage.Save()
     return folder / "scene.usda"
 
 
-def test_instances_have_light_of_their_own_and_stay_instances(build: Any, tmp_path: Path) -> None:
-    source = _two_of_a_kind(build, tmp_path)
+def test_instances_have_light_of_their_own_and_stay_instances(tmp_path: Path) -> None:
+    source = _two_of_a_kind(tmp_path)
     before = source.read_bytes()
     found = bake_stage(source, tmp_path / "out", RenderSettings(samples=16), AtlasLayout(0.1))
     stage = Usd.Stage.Open(str(tmp_path / "out/baked.usda"))
@@ -162,15 +164,16 @@ def test_instances_have_light_of_their_own_and_stay_instances(build: Any, tmp_pa
     things = client.load(tmp_path / "out/baked.usda")
     top = np.array([[-0.95, 0.1, 0.25], [1.05, 0.1, 0.25]])
     up = (things.corners[:, :, 2] == 0.25).all(axis=1)
-    rows = np.array([np.flatnonzero(up & (things.corners[:, :, 0].mean(axis=1) * x > 0))[0]
-                     for x, _, _ in top])  # fmt: skip
+    rows = np.array(
+        [np.flatnonzero(up & (things.corners[:, :, 0].mean(axis=1) * x > 0))[0] for x, _, _ in top]
+    )
     lit, shaded = things.irradiance(rows, things.corners[rows].mean(axis=1))[:, 0]
     assert lit > 2.0 * shaded > 0.0
     assert source.read_bytes() == before
 
 
-def test_equal_seeds_give_equal_files(build: Any, tmp_path: Path) -> None:
-    source = _two_of_a_kind(build, tmp_path)
+def test_equal_seeds_give_equal_files(tmp_path: Path) -> None:
+    source = _two_of_a_kind(tmp_path)
     for name in ("a", "b"):
         bake_stage(source, tmp_path / name, RenderSettings(samples=2), AtlasLayout(0.2))
     files = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))
@@ -179,8 +182,8 @@ def test_equal_seeds_give_equal_files(build: Any, tmp_path: Path) -> None:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
 
 
-def test_texels_grow_until_they_fit(build: Any, tmp_path: Path) -> None:
-    source = _two_of_a_kind(build, tmp_path)
+def test_texels_grow_until_they_fit(tmp_path: Path) -> None:
+    source = _two_of_a_kind(tmp_path)
     found = bake_stage(
         source, tmp_path / "out", RenderSettings(samples=1), AtlasLayout(0.05, most_texels=8000)
     )
@@ -195,10 +198,8 @@ def test_texels_grow_until_they_fit(build: Any, tmp_path: Path) -> None:
         )
 
 
-def test_what_makes_no_lightmap_is_refused(
-    build: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    source = _two_of_a_kind(build, tmp_path)
+def test_what_makes_no_lightmap_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = _two_of_a_kind(tmp_path)
     for wrong in (
         {"texel_m": 0.0},
         {"side": 1},
@@ -209,15 +210,10 @@ def test_what_makes_no_lightmap_is_refused(
     with pytest.raises(InputError, match="scattered 0 times"):
         bake_stage(source, tmp_path / "out", RenderSettings(bounces=0))
     with pytest.raises(RenderError, match="scalar"):
-        bake_stage(
-            source,
-            tmp_path / "out",
-            RenderSettings(options={"variant": "scalar"}),
-            AtlasLayout(0.5),
-        )
+        bake_stage(source, tmp_path / "out", RenderSettings(options={"variant": "scalar"}))
     with pytest.raises(RenderError, match="lights no texels"):
-        bake_stage(source, tmp_path / "out", RenderSettings(renderer="preview"), AtlasLayout(0.5))
-    nothing = build()
+        bake_stage(source, tmp_path / "out", RenderSettings(renderer="preview"))
+    nothing = small.Stage()
     nothing.dome()
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no surface"):
@@ -236,13 +232,12 @@ def test_what_makes_no_lightmap_is_refused(
     assert not (tmp_path / "out").exists()
 
 
-def test_what_is_buried_does_not_darken_what_is_beside_it(build: Any, tmp_path: Path) -> None:
+def test_what_is_buried_does_not_darken_what_is_beside_it(tmp_path: Path) -> None:
     """A block stands on a plate under an even sky: of texels below it none is traced."""
-    room = build()
+    room = small.Stage()
     black = room.material("/Black", base_color=(0.0,) * 3)
-    room.quad("/Plate", [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], material=black)
-    block = room.box("/Block", 0.7, material=black)
-    block.AddTranslateOp().Set(Gf.Vec3d(0, 0, 0.35))
+    room.quad("/Plate", square((0, 0, 0), 1), material=black)
+    room.box("/Block", 0.7, material=black, at=(0, 0, 0.35))
     room.dome(radiance=NITS)
     source = saved(room.stage, tmp_path)
     bake_stage(source, tmp_path / "out", RenderSettings(samples=64), AtlasLayout(0.2))

@@ -6,12 +6,11 @@ import pytest
 from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene import gathering
 from openrooms_usd.render.scene.translate import translate
-from orusd_mitsuba import MitsubaRenderer, limits
+from orusd_mitsuba import limits
 from tests.crowd import crowd
-from tests.opening import open_with
+from tests.mitsuba.rendering import session_of, shown
 
 
 def test_instances_that_do_not_fit_are_refused(
@@ -42,12 +41,12 @@ def test_where_nobody_chooses_very_many_instances_are_kept(
     monkeypatch.setattr(gathering, "LEAST_SAVED_TRIANGLES", 1)
     monkeypatch.setattr(gathering, "_LEAST_SAVED_BY_ONE", 1)
     stage = crowd(str(tmp_path / "none.png")).stage
-    few = open_with(MitsubaRenderer(), stage).session
+    few = session_of(stage).session
     assert "llvm" in few.backend and "kept" not in few.advice
     monkeypatch.setattr(limits, "_MANY_EXPANDED_TRIANGLES", 1)
-    many = open_with(MitsubaRenderer(), stage).session
+    many = session_of(stage).session
     assert "scalar" in many.backend and "kept as they are" in many.advice
-    asked = open_with(MitsubaRenderer(), stage, {"variant": "llvm"}).session
+    asked = session_of(stage, variant="llvm").session
     assert "llvm" in asked.backend and "expanded" in asked.advice
 
 
@@ -57,7 +56,6 @@ def test_a_camera_that_sees_nothing_at_all_gives_black(variant: str) -> None:
     UsdLux.DomeLight.Define(stage, "/Sky").CreateIntensityAttr(0.0)
     camera = UsdGeom.Camera.Define(stage, "/Camera")
     camera.CreateClippingRangeAttr((5.0, 10.0))
-    opened = open_with(MitsubaRenderer(), stage, {"variant": variant})
-    request = RenderRequest("/Camera", ("radiance", "depth", "instance"), 8, 6, samples=2)
-    images = opened.render(request).images
+    opened = session_of(stage, variant=variant)
+    images = shown(opened, "radiance", "depth", "instance", width=8, height=6, samples=2).images
     assert not any(image.pixels.any() for image in images.values())

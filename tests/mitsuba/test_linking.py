@@ -5,31 +5,34 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf, UsdLux
+from pxr import Sdf, UsdLux
 
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene.translate import translate
-from orusd_mitsuba import MitsubaRenderer
-from tests.opening import open_with
+from tests import small
+from tests.mitsuba.rendering import session_of
 
 RADIUS, HEIGHT, NITS = 0.05, 2.0, 1e4
 # What falls on a point below one of the lamps.
 LUX = NITS * math.pi * RADIUS**2 / (RADIUS**2 + HEIGHT**2)
 
 
-def stage(build: Any) -> Any:
+def stage() -> Any:
     """Two white sheets that share a material, under two lamps in one place."""
-    made = build()
+    made = small.Stage()
     made.material("/White", base_color=(1.0, 1.0, 1.0))
     for name, low in (("Left", -0.01), ("Right", 0.0)):
         corners = [(low, -0.02, 0), (low + 0.01, -0.02, 0), (low + 0.01, 0.02, 0), (low, 0.02, 0)]
         made.quad(f"/{name}", corners, material="/White")
     made.camera((0, -0.3, 0.3), (0, 0, 0), fov=1.0, aspect=2.0)
     for name in ("One", "Other"):
-        light = UsdLux.DiskLight.Define(made.stage, f"/{name}")
-        light.CreateRadiusAttr(RADIUS)
-        light.CreateIntensityAttr(NITS)
-        light.AddTranslateOp().Set(Gf.Vec3d(0.0, 0.0, HEIGHT if name == "One" else HEIGHT + 1e-3))
+        made.light(
+            "Disk",
+            f"/{name}",
+            NITS,
+            at=(0.0, 0.0, HEIGHT if name == "One" else HEIGHT + 1e-3),
+            radius=RADIUS,
+        )
     link = UsdLux.LightAPI(made.stage.GetPrimAtPath("/One")).GetLightLinkCollectionAPI()
     link.CreateIncludeRootAttr(False)
     link.IncludePath(Sdf.Path("/Right"))
@@ -42,27 +45,27 @@ def halves(picture: np.ndarray) -> list[float]:
     """What the sheets have in their middles."""
     columns = picture[..., 1].mean(axis=0)
     quarter = len(columns) // 4
-    return [float(columns[quarter - 1 : quarter + 1].mean()),
-            float(columns[-quarter - 1 : 1 - quarter].mean())]  # fmt: skip
+    return [
+        float(columns[quarter - 1 : quarter + 1].mean()),
+        float(columns[-quarter - 1 : 1 - quarter].mean()),
+    ]
 
 
 def view(made: Any, *names: str, **how: Any) -> dict[str, np.ndarray]:
-    session = open_with(MitsubaRenderer(), made)
+    session = session_of(made)
     request = RenderRequest("/Camera", names, 16, 8, samples=16, bounces=3, **how)
     return {name: image.pixels for name, image in session.render(request).images.items()}
 
 
-def test_paths_leave_out_what_a_lamp_does_not_light(build: Any, lit: Any) -> None:
-    del lit
-    seen = view(stage(build), "radiance")
+def test_paths_leave_out_what_a_lamp_does_not_light(lit: Any) -> None:
+    seen = view(stage(), "radiance")
     assert halves(np.pi * seen["radiance"]) == pytest.approx([0.0, LUX], rel=0.02, abs=1e-9)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["reference", "cache"])
-def test_all_passes_leave_it_out(build: Any, lit: Any, method: str) -> None:
-    del lit
-    made = stage(build)
+def test_all_passes_leave_it_out(lit: Any, method: str) -> None:
+    made = stage()
     straight = view(made, "direct_i", "unoccluded_i")
     whole = view(made, "radiance", "irradiance", "direct_i", "unoccluded_i", method=method)
     found = [of[name] for of in (straight, whole) for name in ("direct_0", "unoccluded_0")]
@@ -70,30 +73,28 @@ def test_all_passes_leave_it_out(build: Any, lit: Any, method: str) -> None:
         assert halves(picture) == pytest.approx([0.0, LUX], rel=0.02, abs=1e-9)
 
 
-def test_surfaces_are_told_apart_by_the_lamps_that_light_them(build: Any) -> None:
-    scene = translate(stage(build))
+def test_surfaces_are_told_apart_by_the_lamps_that_light_them() -> None:
+    scene = translate(stage())
     unlit = {patch.unlit_by: len(patch.triangles) for patch in scene.patches if not patch.lamp}
     assert unlit == {("/One",): 2, (): 2}
     assert [*scene.report.losses()] == []
 
 
-def test_what_knows_no_links_says_so(build: Any) -> None:
-    made = stage(build)
-    session = open_with(MitsubaRenderer(), made, {"variant": "scalar"})
+def test_what_knows_no_links_says_so() -> None:
+    made = stage()
+    session = session_of(made, variant="scalar")
     session.render(RenderRequest("/Camera", ("radiance",), 2, 2, samples=1))
     assert [*session.report.losses()] == [("/One", "approximated", "it lights everything alike")]
 
 
 @pytest.mark.parametrize(("diffuse", "specular"), [(0.25, 1.0), (1.0, 0.25)])
 def test_multipliers_count_on_matte_surfaces_and_on_metals(
-    build: Any, lit: Any, diffuse: float, specular: float
+    lit: Any, diffuse: float, specular: float
 ) -> None:
-    del lit
-    made = stage(build)
+    made = stage()
     link = UsdLux.LightAPI(made.GetPrimAtPath("/One"))
     link.GetLightLinkCollectionAPI().GetIncludeRootAttr().Set(True)
-    metal = build.__new__(build)
-    metal.stage = made
+    metal = small.Stage.of(made)
     metal.material("/Metal", base_color=(0.5, 0.5, 0.5), metallic=1.0, roughness=1.0)
     metal.bind(made.GetPrimAtPath("/Right"), "/Metal")
     plain = halves(view(made, "radiance")["radiance"])

@@ -136,9 +136,13 @@ def test_what_the_user_names_may_be_too_old(machine: Any, monkeypatch: pytest.Mo
     ],
 )
 def test_the_remedy_is_the_package_that_has_a_wheel(
-    machine: Any, monkeypatch: pytest.MonkeyPatch, system: str, processor: str,
-    python: tuple[int, int], package: str | None,
-) -> None:  # fmt: skip
+    machine: Any,
+    monkeypatch: pytest.MonkeyPatch,
+    system: str,
+    processor: str,
+    python: tuple[int, int],
+    package: str | None,
+) -> None:
     monkeypatch.setattr(llvm.sys, "platform", system)
     monkeypatch.setattr(llvm.platform, "machine", lambda: processor)
     monkeypatch.setattr(llvm.sys, "version_info", python)

@@ -5,15 +5,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene import codes
 from openrooms_usd.render.scene.codes import load_picture
 from openrooms_usd.render.scene.pictures import Picture, evaluate, load
 from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
-from orusd_mitsuba import MitsubaRenderer, variants
+from orusd_mitsuba import variants
 from orusd_mitsuba.plugins import material_table
-from tests.opening import open_with
+from tests import small
+from tests.mitsuba.rendering import radiance, session_of
 
 
 @pytest.fixture
@@ -80,9 +80,14 @@ def test_codes_mean_what_the_values_are(
     file = noise(save_picture, tmp_path / "t.png", 7, 9, stored)
     for space in ("sRGB", "raw"):
         texture = Texture(
-            file, channel, space, scale=(1.2, 0.5, 2.0, 0.7), bias=(0.0, 0.1, -0.3, 0.2),
-            wrap_s="clamp", wrap_t="mirror",
-        )  # fmt: skip
+            file,
+            channel,
+            space,
+            scale=(1.2, 0.5, 2.0, 0.7),
+            bias=(0.0, 0.1, -0.3, 0.2),
+            wrap_s="clamp",
+            wrap_t="mirror",
+        )
         coded = load_picture(texture, wanted, (0.0, 1.0), np.eye(3), {})
         plain = load(texture, wanted, (0.0, 1.0), np.eye(3))
         assert coded.coding is not None and coded.texels.dtype == np.uint8
@@ -102,21 +107,29 @@ def test_what_is_not_of_eight_bits_is_no_row(save_picture: Any, tmp_path: Any) -
         assert not material_table.fits(reader.read(preview))
 
 
-def room(build: Any, save_picture: Any, folder: Any) -> Any:
-    made = build()
+def room(save_picture: Any, folder: Any) -> Any:
+    made = small.Stage()
     for number in range(4):
         color = noise(save_picture, folder / f"c{number}.png", 4 + number, 6)
         relief = np.full((2, 2, 3), (118 + 5 * number, 140, 230), dtype=np.uint8)
         look = made.material(
-            f"/Look_{number}", f0=0.05, ior=1.5,
+            f"/Look_{number}",
+            f0=0.05,
+            ior=1.5,
             base_color=Texture(color, color_space="sRGB", uv_scale=(2, 2)),
             roughness=0.2 + 0.2 * number if number else Texture(color, "g"),
-            normal=Texture(save_picture(folder / f"n{number}.png", relief),
-                           scale=NORMAL_SCALE, bias=NORMAL_BIAS),
-        )  # fmt: skip
+            normal=Texture(
+                save_picture(folder / f"n{number}.png", relief),
+                scale=NORMAL_SCALE,
+                bias=NORMAL_BIAS,
+            ),
+        )
         x = 1.1 * number - 1.7
-        made.quad(f"/Q_{number}", [(x, -1, 0), (x + 1, -1, 0), (x + 1, 1, 0.3), (x, 1, 0.3)],
-                  material=look)  # fmt: skip
+        made.quad(
+            f"/Q_{number}",
+            [(x, -1, 0), (x + 1, -1, 0), (x + 1, 1, 0.3), (x, 1, 0.3)],
+            material=look,
+        )
     cloth = made.material("/Cloth", f0=0.05, base_color=(0.4, 0.3, 0.3), transmission=0.3)
     made.quad("/Sheet", [(-2, 1, 0), (2, 1, 0), (2, 1, 1), (-2, 1, 1)], material=cloth)
     glass = made.material("/Glass", base_color=(0.4, 0.3, 0.3), opacity=0.4, f0=0.05)
@@ -128,18 +141,17 @@ def room(build: Any, save_picture: Any, folder: Any) -> Any:
 
 @pytest.mark.slow
 def test_one_bsdf_or_many_give_the_same_picture(
-    build: Any, save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
+    save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
 ) -> None:
-    stage = room(build, save_picture, tmp_path)
+    stage = room(save_picture, tmp_path)
     pixels = {}
     for tabulated in (True, False):
         if not tabulated:
             monkeypatch.setattr(material_table, "fits", lambda surface: False)
-        session = open_with(MitsubaRenderer(), stage, {"variant": "llvm"})
+        session = session_of(stage, variant="llvm")
         shared = {id(shape.bsdf()) for shape in session.session._built.shapes()}
         assert len(shared) == (2 if tabulated else 6)
-        request = RenderRequest("/Camera", ("radiance",), 48, 36, samples=32)
-        pixels[tabulated] = session.render(request).images["radiance"].pixels.astype(np.float64)
+        pixels[tabulated] = radiance(session, width=48, height=36, samples=32).astype(np.float64)
     # The same random numbers: rounding alone may send a path another way.
     difference = np.abs(pixels[True] - pixels[False]) / pixels[False].mean()
     assert np.median(difference) < 1e-4
@@ -147,12 +159,12 @@ def test_one_bsdf_or_many_give_the_same_picture(
 
 
 def test_each_picture_is_read_once(
-    build: Any, save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
+    save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
 ) -> None:
-    stage, read = room(build, save_picture, tmp_path), []
+    stage, read = room(save_picture, tmp_path), []
     once = codes.read_codes
     monkeypatch.setattr(codes, "read_codes", lambda file: read.append(file) or once(file))
-    open_with(MitsubaRenderer(), stage, {"variant": "llvm"})
+    session_of(stage, variant="llvm")
     # Four colours and four normals; the roughness is another channel of one of them.
     assert len(read) == 9 and len(set(read)) == 8
 

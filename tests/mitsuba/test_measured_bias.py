@@ -12,7 +12,8 @@ from openrooms_usd.channels import CHANNELS
 from openrooms_usd.render import Image, RenderRequest
 from orusd_mitsuba import MitsubaRenderer
 from tests.mitsuba.conftest import Lit
-from tests.opening import open_with
+from tests.mitsuba.rendering import session_of
+from tests.mitsuba.rooms import half_hidden
 
 SIZE = (48, 36)
 CHANNELS_HERE = ("radiance", "emission", "indirect", "radiance_i")
@@ -22,7 +23,7 @@ STRAIGHT, LONG = 2, 5
 
 
 @pytest.fixture
-def rendered(mi: Any, half_hidden: Any) -> Callable[..., tuple[dict[str, Image], Any]]:
+def rendered(mi: Any) -> Callable[..., tuple[dict[str, Image], Any]]:
     """The pictures of a little room by paths of a length, and what renders them."""
     from orusd_mitsuba.render_passes import RADIANCE, run_pass
     from orusd_mitsuba.transport.path_integrator import PathIntegrator
@@ -81,9 +82,15 @@ def test_what_is_changed_after_the_samples_is_part_of_the_bias(rendered: Any) ->
     change[1, 2] = -0.3 * mean
     lights = sum(name.startswith("radiance_") for name in images)
     told = with_bias(
-        images, {"radiance": change}, RADIANCE, integrator, integrator, REQUEST, CHANNELS_HERE,
+        images,
+        {"radiance": change},
+        RADIANCE,
+        integrator,
+        integrator,
+        REQUEST,
+        CHANNELS_HERE,
         lights,
-    )  # fmt: skip
+    )
     bias = told["radiance"].bias
     # Of 48 x 36 pixels the block has 16 x 16.
     assert bias and bias.total == pytest.approx(-0.3 * 256 / (48 * 36), rel=0.2)
@@ -120,17 +127,22 @@ def reseeded(integrator: Any) -> Any:
 
 
 @pytest.mark.slow
-def test_every_light_channel_of_a_session_tells_its_bias(mi: Any, half_hidden: Any) -> None:
+def test_every_light_channel_of_a_session_tells_its_bias(mi: Any) -> None:
     stage = half_hidden()
-    opened = open_with(MitsubaRenderer(), stage, {"variant": "llvm"})
+    opened = session_of(stage, variant="llvm")
     names = tuple(name for name, row in CHANNELS.items() if row.kind == "light")
     given = tuple(name for name in names if name in MitsubaRenderer.channels)
     request = RenderRequest("/Camera", given, *SIZE, samples=32, grid=(8, 6), method="cache")
     view = opened.render(request)
     without = [name for name, image in view.images.items() if image.bias is None]
     assert {name.rpartition("_")[0] for name in without} <= {
-        "direct", "unoccluded", "visibility", "radiance", "irradiance", "",  # "traced"
-    }  # fmt: skip
+        "direct",
+        "unoccluded",
+        "visibility",
+        "radiance",
+        "irradiance",
+        "",  # "traced"
+    }
     for name in ("radiance", "irradiance", "indirect", "environment", "radiance_0"):
         image = view.images[name]
         assert image.halves is None and image.bias

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import UsdLux
 
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
-from orusd_mitsuba import MitsubaExporter, MitsubaRenderer
-from tests.opening import open_with
+from orusd_mitsuba import MitsubaExporter
+from tests import small
+from tests.mitsuba.rendering import session_of, shown
+from tests.small import square
 
 Prepare = Callable[[str], Any]
 
@@ -124,15 +124,19 @@ def test_hard_inputs_give_finite_numbers(
     if roughness < 0.01:
         sharpest = mi.load_dict({"type": "openrooms"} | inputs | {"roughness": 0.01})
         wi, wo = unit(0.3, 0.2, 1), unit(-0.3, -0.2, 1)
-        a, b = (numbers(x.pdf(context, facing(mi, wi), mi.Vector3f(*wo.tolist())))
-                for x in (bsdf, sharpest))  # fmt: skip
+        a, b = (
+            numbers(x.pdf(context, facing(mi, wi), mi.Vector3f(*wo.tolist())))
+            for x in (bsdf, sharpest)
+        )
         np.testing.assert_allclose(a, b)
 
 
 def test_backends_agree(prepare: Prepare) -> None:
     rng = np.random.default_rng(3)
-    cases = [(unit(*rng.normal(size=3)), unit(*rng.normal(size=3)), rng.random(7).tolist())
-             for _ in range(30)]  # fmt: skip
+    cases = [
+        (unit(*rng.normal(size=3)), unit(*rng.normal(size=3)), rng.random(7).tolist())
+        for _ in range(30)
+    ]
     found = {}
     for name in ("llvm", "scalar"):
         mi = prepare(name)
@@ -162,22 +166,19 @@ def test_only_the_parts_that_are_asked_for(prepare: Prepare) -> None:
     np.testing.assert_allclose(parts, total, rtol=1e-5)
 
 
-def plate(build: Any, **inputs: Any) -> Any:
-    made = build()
+def plate(**inputs: Any) -> Any:
+    made = small.Stage()
     material = made.material("/Paint", **inputs)
-    made.quad("/Plate", [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], material=material)
+    made.quad("/Plate", square((0, 0, 0), 9), material=material)
     made.camera((-4, 0, 2.0), (0, 0, 0), fov=4.0)
     return made
 
 
-def test_a_surface_of_ours_is_rendered_by_our_model(build: Any, prepare: Prepare) -> None:
+def test_a_surface_of_ours_is_rendered_by_our_model(prepare: Prepare) -> None:
     """Under parallel light the radiance is the formula; --bsdf chooses."""
     mi = prepare("llvm")
-    made = plate(build, base_color=(0.5, 0.3, 0.1), roughness=0.4, f0=0.05)
-    light = UsdLux.DistantLight.Define(made.stage, "/Sun")
-    light.CreateAngleAttr(0.0)
-    light.CreateIntensityAttr(100.0)
-    light.AddRotateYOp().Set(50.0)
+    made = plate(base_color=(0.5, 0.3, 0.1), roughness=0.4, f0=0.05)
+    made.light("Distant", "/Sun", 100.0, turn=(0, 50.0, 0), angle=0.0)
     color = {"type": "rgb", "value": [0.5, 0.3, 0.1]}
     bsdf = mi.load_dict({"type": "openrooms", "base_color": color, "roughness": 0.4, "f0": 0.05})
     angle = np.radians(50.0)
@@ -185,9 +186,10 @@ def test_a_surface_of_ours_is_rendered_by_our_model(build: Any, prepare: Prepare
     expected = 100.0 * numbers(bsdf.eval(mi.BSDFContext(), facing(mi, unit(-4, 0, 2.0)), towards))
     seen = {}
     for bsdf_name in ("auto", "openrooms", "preview"):
-        session = open_with(MitsubaRenderer(), made.stage, {"variant": "llvm", "bsdf": bsdf_name})
-        request = RenderRequest("/Camera", ("radiance", "roughness"), 8, 6, samples=16, bounces=1)
-        images = session.render(request).images
+        session = session_of(made.stage, variant="llvm", bsdf=bsdf_name)
+        images = shown(
+            session, "radiance", "roughness", width=8, height=6, samples=16, bounces=1
+        ).images
         assert (images["roughness"].pixels == np.float32(0.4)).all()
         seen[bsdf_name] = images["radiance"].pixels[3, 4]
         losses = [reason for path, _, reason in session.report.losses() if path == "/Paint"]
@@ -199,21 +201,27 @@ def test_a_surface_of_ours_is_rendered_by_our_model(build: Any, prepare: Prepare
     assert (np.abs(seen["preview"] / expected - 1) > 0.03).any()
 
 
-def test_a_scalar_backend_shows_previews_unless_told_otherwise(build: Any) -> None:
-    made = plate(build, f0=0.05)
-    opened = {b: open_with(MitsubaRenderer(), made.stage, {"variant": "scalar", "bsdf": b})
-              for b in ("auto", "openrooms")}  # fmt: skip
+def test_a_scalar_backend_shows_previews_unless_told_otherwise() -> None:
+    made = plate(f0=0.05)
+    opened = {b: session_of(made.stage, variant="scalar", bsdf=b) for b in ("auto", "openrooms")}
     assert {b: one.session.settings["bsdf"] for b, one in opened.items()} == {
-        "auto": "preview", "openrooms": "openrooms",
-    }  # fmt: skip
+        "auto": "preview",
+        "openrooms": "openrooms",
+    }
 
 
-def test_cloth_of_ours_keeps_all_light(build: Any, prepare: Prepare) -> None:
+def test_cloth_of_ours_keeps_all_light(prepare: Prepare) -> None:
     """In a white furnace a sheet without a lobe's part shows what is reflected and passed."""
     mi = prepare("llvm")
     context, si = mi.BSDFContext(), facing(mi, unit(0.3, 0, 1))
-    sheet = mi.load_dict({"type": "openrooms", "transmission": 1.5, "f0": 0.0,
-                          "base_color": {"type": "rgb", "value": [0.4] * 3}})  # fmt: skip
+    sheet = mi.load_dict(
+        {
+            "type": "openrooms",
+            "transmission": 1.5,
+            "f0": 0.0,
+            "base_color": {"type": "rgb", "value": [0.4] * 3},
+        }
+    )
     u = np.random.default_rng(2).random((3, 50_000)).astype(np.float32)
     context.type_mask = mi.BSDFFlags.Diffuse
     weight = np.array(sheet.sample(context, si, mi.Float(u[0]), mi.Point2f(u[1:]))[1])
@@ -221,11 +229,11 @@ def test_cloth_of_ours_keeps_all_light(build: Any, prepare: Prepare) -> None:
 
 
 def test_exported_files_need_nothing_of_ours(
-    build: Any, save_picture: Any, tmp_path: Any, prepare: Prepare
+    save_picture: Any, tmp_path: Any, prepare: Prepare
 ) -> None:
     mi = prepare("llvm")
     relief = save_picture(tmp_path / "n.png", np.full((2, 2, 3), 128, dtype=np.uint8))
-    made = plate(build, f0=0.05, normal=Texture(relief, scale=NORMAL_SCALE, bias=NORMAL_BIAS))
+    made = plate(f0=0.05, normal=Texture(relief, scale=NORMAL_SCALE, bias=NORMAL_BIAS))
     report = MitsubaExporter().convert(made.stage, tmp_path / "scene.xml", {})
     assert any(path == "/Paint" and "1.576" in why for path, _, why in report.losses())
     text = (tmp_path / "scene.xml").read_text()

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from openrooms_usd.usd.lights import define_mesh_light
+from tests import small
+from tests.mitsuba.rendering import radiance, session_of, shown
+from tests.small import square
 
 IOR = 1.52
 TINT = (0.98, 0.99, 0.95)
@@ -71,56 +73,43 @@ def test_at_normal_incidence_eight_per_cent_are_mirrored(variant: str) -> None:
     assert shares(1.0, 1.0) == pytest.approx((0.0817, 0.9183), abs=1e-4)
 
 
+def from_above(wall_z: float, pane: Any, *, closed: bool = False) -> Usd.Stage:
+    """A camera 3 m over a pane; before it, or behind the camera, a wall that glows with 50 nits."""
+    made = small.Stage()
+    bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(50, 50, 50))
+    made.quad("/Wall", square((0, 0, wall_z), 9, "-Z" if wall_z > 3 else "+Z"), material=bright)
+    sheet(made, "/Pane", pane, closed=closed)
+    made.camera((0, 0, 3), (0, 0, 0), up=(0, 1, 0), fov=2)
+    made.dome(radiance=0.0)
+    return made.stage
+
+
+MIRRORED, PASSED = (np.array([50 * shares(1.0, tint)[k] for tint in TINT]) for k in range(2))
+
+
 @pytest.mark.parametrize("closed", [False, True])
-def test_luminance_behind_a_pane_is_its_part(
-    build: Any, shoot: Any, variant: str, closed: bool
-) -> None:
+def test_luminance_behind_a_pane_is_its_part(shoot: Any, variant: str, closed: bool) -> None:
     """And nothing is seen of the pane itself: depth and labels are those of what lies behind."""
-    made = build()
-    bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(50, 50, 50))
-    made.quad("/Wall", [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], material=bright)
-    sheet(made, "/Pane", [(-5, -5, 1), (5, -5, 1), (5, 5, 1), (-5, 5, 1)], closed=closed)
-    made.camera((0, 0, 3), (0, 0, 0), up=(0, 1, 0), fov=2)
-    made.dome(radiance=0.0)
-    expected = [50 * shares(1.0, tint)[1] for tint in TINT]
+    stage = from_above(0.0, square((0, 0, 1), 5), closed=closed)
     for asked in (("radiance", "depth"), ("radiance", "irradiance", "depth")):
-        view = shoot(made.stage, *asked, samples=1, bounces=3)
-        np.testing.assert_allclose(
-            view.images["radiance"].pixels, np.broadcast_to(expected, (24, 32, 3)), rtol=1e-3
-        )
-        np.testing.assert_allclose(view.images["depth"].pixels, 3.0, rtol=1e-5)
+        images = shoot(stage, *asked, samples=1, bounces=3).images
+        found = images["radiance"].pixels
+        np.testing.assert_allclose(found, np.broadcast_to(PASSED, found.shape), rtol=1e-3)
+        np.testing.assert_allclose(images["depth"].pixels, 3.0, rtol=1e-5)
 
 
-def test_a_pane_mirrors_what_stands_before_it(build: Any, shoot: Any, variant: str) -> None:
-    made = build()
-    bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(50, 50, 50))
-    # Behind the camera; behind the pane there is nothing.
-    made.quad("/Wall", [(-9, 9, 5), (9, 9, 5), (9, -9, 5), (-9, -9, 5)], material=bright)
-    sheet(made, "/Pane", [(-5, -5, 0), (5, -5, 0), (5, 5, 0), (-5, 5, 0)])
-    made.camera((0, 0, 3), (0, 0, 0), up=(0, 1, 0), fov=2)
-    made.dome(radiance=0.0)
-    expected = [50 * shares(1.0, tint)[0] for tint in TINT]
-    for asked in (("radiance", "direct"), ("radiance", "direct", "irradiance")):
-        images = shoot(made.stage, *asked, samples=1, bounces=3).images
-        for name in ("radiance", "direct"):
-            np.testing.assert_allclose(images[name].pixels.mean(axis=(0, 1)), expected, rtol=1e-3)
+@pytest.mark.parametrize("channels", [(), ("irradiance",)])
+def test_a_pane_mirrors_what_stands_before_it(shoot: Any, variant: str, channels: Any) -> None:
+    """And nothing where it is not seen: behind it there is nothing."""
+    stage = from_above(5.0, square((2.5, 0, 0), (2.5, 5)))
+    images = shoot(stage, "radiance", "direct", *channels, samples=3, bounces=3).images
+    for name in ("radiance", "direct"):
+        left, right = np.split(images[name].pixels, 2, axis=1)
+        assert not left.any()
+        np.testing.assert_allclose(right, np.broadcast_to(MIRRORED, right.shape), rtol=1e-3)
 
 
-def test_mirrored_light_is_where_the_pane_is_seen(build: Any, shoot: Any, variant: str) -> None:
-    made = build()
-    bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(50, 50, 50))
-    made.quad("/Wall", [(-9, 9, 5), (9, 9, 5), (9, -9, 5), (-9, -9, 5)], material=bright)
-    sheet(made, "/Pane", [(0, -5, 0), (5, -5, 0), (5, 5, 0), (0, 5, 0)])
-    made.camera((0, 0, 3), (0, 0, 0), up=(0, 1, 0), fov=2)
-    made.dome(radiance=0.0)
-    seen = shoot(made.stage, "radiance", samples=3, bounces=3).images["radiance"]
-    left, right = np.split(seen.pixels, 2, axis=1)
-    assert not left.any()
-    expected = [50 * shares(1.0, tint)[0] for tint in TINT]
-    np.testing.assert_allclose(right, np.broadcast_to(expected, right.shape), rtol=1e-3)
-
-
-def test_light_samples_are_blocked_as_mitsuba_says(build: Any, variant: str) -> None:
+def test_light_samples_are_blocked_as_mitsuba_says(variant: str) -> None:
     """But for panes; and those that nobody wants are none."""
     import drjit as dr
     import mitsuba as mi
@@ -133,8 +122,8 @@ def test_light_samples_are_blocked_as_mitsuba_says(build: Any, variant: str) -> 
     from orusd_mitsuba.transport.panes import Panes
 
     mi.set_variant(variants.choose("auto").variant)
-    made = build()
-    made.quad("/Board", [(-1, -1, 0.5), (0, -1, 0.5), (0, 1, 0.5), (-1, 1, 0.5)])
+    made = small.Stage()
+    made.quad("/Board", square((-0.5, 0, 0.5), (0.5, 1)))
     scene = translate(_room(made, pane=True))
     built = Builder(scene.origin).scene(scene)
     index = LightIndex(sources_of(scene), built, scene.origin, Panes(scene))
@@ -159,21 +148,26 @@ def _furnace(made: Any, tint: Any) -> Usd.Stage:
     for number, x in enumerate((-0.4, 0.3)):
         corners = [(x, -1, -1), (x + 0.3, 1, -1), (x + 0.3, 1, 1), (x, -1, 1)]
         sheet(made, f"/Pane_{number}", corners, tint, closed=bool(number))
-    made.quad("/Floor", [(-3, -3, -1), (3, -3, -1), (3, 3, -1), (-3, 3, -1)],
-              material=made.material("/Even", base_color=(0,) * 3, emissive=(7,) * 3))  # fmt: skip
+    made.quad(
+        "/Floor",
+        square((0, 0, -1), 3),
+        material=made.material("/Even", base_color=(0,) * 3, emissive=(7,) * 3),
+    )
     made.dome(radiance=7.0)
     made.camera((-2, 0.2, 0.2), (0, 0, 0), fov=50)
     return made.stage  # type: ignore[no-any-return]
 
 
-def test_no_light_is_lost_or_made(build: Any, shoot: Any, variant: str) -> None:
+def test_no_light_is_lost_or_made(shoot: Any, variant: str) -> None:
     """In a furnace clear panes cannot be seen, by any channel that does not count first hits."""
-    stage = _furnace(build(), (1.0, 1.0, 1.0))
+    stage = _furnace(small.Stage(), (1.0, 1.0, 1.0))
     for asked in (("radiance",), ("radiance", "irradiance")):
         found = shoot(stage, *asked, samples=64).images["radiance"].pixels
         # Where two panes are seen, one of both mirror images is looked for.
         np.testing.assert_allclose(found, 7.0, rtol=0.01)
-    tinted = shoot(_furnace(build(), (0.9, 0.9, 0.9)), "radiance", samples=16).images["radiance"]
+    tinted = shoot(_furnace(small.Stage(), (0.9, 0.9, 0.9)), "radiance", samples=16).images[
+        "radiance"
+    ]
     assert tinted.pixels.max() <= 7.0 * (1 + 1e-4) and tinted.pixels.min() < 6.7
 
 
@@ -181,24 +175,26 @@ def _room(made: Any, *, pane: bool) -> Usd.Stage:
     """A grey room with a panel over a pane, and a window in which the room is mirrored."""
     grey = made.material("/Grey", base_color=(0.5, 0.45, 0.4))
     made.box("/Room", 2.0, inside=True, material=grey)
-    panel = [(-0.4, -0.2, 0.9), (-0.4, 0.3, 0.9), (0.1, 0.3, 0.9), (0.1, -0.2, 0.9)]
-    define_mesh_light(made.quad("/Panel", panel, material=grey).GetPrim(), nits=100.0)
+    panel = square((-0.15, 0.05, 0.9), 0.25, "-Z")
+    made.quad("/Panel", panel, material=grey, nits=100.0)
     if pane:
-        sheet(made, "/Shelf", [(-1, -1, 0.2), (1, -1, 0.2), (1, 1, 0.2), (-1, 1, 0.2)])
-        sheet(made, "/Window", [(0.6, -1, -1), (0.6, 1, -1), (0.6, 1, 0.1), (0.6, -1, 0.1)])
+        sheet(made, "/Shelf", square((0, 0, 0.2), 1))
+        sheet(made, "/Window", square((0.6, 0, -0.45), (1, 0.55), "+X"))
     made.camera((-0.9, -0.9, -0.2), (0.3, 0.4, -0.5), fov=70)
     return made.stage  # type: ignore[no-any-return]
 
 
-ALL = (
-    "radiance", "emission", "direct", "indirect", "diffuse", "specular", "irradiance",
-    "irradiance_direct", "radiance_i", "irradiance_i", "direct_i", "unoccluded_i", "visibility_i",
-)  # fmt: skip
+ALL = tuple(
+    (
+        "radiance emission direct indirect diffuse specular irradiance irradiance_direct "
+        "radiance_i irradiance_i direct_i unoccluded_i visibility_i"
+    ).split()
+)
 
 
 @pytest.mark.parametrize("method", ["reference", pytest.param("cache", marks=pytest.mark.slow)])
-def test_identities_hold_behind_panes(build: Any, shoot: Any, variant: str, method: str) -> None:
-    images = shoot(_room(build(), pane=True), *ALL, samples=16, method=method).images
+def test_identities_hold_behind_panes(shoot: Any, variant: str, method: str) -> None:
+    images = shoot(_room(small.Stage(), pane=True), *ALL, samples=16, method=method).images
     px = {name: image.pixels.astype(np.float64) for name, image in images.items()}
 
     def close(found: Any, expected: Any) -> None:
@@ -211,10 +207,17 @@ def test_identities_hold_behind_panes(build: Any, shoot: Any, variant: str, meth
     assert (px["visibility_0"] <= 1.0).all() and (px["specular"] > -1e-3).all()
 
 
-def test_light_that_a_pane_passes_is_that_part_of_it(build: Any, shoot: Any, variant: str) -> None:
+def test_light_that_a_pane_passes_is_that_part_of_it(shoot: Any, variant: str) -> None:
     """Of straight light on the floor: of each direction, so between those of the least and most."""
-    images = shoot(_room(build(), pane=True), "direct_i", "unoccluded_i", "visibility_i", "normal",
-                   "position", samples=64).images  # fmt: skip
+    images = shoot(
+        _room(small.Stage(), pane=True),
+        "direct_i",
+        "unoccluded_i",
+        "visibility_i",
+        "normal",
+        "position",
+        samples=64,
+    ).images
     seen, whole = images["direct_0"].pixels, images["unoccluded_0"].pixels
     at, up = images["position"].pixels, images["normal"].pixels[..., 2] > 0.99
     # Right below the panel, where only the shelf is in between.
@@ -227,8 +230,8 @@ def test_light_that_a_pane_passes_is_that_part_of_it(build: Any, shoot: Any, var
 
 
 @pytest.mark.slow
-def test_methods_and_passes_agree_behind_panes(build: Any, shoot: Any, variant: str) -> None:
-    stage = _room(build(), pane=True)
+def test_methods_and_passes_agree_behind_panes(shoot: Any, variant: str) -> None:
+    stage = _room(small.Stage(), pane=True)
     how = {"samples": 512, "width": 16, "height": 12}
     truth = shoot(stage, "radiance", **how).images["radiance"].pixels.astype(np.float64)
     others = (
@@ -243,12 +246,20 @@ def test_methods_and_passes_agree_behind_panes(build: Any, shoot: Any, variant: 
 
 
 @pytest.mark.slow
-def test_hemispheres_see_panes_by_every_method(build: Any, shoot: Any, variant: str) -> None:
+def test_hemispheres_see_panes_by_every_method(shoot: Any, variant: str) -> None:
     """What hemispheres hold, times cosines, is the irradiance."""
-    stage = _room(build(), pane=True)
+    stage = _room(small.Stage(), pane=True)
     for method in ("reference", "cache"):
-        images = shoot(stage, "environment", "irradiance", samples=256, grid=(4, 3), width=4,
-                       height=3, method=method).images  # fmt: skip
+        images = shoot(
+            stage,
+            "environment",
+            "irradiance",
+            samples=256,
+            grid=(4, 3),
+            width=4,
+            height=3,
+            method=method,
+        ).images
         cells = images["environment"].pixels.reshape(3, 16, 4, 32, 3).swapaxes(1, 2)
         edges = np.radians(np.linspace(0.0, 90.0, 17))
         weight = (np.sin(edges[1:]) ** 2 - np.sin(edges[:-1]) ** 2) * np.pi / 32
@@ -257,33 +268,23 @@ def test_hemispheres_see_panes_by_every_method(build: Any, shoot: Any, variant: 
 
 
 @pytest.mark.parametrize("closed", [False, True])
-def test_panes_are_read_and_move(build: Any, shoot: Any, variant: str, closed: bool) -> None:
+def test_panes_are_read_and_move(shoot: Any, variant: str, closed: bool) -> None:
     """A sash that is opened takes its pane along, and what is looked at is not dimmed any more."""
-    from openrooms_usd.render import RenderRequest
-    from orusd_mitsuba import MitsubaRenderer
-    from tests.opening import open_with
-
-    made = build()
-    bright = made.material("/Bright", base_color=(0, 0, 0), emissive=(50, 50, 50))
-    made.quad("/Wall", [(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], material=bright)
-    sheet(made, "/Pane", [(-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)], closed=closed)
-    made.camera((0, 0, 3), (0, 0, 0), up=(0, 1, 0), fov=2)
-    opened = open_with(MitsubaRenderer(), made.stage)
-    request = RenderRequest("/Camera", ("radiance",), 4, 3, samples=1)
-    before = opened.render(request).images["radiance"].pixels
+    opened = session_of(from_above(0.0, square((0, 0, 1), 1), closed=closed))
+    before = radiance(opened, width=4, height=3, samples=1)
     aside = np.eye(4)
     aside[0, 3] = 4.0
     opened.move({"/Pane": aside})
-    after = opened.render(request).images["radiance"].pixels
+    after = radiance(opened, width=4, height=3, samples=1)
     np.testing.assert_allclose(before[..., 1] / after[..., 1], shares(1.0, TINT[1])[1], rtol=1e-3)
 
 
-def test_a_pane_survives_usd(build: Any) -> None:
+def test_a_pane_survives_usd() -> None:
     from pxr import UsdShade
 
     from openrooms_usd.usd.materialreader import read_preview_surface
 
-    made = build()
+    made = small.Stage()
     path = made.material("/Glass", pane=TINT, ior=IOR, roughness=0.0)
     found, losses = read_preview_surface(UsdShade.Material(made.stage.GetPrimAtPath(path)))
     assert found.pane == pytest.approx(TINT) and found.ior == pytest.approx(IOR) and not losses
@@ -291,20 +292,16 @@ def test_a_pane_survives_usd(build: Any) -> None:
     assert found.opacity < 0.2
 
 
-def test_the_scalar_backend_denoises_what_is_behind_panes(build: Any) -> None:
+def test_the_scalar_backend_denoises_what_is_behind_panes() -> None:
     """Guides of a denoiser are the core's there: none of the vectorized transport is asked."""
-    from openrooms_usd.render import RenderRequest
     from openrooms_usd.render.contract import GUIDES
-    from orusd_mitsuba import MitsubaRenderer
-    from tests.opening import open_with
 
-    made = build()
+    made = small.Stage()
     made.box("/Room", 2.0, inside=True, material=made.material("/Grey", base_color=(0.5,) * 3))
-    sheet(made, "/Pane", [(-0.9, 0.0, -0.9), (0.9, 0.0, -0.9), (0.9, 0.0, 0.9), (-0.9, 0.0, 0.9)])
+    sheet(made, "/Pane", square((0, 0, 0), 0.9, "-Y"))
     made.camera((0.0, -0.9, 0.0), (0.0, 0.9, 0.0), fov=60)
     made.dome()
-    opened = open_with(MitsubaRenderer(), made.stage, {"variant": "scalar"})
-    request = RenderRequest("/Camera", ("radiance",), 16, 12, samples=1, guides=True)
-    view = opened.render(request)
+    opened = session_of(made.stage, variant="scalar")
+    view = shown(opened, "radiance", width=16, height=12, samples=1, guides=True)
     assert set(view.guides) == set(GUIDES)
     np.testing.assert_allclose(view.guides["base_color"], 0.5, atol=1e-3)

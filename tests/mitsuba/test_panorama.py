@@ -8,8 +8,9 @@ from openrooms_usd.geometry.pinhole import intrinsics, look_at, panorama_intrins
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
-from tests.handmade import Build
-from tests.opening import open_with
+from tests import small
+from tests.mitsuba.rendering import session_of
+from tests.small import square
 
 EYE = (0.3, -0.2, 0.1)
 WIDTH, HEIGHT = 48, 24
@@ -18,18 +19,17 @@ WIDTH, HEIGHT = 48, 24
 @pytest.fixture(params=["llvm", "scalar"])
 def stage(request: pytest.FixtureRequest) -> OpenedStage:
     """Under an even sky, a wall of one colour before the camera and a floor of another."""
-    from orusd_mitsuba import MitsubaRenderer
 
     if request.param == "llvm":
         request.getfixturevalue("vectorized")
-    made = Build()
+    made = small.Stage()
     red = made.material("/Red", base_color=(0.8, 0.1, 0.1))
     blue = made.material("/Blue", base_color=(0.1, 0.2, 0.7))
-    made.bind(made.quad("/Wall", [(2, -3, -1), (2, 3, -1), (2, 3, 2), (2, -3, 2)]).GetPrim(), red)
-    floor = made.quad("/Floor", [(-3, -3, -1), (3, -3, -1), (3, 3, -1), (-3, 3, -1)])
+    made.bind(made.quad("/Wall", square((2, 0, 0.5), (3, 1.5), "+X")).GetPrim(), red)
+    floor = made.quad("/Floor", square((0, 0, -1), 3))
     made.bind(floor.GetPrim(), blue)
     made.dome()
-    return open_with(MitsubaRenderer(), made.stage, {"variant": request.param})
+    return session_of(made.stage, variant=request.param)
 
 
 def panorama(stage: OpenedStage, method: str = "reference") -> np.ndarray:
@@ -70,9 +70,8 @@ def test_edges_of_light_lie_where_directions_are(stage: OpenedStage) -> None:
     """What is bounded by meridians and parallels is bounded by columns and rows, exactly."""
     if stage.session.backend.find("scalar") >= 0:
         pytest.skip("the scalar backend renders no panoramas")
-    from orusd_mitsuba import MitsubaRenderer
 
-    made = Build()
+    made = small.Stage()
     black = made.material("/Black", base_color=(0, 0, 0))
     # Seen from the origin: from 30 to 60 degrees to the right of x, over all but the poles.
     a, b = (np.array([np.cos(t), -np.sin(t)]) * 2.0 for t in np.radians([30.0, 60.0]))
@@ -88,7 +87,7 @@ def test_edges_of_light_lie_where_directions_are(stage: OpenedStage) -> None:
         projection=EQUIRECTANGULAR,
     )
     request = RenderRequest("/a", ("radiance",), WIDTH, HEIGHT, samples=64, bounces=1)
-    opened = open_with(MitsubaRenderer(), made.stage, {"variant": "llvm"})
+    opened = session_of(made.stage, variant="llvm")
     found = opened.picture(camera, request).images["radiance"].pixels[..., 1]
     # 7.5 degrees a pixel: 4 to 8 columns to the right of the middle, 6 rows below it.
     wanted = np.full((HEIGHT, WIDTH), 3.0)

@@ -7,6 +7,8 @@ import pytest
 from pxr import Gf, Usd, UsdGeom
 
 from orusd_mitsuba.export.exporter import export_scene
+from tests import small
+from tests.small import square
 
 WIDTH, HEIGHT = 32, 24
 WINDOW_M = 4.0
@@ -15,15 +17,15 @@ UPPER_M = 2.0
 
 
 @pytest.fixture
-def tiles(build: Any) -> Usd.Stage:
+def tiles() -> Usd.Stage:
     """Seen from above: one glows red on the ground from 0 to 1, one green over it from -1 to 0.5.
 
     The camera's axis is a quarter of the picture off its middle.
     """
-    made = build()
+    made = small.Stage()
     red = made.material("/Red", base_color=(0, 0, 0), emissive=(1, 0, 0))
     green = made.material("/Green", base_color=(0, 0, 0), emissive=(0, 1, 0))
-    made.quad("/Low", [(0, -3, 0), (1, -3, 0), (1, 3, 0), (0, 3, 0)], material=red)
+    made.quad("/Low", square((0.5, 0, 0), (0.5, 3)), material=red)
     high = [(x, y, UPPER_M) for x, y in ((-1, -3), (0.5, -3), (0.5, 3), (-1, 3))]
     made.quad("/High", high, material=green)
     made.dome(radiance=0.0)
@@ -128,9 +130,9 @@ def test_planes_of_its_own_are_reported(tiles: Usd.Stage, open_stage: Any) -> No
     ]
 
 
-def test_no_ray_slips_between_the_triangles_of_a_ball(build: Any, shoot: Any, variant: str) -> None:
+def test_no_ray_slips_between_the_triangles_of_a_ball(shoot: Any, variant: str) -> None:
     """Its edges lie where the pixels' centres are: along the diagonals, through the middle."""
-    made = build()
+    made = small.Stage()
     UsdGeom.Sphere.Define(made.stage, "/Ball").CreateRadiusAttr(1.0)
     path = made.camera((0, 0, EYE_M), (0, 0, 0), up=(0, 1, 0), aspect=1.0)
     camera = UsdGeom.Camera(made.stage.GetPrimAtPath(path))

@@ -8,74 +8,42 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 from pxr import UsdLux
 
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal, read_portals
+from openrooms_usd.usd.portals import read_portals
+from tests import small
+from tests.mitsuba.statistics import lambert
+from tests.small import square
 
 NITS = 1000.0
 # A window in the wall y = 1 of a room about the origin: x and z from, x and z to.
 WINDOW = (-0.5, -0.2, 0.7, 0.6)
 
 
-def window_portal(path: str = "/Portal", y: float = 1.0) -> Portal:
-    x0, z0, x1, z1 = WINDOW
-    world = np.eye(4)
-    world[:3, :3] = np.array([[-1, 0, 0], [0, 0, 1], [0, 1, 0]]).T
-    world[:3, 3] = [(x0 + x1) / 2, y, (z0 + z1) / 2]
-    return Portal(path, world, x1 - x0, z1 - z0)
-
-
-def polygon_irradiance(at: ArrayLike, normal: ArrayLike, corners: ArrayLike) -> float:
-    """Lambert's contour sum for unit radiance; the polygon lies above the horizon."""
-    v = np.asarray(corners, dtype=float) - np.asarray(at)
-    v /= np.linalg.norm(v, axis=1, keepdims=True)
-    w = np.roll(v, -1, axis=0)
-    cross = np.cross(v, w)
-    angle = np.arctan2(np.linalg.norm(cross, axis=1), (v * w).sum(axis=1))
-    unit = cross / np.linalg.norm(cross, axis=1, keepdims=True)
-    return abs(float(0.5 * (angle * (unit @ np.asarray(normal))).sum()))
-
-
-def window_room(build: Any, *, portals: bool) -> Any:
+def window_room(*, portals: bool) -> Any:
     """A black room with a white patch on the floor, lit by a window alone."""
-    room = build()
-    black = room.material("/Black", base_color=(0.0, 0.0, 0.0))
+    room = small.room(hole=WINDOW, base_color=(0.0, 0.0, 0.0))
     white = room.material("/White", base_color=(1.0, 1.0, 1.0))
-    corners = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
-    walls = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [0, 4, 6, 2], [1, 3, 7, 5]]
-    room.mesh("/Walls", corners, np.array(walls)[:, ::-1], material=black)
-    x0, z0, x1, z1 = WINDOW
-    outer = [(-1, 1, -1), (1, 1, -1), (1, 1, 1), (-1, 1, 1)]
-    inner = [(x0, 1, z0), (x1, 1, z0), (x1, 1, z1), (x0, 1, z1)]
-    ring = [[i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)]
-    room.mesh("/Front", [*outer, *inner], ring, material=black)
-    patch = [(-0.02, -0.02, -0.99), (0.02, -0.02, -0.99), (0.02, 0.02, -0.99), (-0.02, 0.02, -0.99)]
-    room.quad("/Patch", patch, material=white)
+    room.quad("/Patch", square((0, 0, -0.99), 0.02), material=white)
     room.camera((0, 0, 0), (0, 0, -0.99), up=(0, 1, 0), fov=1.0, aspect=1.0)
-    dome = room.dome(radiance=NITS)
-    if portals:
-        connect_portals(dome.GetPrim(), [define_portal(room.stage, window_portal()).GetPrim()])
+    room.dome(radiance=NITS, portals=(small.window(WINDOW),) if portals else ())
     return room.stage
 
 
 @pytest.mark.parametrize("portals", [False, True])
-def test_a_window_gives_the_irradiance_of_its_rectangle(
-    build: Any, shoot: Any, portals: bool
-) -> None:
-    view = shoot(
-        window_room(build, portals=portals), "radiance", width=16, height=16, samples=256, bounces=1
-    )
-    x0, z0, x1, z1 = WINDOW
-    window = [(x0, 1, z0), (x1, 1, z0), (x1, 1, z1), (x0, 1, z1)]
-    expected = NITS / np.pi * polygon_irradiance((0, 0, -0.99), (0, 0, 1), window)
+def test_a_window_gives_the_irradiance_of_its_rectangle(shoot: Any, portals: bool) -> None:
+    how = {"width": 16, "height": 16, "samples": 256, "bounces": 1}
+    view = shoot(window_room(portals=portals), "radiance", **how)
+    window = square((0.1, 1, 0.2), (0.4, 0.6), "-Y")
+    expected = NITS / np.pi * float(lambert((0, 0, -0.99), (0, 0, 1), window))
     pixels = view.images["radiance"].pixels
     spread = pixels.mean(axis=-1).std() / np.sqrt(pixels[..., 0].size)
     assert abs(pixels.mean() - expected) < 4 * spread + 1e-3 * expected
 
 
-def test_portals_lower_the_error(build: Any, open_stage: Any, shoot: Any, variant: str) -> None:
+def test_portals_lower_the_error(open_stage: Any, shoot: Any, variant: str) -> None:
     if variant == "scalar":
         pytest.skip("scalar variants sample the sky alone")
     errors = [
-        shoot(window_room(build, portals=portals), "radiance", samples=64, bounces=1)
+        shoot(window_room(portals=portals), "radiance", samples=64, bounces=1)
         .images["radiance"]
         .error
         for portals in (False, True)
@@ -89,9 +57,9 @@ def emitter(mi: ModuleType) -> Any:
     sky = np.ones((8, 16, 3), dtype=np.float32)
     sky[:3, 4:6] = 30.0
     inner = mi.load_dict({"type": "envmap", "bitmap": mi.Bitmap(sky)})
-    second = window_portal("/Other", y=1.4)
+    second = small.window(WINDOW, 1.4, "/Other")
     second.world_from_portal[0, 3] += 0.9
-    made = through_portals(inner, (window_portal(), second), np.zeros(3), 2.0, 1.0)
+    made = through_portals(inner, (small.window(WINDOW), second), np.zeros(3), 2.0, 1.0)
     scene = mi.load_dict({"type": "scene", "ball": {"type": "sphere"}, "sky": inner})
     return made, inner, scene
 
@@ -148,8 +116,8 @@ def test_samples_estimate_the_integral_of_the_sky(mi: ModuleType, at: ArrayLike)
     del scene
 
 
-def test_a_portal_is_read_as_it_was_defined_in_metres(build: Any) -> None:
-    room = build(up="Y", metres=0.01)
+def test_a_portal_is_read_as_it_was_defined_in_metres() -> None:
+    room = small.Stage(up="Y", metres=0.01)
     light = UsdLux.PortalLight.Define(room.stage, "/P")
     light.CreateWidthAttr(150.0)
     light.CreateHeightAttr(50.0)

@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -10,10 +9,17 @@ import pytest
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render.exr import read_picture
 from openrooms_usd.render.probes import harmonics, irradiance, probe_stage
-from openrooms_usd.usd.lights import define_mesh_light
+from tests import small
+from tests.small import square
 
-WAYS = {"+X": (1, 0, 0), "-X": (-1, 0, 0), "+Y": (0, 1, 0), "-Y": (0, -1, 0), "+Z": (0, 0, 1),
-        "-Z": (0, 0, -1)}  # fmt: skip
+WAYS = {
+    "+X": (1, 0, 0),
+    "-X": (-1, 0, 0),
+    "+Y": (0, 1, 0),
+    "-Y": (0, -1, 0),
+    "+Z": (0, 0, 1),
+    "-Z": (0, 0, -1),
+}
 # The clamped cosine less its part up to the second degree is 3/32 at most, at right angles.
 CUT = 3 / 32
 
@@ -22,10 +28,19 @@ def functions(d: np.ndarray) -> np.ndarray:
     """(..., 9) as the file says them: with its digits and in its order."""
     x, y, z = np.moveaxis(d, -1, 0)
     return np.stack(
-        [np.full_like(x, 0.282095), 0.488603 * y, 0.488603 * z, 0.488603 * x, 1.092548 * x * y,
-         1.092548 * y * z, 0.315392 * (3 * z * z - 1), 1.092548 * x * z,
-         0.546274 * (x * x - y * y)], axis=-1,
-    )  # fmt: skip
+        [
+            np.full_like(x, 0.282095),
+            0.488603 * y,
+            0.488603 * z,
+            0.488603 * x,
+            1.092548 * x * y,
+            1.092548 * y * z,
+            0.315392 * (3 * z * z - 1),
+            1.092548 * x * z,
+            0.546274 * (x * x - y * y),
+        ],
+        axis=-1,
+    )
 
 
 def pixels_of(height: int, finer: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -43,13 +58,13 @@ def pixels_of(height: int, finer: int = 1) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.fixture(scope="module")
-def made(vectorized: str, build: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def made(vectorized: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A probe off the middle of a red room with a lamp."""
-    room, folder = build(), tmp_path_factory.mktemp("probe")
+    room, folder = small.Stage(), tmp_path_factory.mktemp("probe")
     red = room.material("/Red", base_color=(0.8, 0.3, 0.2))
     room.box("/Room", 2.0, inside=True, material=red)
-    lamp = [(0.2, 0.1, 0.98), (0.2, 0.6, 0.98), (0.7, 0.6, 0.98), (0.7, 0.1, 0.98)]
-    define_mesh_light(room.quad("/Lamp", lamp, material=red).GetPrim(), nits=1000.0)
+    lamp = square((0.45, 0.35, 0.98), (0.25, 0.25), "-Z")
+    room.quad("/Lamp", lamp, material=red, nits=1000.0)
     room.stage.GetRootLayer().Export(str(folder / "scene.usda"))
     probe_stage(
         folder / "scene.usda",
@@ -63,8 +78,17 @@ def made(vectorized: str, build: Any, tmp_path_factory: pytest.TempPathFactory) 
 def test_the_file_says_its_basis_and_its_order(made: Path) -> None:
     found = json.loads((made / "probes.json").read_text("utf-8"))
     said = found["conventions"]["harmonics"]
-    words = ["0.282095", "0.488603 y", "0.488603 z", "0.488603 x", "1.092548 x y", "1.092548 y z",
-             "0.315392 (3 z^2 - 1)", "1.092548 x z", "0.546274 (x^2 - y^2)"]  # fmt: skip
+    words = [
+        "0.282095",
+        "0.488603 y",
+        "0.488603 z",
+        "0.488603 x",
+        "1.092548 x y",
+        "1.092548 y z",
+        "0.315392 (3 z^2 - 1)",
+        "1.092548 x z",
+        "0.546274 (x^2 - y^2)",
+    ]
     places = [said.index(word) for word in words]
     assert places == sorted(places)
     (probe,) = found["probes"]

@@ -5,29 +5,30 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, UsdGeom, UsdLux
 
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.scene.models import without_shaping
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.profiles import parse_profile
 from openrooms_usd.usd.shaping import define_shaping
-from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.plugins.light_weights import flux_of
-from tests.mitsuba.lamps import SIZE, blocks, view_of, z_of
-from tests.opening import open_with
+from tests import small
+from tests.mitsuba.rendering import passes, pictures, session_of
+from tests.mitsuba.statistics import Array, blocks, z_of
+from tests.small import square
 
-Array = NDArray[np.float64]
-WHITE = (1.0, 1.0, 1.0)
 POLAR = (0, 10, 20, 40, 60, 90, 180)
 AROUND = (0, 90, 180, 270, 360)
-CANDELA = ((100, 90, 70, 30, 10, 4, 1), (100, 80, 40, 20, 10, 4, 1), (100, 95, 80, 60, 30, 8, 1),
-           (100, 85, 50, 40, 20, 4, 1), (100, 90, 70, 30, 10, 4, 1))  # fmt: skip
-TEXT = "\n".join([
-    "IESNA:LM-63-2002", "TILT=NONE", f"1 1000 1 {len(POLAR)} {len(AROUND)} 1 2 0 0 0", "1 1 10",
-    *(" ".join(map(str, row)) for row in (POLAR, AROUND, *CANDELA)), ""])  # fmt: skip
+CANDELA = (
+    "100 90 70 30 10 4 1",
+    "100 80 40 20 10 4 1",
+    "100 95 80 60 30 8 1",
+    "100 85 50 40 20 4 1",
+    "100 90 70 30 10 4 1",
+)
+HEAD = f"IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 {len(POLAR)} {len(AROUND)} 1 2 0 0 0\n1 1 10"
+ANGLES = (" ".join(map(str, row)) for row in (POLAR, AROUND))
+TEXT = "\n".join([HEAD, *ANGLES, *CANDELA, ""])
 NITS, RADIUS = 5000.0, 0.02
 
 
@@ -38,11 +39,7 @@ def file(tmp_path: Path) -> str:
 
 
 def ball(made: Any, file: str, center: tuple[float, float, float], radius: float) -> None:
-    light = UsdLux.SphereLight.Define(made.stage, "/Lamp")
-    light.CreateRadiusAttr(radius)
-    light.CreateIntensityAttr(NITS)
-    light.AddTranslateOp().Set(center)
-    light.AddRotateXYZOp().Set((20.0, 0.0, 30.0))
+    light = made.light("Sphere", "/Lamp", NITS, at=center, turn=(20.0, 0.0, 30.0), radius=radius)
     define_shaping(light.GetPrim(), file)
 
 
@@ -62,15 +59,9 @@ def turned() -> Array:
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("at", [(0.5, -0.4), (0.9, 0.3), (-1.1, 0.8), (0.4, -2.0)])
-def test_lux_below_follow_the_inverse_square(
-    build: Any, lit: Any, file: str, at: tuple[float, float]
-) -> None:
-    made = build()
+def test_lux_below_follow_the_inverse_square(lit: Any, file: str, at: tuple[float, float]) -> None:
     x, y = at
-    made.quad("/Patch", [(x - 0.01, y - 0.01, 0), (x + 0.01, y - 0.01, 0), (x + 0.01, y + 0.01, 0),
-                         (x - 0.01, y + 0.01, 0)],
-              material=made.material("/White", base_color=WHITE))  # fmt: skip
-    made.camera((x, y - 0.5, 0.5), (x, y, 0), fov=0.5, aspect=1.0)
+    made = small.patch((x, y, 0))
     ball(made, file, (0.0, 0.0, 2.0), RADIUS)
     found = lit(made.stage).lights(16)
     UsdLux.ShapingAPI(made.stage.GetPrimAtPath("/Lamp")).GetShapingIesFileAttr().Clear()
@@ -85,24 +76,21 @@ def test_lux_below_follow_the_inverse_square(
     np.testing.assert_array_equal(found["visibility_i"][0], 1.0)
 
 
-def furnished(build: Any, file: str) -> Any:
+def furnished(file: str) -> Any:
     """A closed room with a box on the floor, a profiled ball and a profiled panel."""
-    made = build()
-    made.box("/Room", 4.0, inside=True, material=made.material("/Grey", base_color=(0.5, 0.5, 0.5)))
+    made = small.room(4.0)
     made.box("/Table", 0.5, material="/Grey")
     made.camera((0.2, -0.3, 0.9), (1.0, 1.0, -0.6), fov=80, aspect=1.0)
     ball(made, file, (0.9, 1.4, 0.1), 0.2)
-    corners = [(0.2, 0.2, 1.9), (0.2, 0.8, 1.9), (0.8, 0.8, 1.9), (0.8, 0.2, 1.9)]
-    panel = made.quad("/Panel", corners, material="/Grey").GetPrim()
-    define_mesh_light(panel, nits=400.0)
-    define_shaping(panel, file)
+    panel = made.quad("/Panel", square((0.5, 0.5, 1.9), 0.3, "-Z"), material="/Grey", nits=400.0)
+    define_shaping(panel.GetPrim(), file)
     return made
 
 
-def test_the_records_have_the_flux(build: Any, lit: Any, file: str) -> None:
+def test_the_records_have_the_flux(lit: Any, file: str) -> None:
     from openrooms_usd.render.scene.light_records import light_records
 
-    scene = lit(furnished(build, file).stage)
+    scene = lit(furnished(file).stage)
     records = {one.name: one for one in light_records(scene.stage, scene.scene, scene.sources)}
     # By the mean over even directions of what the ball sends.
     rng = np.random.default_rng(0)
@@ -116,8 +104,8 @@ def test_the_records_have_the_flux(build: Any, lit: Any, file: str) -> None:
     assert records["Panel"].lumen == pytest.approx(panel, rel=0.01)
 
 
-def test_what_knows_no_profiles_keeps_the_flux_and_says_so(build: Any, file: str) -> None:
-    scene = translate(furnished(build, file).stage)
+def test_what_knows_no_profiles_keeps_the_flux_and_says_so(file: str) -> None:
+    scene = translate(furnished(file).stage)
     even = without_shaping(scene)
     assert all(patch.shaping is None for patch in even.patches)
     assert [flux_of(p) for p in even.patches] == pytest.approx([flux_of(p) for p in scene.patches])
@@ -125,25 +113,20 @@ def test_what_knows_no_profiles_keeps_the_flux_and_says_so(build: Any, file: str
     assert told == {"/Lamp", "/Panel"}
 
 
-def test_points_on_lamps_and_hits_agree(build: Any, lit: Any, file: str) -> None:
+def test_points_on_lamps_and_hits_agree(lit: Any, file: str) -> None:
     """The lights one by one, and Mitsuba's own choice of points: the same irradiance."""
-    from orusd_mitsuba.transport.path_integrator import PathIntegrator
-
-    scene = lit(furnished(build, file).stage)
-    integrator = PathIntegrator(scene.built, scene.index, scene.camera(16, 16), 16, 16,
-                                scene.scene.origin, 2, by_light=False,
-                                first=scene.first)  # fmt: skip
-    theirs = np.stack([integrator(64, 100 + seed)[1] for seed in range(6)]) * np.pi
+    scene = lit(furnished(file).stage)
+    white = scene.paths(2, (16, 16), by_light=False, first=scene.first)
+    theirs = np.pi * passes(white, 6, 64)[:, 1]
     lights = len(scene.sources)
     ours = np.stack([scene.direct(16, seed)[:lights].sum(axis=0) for seed in range(6)])
     a, b = ours.mean(axis=(1, 2, 3)), theirs.mean(axis=(1, 2, 3))
-    spread = np.sqrt((a.var(ddof=1) + b.var(ddof=1)) / 6)
-    assert abs(a.mean() - b.mean()) < 4.0 * spread
-    assert spread < 0.02 * a.mean()
+    assert abs(z_of(a, b)) < 4.0
+    assert np.sqrt((a.var(ddof=1) + b.var(ddof=1)) / 6) < 0.02 * a.mean()
 
 
-def test_all_backends_see_what_the_ball_sends(build: Any, shoot: Any, file: str) -> None:
-    made = build()
+def test_all_backends_see_what_the_ball_sends(shoot: Any, file: str) -> None:
+    made = small.Stage()
     ball(made, file, (0.0, 0.0, 0.0), 0.5)
     eye = np.array([0.7, -2.0, -3.0])
     made.camera(tuple(eye.tolist()), (0.0, 0.0, 0.0), fov=0.5, aspect=1.0)
@@ -154,44 +137,35 @@ def test_all_backends_see_what_the_ball_sends(build: Any, shoot: Any, file: str)
 
 
 @pytest.mark.slow
-def test_passes_and_methods_agree(build: Any, lit: Any, file: str) -> None:
+def test_passes_and_methods_agree(vectorized: str, file: str) -> None:
     """All channels at once, the parts of radiance alone, the cache."""
-    del lit
-    stage = furnished(build, file).stage
-    whole = view_of(stage, "radiance", "radiance_i", "irradiance", "irradiance_i",
-                    "irradiance_direct", "direct_i")  # fmt: skip
-    for stem, one in (("radiance_", "radiance"), ("irradiance_", "irradiance"),
-                      ("direct_", "irradiance_direct")):  # fmt: skip
-        lights = [whole[f"{stem}{number}"] for number in range(3)]
-        np.testing.assert_allclose(sum(lights), whole[one], rtol=1e-3, atol=1e-3)
-    paths = view_of(stage, "radiance")["radiance"]
-    cached = view_of(stage, "radiance", "indirect", method="cache")["radiance"]
-    for other in (whole["radiance"], cached):
+    session = session_of(furnished(file).stage)
+    paths = pictures(session, ["radiance"], range(8))["radiance"]
+    whole = pictures(session, ["radiance", "irradiance", "direct_i"], range(8))
+    cached = pictures(session, ["radiance", "indirect"], range(8), method="cache")
+    for other in (whole["radiance"], cached["radiance"]):
         assert_alike(other, paths)
 
 
 @pytest.mark.slow
-def test_a_lamp_that_is_carried_takes_its_profile_along(build: Any, lit: Any, file: str) -> None:
-    del lit
-    session = open_with(MitsubaRenderer(), furnished(build, file).stage)
-    request = [RenderRequest("/Camera", ("radiance",), *SIZE, samples=16, seed=n) for n in range(4)]
-    before = session.render(request[0]).images["radiance"].pixels
+def test_a_lamp_that_is_carried_takes_its_profile_along(lit: Any, file: str) -> None:
+    session = session_of(furnished(file).stage)
+    before = pictures(session, ["radiance"], [0])["radiance"]
     turn = np.diag([1.0, -1.0, -1.0, 1.0])
     place = np.eye(4)
     place[:3, 3] = 0.9, 1.4, 0.1
     motion = place @ turn @ np.linalg.inv(place)
     session.move({"/Lamp": motion})
-    moved = [session.render(one).images["radiance"].pixels for one in request]
-    other = furnished(build, file)
+    moved = pictures(session, ["radiance"], range(4))["radiance"]
+    other = furnished(file)
     lamp = UsdGeom.Xformable(other.stage.GetPrimAtPath("/Lamp"))
     lamp.ClearXformOpOrder()
     M = motion @ place
     M[:3, :3] = motion[:3, :3] @ turned()
     lamp.AddTransformOp(opSuffix="set").Set(Gf.Matrix4d(M.T.tolist()))
-    fresh = open_with(MitsubaRenderer(), other.stage)
-    there = [fresh.render(one).images["radiance"].pixels for one in request]
-    assert np.abs(before - moved[0]).max() > 1.0
-    assert_alike(np.stack(moved), np.stack(there))
+    there = pictures(session_of(other.stage), ["radiance"], range(4))["radiance"]
+    assert np.abs(before[0] - moved[0]).max() > 1.0
+    assert_alike(moved, there)
 
 
 def assert_alike(one: Array, other: Array) -> None:

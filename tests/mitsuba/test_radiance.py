@@ -4,21 +4,24 @@ import math
 
 import numpy as np
 import pytest
-from pxr import Gf, UsdGeom, UsdLux
+from pxr import UsdGeom, UsdLux
 
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.lights import define_mesh_light
 from orusd_mitsuba.transport import sampling
 from orusd_mitsuba.transport.bands import Band
+from tests import small
+from tests.mitsuba.rendering import shown
+from tests.mitsuba.statistics import lambert
+from tests.small import square
 
 ALBEDO = 0.6
-PATCH = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+PATCH = square((0, 0, 0), 1)
 
 
 @pytest.mark.parametrize("bounces", [0, 1, 7])
-def test_a_glowing_room_adds_one_power_of_the_albedo_for_each_bounce(build, shoot, bounces):
+def test_a_glowing_room_adds_one_power_of_the_albedo_for_each_bounce(shoot, bounces):
     emission = (3.0, 2.0, 1.0)
-    made = build()
+    made = small.Stage()
     glowing = made.material("/Glow", base_color=(ALBEDO,) * 3, emissive=emission)
     made.box("/Room", 4.0, inside=True, material=glowing)
     made.camera((0.3, -0.5, 0.2), (1, 1, 0.1))
@@ -29,10 +32,10 @@ def test_a_glowing_room_adds_one_power_of_the_albedo_for_each_bounce(build, shoo
     assert (np.abs(means - expected) <= 4 * deviation + 1e-5 * expected).all()
 
 
-def test_light_comes_from_where_a_camera_off_its_axis_sees_the_surface(build, shoot):
-    made = build()
+def test_light_comes_from_where_a_camera_off_its_axis_sees_the_surface(shoot):
+    made = small.Stage()
     glowing = made.material("/Glow", base_color=(0, 0, 0), emissive=(1, 1, 1))
-    corners = [(-0.4, -0.3, 0), (0.5, -0.3, 0), (0.5, 0.2, 0), (-0.4, 0.2, 0)]
+    corners = square((0.05, -0.05, 0), (0.45, 0.25))
     made.quad("/Patch", corners, material=glowing)
     made.camera((0, -1.2, 1.0), (0, 0, 0), fov=60)
     camera = UsdGeom.Camera(made.stage.GetPrimAtPath("/Camera"))
@@ -46,161 +49,105 @@ def test_light_comes_from_where_a_camera_off_its_axis_sees_the_surface(build, sh
     assert ((images["radiance"].pixels[..., 0] > 0.5) == seen).mean() > 0.98
 
 
-def corner_factor(a, b, h):
-    """Form factor from a point to a parallel rectangle a by b whose corner is h above it.
-
-    J. R. Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3.
-    """
-    A, B = a / h, b / h
-    return (A / np.sqrt(1 + A**2) * np.arctan(B / np.sqrt(1 + A**2))
-            + B / np.sqrt(1 + B**2) * np.arctan(A / np.sqrt(1 + B**2))) / (2 * np.pi)  # fmt: skip
-
-
-def irradiance_of_rectangle(points, half_width, half_depth, height, radiance):
-    """Lux at points (..., 3) from a rectangle around the vertical axis that shines down."""
-    h = height - points[..., 2]
-    total = sum(
-        corner_factor(half_width + sx * points[..., 0], half_depth + sy * points[..., 1], h)
-        for sx in (-1, 1)
-        for sy in (-1, 1)
-    )
-    return np.pi * radiance * total
-
-
-def lit_patch(build):
-    """A Lambertian patch below a rectangle light, and a camera that sees only the patch."""
-    made = build()
+def over_patch() -> small.Stage:
+    """A Lambertian patch, and a camera that sees only the patch."""
+    made = small.Stage()
     made.quad("/Patch", PATCH, material=made.material("/Grey", base_color=(ALBEDO,) * 3))
-    light = UsdLux.RectLight.Define(made.stage, "/Light")
-    light.CreateWidthAttr(0.8)
-    light.CreateHeightAttr(0.5)
-    light.CreateIntensityAttr(100.0)
-    light.AddTranslateOp().Set(Gf.Vec3d(0, 0, 1.5))
     made.camera((0, -1.2, 1.0), (0, 0, 0), fov=35)
+    return made
+
+
+UP, LAMP = np.array([0.0, 0.0, 1.0]), square((0, 0, 1.5), (0.4, 0.25), "-Z")
+ROUND = np.exp(2j * np.pi * np.arange(2000) / 2000)
+DISK = np.column_stack([0.3 * ROUND.real, 0.3 * ROUND.imag, np.full(2000, 1.5)])
+
+
+def lit_patch():
+    made = over_patch()
+    made.light("Rect", "/Light", 100.0, at=(0, 0, 1.5), width=0.8, height=0.5)
     return made.stage
 
 
-def test_a_rectangle_light_gives_the_irradiance_of_its_form_factor(build, shoot):
-    view = shoot(lit_patch(build), "radiance", "position", "valid", samples=64, bounces=1)
+def to_lamp(points):
+    """Distance and cosine to what hangs at 1.4 m, of points (..., 3)."""
+    way = np.array([0, 0, 1.4]) - points
+    d = np.linalg.norm(way, axis=-1)
+    return d, way[..., 2] / d
+
+
+def sphere(points):
+    """Exact for a sphere that is wholly above the horizon."""
+    d, cosine = to_lamp(points)
+    return np.pi * (0.1 / d) ** 2 * cosine
+
+
+def cylinder(points):
+    """Below an endless cylinder: each ring of a line source integrated."""
+    d, cosine = to_lamp(points * [0, 1, 1])
+    return np.pi * 0.02 / d * cosine
+
+
+# What lights the patch, and lux for each unit of its radiance.
+LIGHTS = {
+    "rectangle": (
+        lambda made: made.light("Rect", "/L", 100.0, at=(0, 0, 1.5), width=0.8, height=0.5),
+        lambda p: lambert(p, UP, LAMP),
+        100.0,
+    ),
+    "mesh": (lambda made: made.quad("/L", LAMP, nits=100.0), lambda p: lambert(p, UP, LAMP), 100.0),
+    "disk": (
+        lambda made: made.light("Disk", "/L", 500.0, at=(0, 0, 1.5), radius=0.3),
+        lambda p: lambert(p, UP, DISK),
+        500.0,
+    ),
+    "sphere": (
+        lambda made: made.light("Sphere", "/L", 1000.0, at=(0, 0, 1.4), radius=0.1),
+        sphere,
+        1000.0,
+    ),
+    "cylinder": (
+        lambda made: made.light("Cylinder", "/L", 300.0, at=(0, 0, 1.4), radius=0.02, length=60.0),
+        cylinder,
+        300.0,
+    ),
+    "sun": (
+        lambda made: made.light("Distant", "/L", 50.0, turn=(30, 0, 0), angle=0.0),
+        lambda p: np.full(p.shape[:-1], math.cos(math.radians(30))),
+        50.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LIGHTS)
+def test_lights_give_the_irradiance_of_their_closed_form(shoot, name):
+    define, irradiance, nits = LIGHTS[name]
+    made = over_patch()
+    define(made)
+    flat = name in ("rectangle", "mesh")
+    samples = 64 if flat else 256
+    view = shoot(made.stage, "radiance", "position", "valid", samples=samples, bounces=1)
     assert (view.images["valid"].pixels == 1).all()
-    image, points = view.images["radiance"], view.images["position"].pixels.astype(np.float64)
-    expected = irradiance_of_rectangle(points, 0.4, 0.25, 1.5, 100.0) * ALBEDO / np.pi
-    ratio = image.pixels.mean(axis=2) / expected
-    # The estimated error is nearly the relative variance of a pixel; pixels are independent.
-    z = (ratio.mean() - 1) / math.sqrt(image.error / ratio.size)
-    assert abs(z) < 4
-    assert image.error < 1e-3
-
-
-def test_the_estimated_error_is_the_error_that_was_made(build, shoot):
-    stage = lit_patch(build)
-    view = shoot(stage, "position", width=96, height=72)
     points = view.images["position"].pixels.astype(np.float64)
-    expected = irradiance_of_rectangle(points, 0.4, 0.25, 1.5, 100.0) * ALBEDO / np.pi
+    image = view.images["radiance"]
+    ratio = image.pixels.mean(axis=2) / (nits * irradiance(points) * ALBEDO / np.pi)
+    # The estimated error is nearly the relative variance of a pixel; pixels are independent.
+    facets = 0.0 if flat else 2e-3
+    assert abs(ratio.mean() - 1) < 4 * math.sqrt(image.error / ratio.size) + facets
+    assert image.error < 1e-3 or not flat
+
+
+def test_the_estimated_error_is_the_error_that_was_made(shoot):
+    stage = lit_patch()
+    size = {"width": 96, "height": 72}
+    points = shoot(stage, "position", **size).images["position"].pixels.astype(np.float64)
+    truth = (100.0 * lambert(points, UP, LAMP) * ALBEDO / np.pi)[..., None]
     for samples in (2, 5, 16):
-        image = shoot(stage, "radiance", samples=samples, bounces=1, width=96, height=72).images[
-            "radiance"
-        ]
-        truth = expected[..., None]
+        image = shoot(stage, "radiance", samples=samples, bounces=1, **size).images["radiance"]
         scale = truth**2 + 0.01 * truth.mean() ** 2
         made = float(((image.pixels - truth) ** 2 / scale).mean())
         assert image.samples == samples
         # Some 7000 pixels, whose errors are skewed: the ratio is known to a few percent.
         assert image.error == pytest.approx(made, rel=0.2)
-
-
-def test_a_mesh_light_is_as_bright_as_the_rectangle_of_its_shape(build, shoot):
-    made = build()
-    made.quad("/Patch", PATCH, material=made.material("/Grey", base_color=(ALBEDO,) * 3))
-    # Counter-clockwise seen from below: its front looks down.
-    lamp = made.quad("/Lamp", [(-0.4, -0.25, 1.5), (-0.4, 0.25, 1.5), (0.4, 0.25, 1.5),
-                               (0.4, -0.25, 1.5)])  # fmt: skip
-    define_mesh_light(lamp.GetPrim(), nits=100.0)
-    made.camera((0, -1.2, 1.0), (0, 0, 0), fov=35)
-    view = shoot(made.stage, "radiance", "position", samples=64, bounces=1)
-    points = view.images["position"].pixels.astype(np.float64)
-    expected = irradiance_of_rectangle(points, 0.4, 0.25, 1.5, 100.0) * ALBEDO / np.pi
-    image = view.images["radiance"]
-    z = (np.mean(image.pixels.mean(axis=2) / expected) - 1) / math.sqrt(
-        image.error / points[..., 0].size
-    )
-    assert abs(z) < 4
-
-
-def lamp_over_patch(build, define):
-    made = build()
-    made.quad("/Patch", PATCH, material=made.material("/Grey", base_color=(ALBEDO,) * 3))
-    define(made.stage)
-    made.camera((0, -1.2, 1.0), (0, 0, 0), fov=35)
-    return made.stage
-
-
-def sphere(stage):
-    light = UsdLux.SphereLight.Define(stage, "/Light")
-    light.CreateRadiusAttr(0.1)
-    light.CreateIntensityAttr(1000.0)
-    light.AddTranslateOp().Set(Gf.Vec3d(0, 0, 1.4))
-
-
-def sphere_irradiance(points):
-    """Lux: pi L (r / d)^2 cos, exact for a sphere that is wholly above the horizon."""
-    to_light = np.array([0, 0, 1.4]) - points
-    d = np.linalg.norm(to_light, axis=-1)
-    return np.pi * 1000.0 * (0.1 / d) ** 2 * to_light[..., 2] / d
-
-
-def sun(stage):
-    light = UsdLux.DistantLight.Define(stage, "/Light")
-    light.CreateAngleAttr(0.0)
-    light.CreateIntensityAttr(50.0)
-    light.AddRotateXOp().Set(30.0)
-
-
-def sun_irradiance(points):
-    return np.full(points.shape[:-1], 50.0 * math.cos(math.radians(30)))
-
-
-def cylinder(stage):
-    light = UsdLux.CylinderLight.Define(stage, "/Light")
-    light.CreateRadiusAttr(0.02)
-    light.CreateLengthAttr(60.0)
-    light.CreateIntensityAttr(300.0)
-    light.AddTranslateOp().Set(Gf.Vec3d(0, 0, 1.4))
-
-
-def cylinder_irradiance(points):
-    """Lux below an endless cylinder: pi L r / d cos (each ring of a line source integrated)."""
-    d = np.hypot(points[..., 1], 1.4 - points[..., 2])
-    return np.pi * 300.0 * 0.02 / d * (1.4 - points[..., 2]) / d
-
-
-@pytest.mark.parametrize(
-    ("define", "irradiance"),
-    [(sphere, sphere_irradiance), (sun, sun_irradiance), (cylinder, cylinder_irradiance)],
-)
-def test_lights_give_the_irradiance_of_their_closed_form(build, shoot, define, irradiance):
-    view = shoot(lamp_over_patch(build, define), "radiance", "position", samples=256, bounces=1)
-    points = view.images["position"].pixels.astype(np.float64)
-    expected = irradiance(points) * ALBEDO / np.pi
-    image = view.images["radiance"]
-    ratio = image.pixels.mean(axis=2) / expected
-    # Facets of the round lights may cost a thousandth.
-    assert abs(ratio.mean() - 1) < 4 * math.sqrt(image.error / ratio.size) + 2e-3
-
-
-def test_a_disk_light_gives_the_irradiance_on_its_axis(build, shoot):
-    def disk(stage):
-        light = UsdLux.DiskLight.Define(stage, "/Light")
-        light.CreateRadiusAttr(0.3)
-        light.CreateIntensityAttr(500.0)
-        light.AddTranslateOp().Set(Gf.Vec3d(0, 0, 1.5))
-
-    stage = lamp_over_patch(build, disk)
-    UsdGeom.Camera(stage.GetPrimAtPath("/Camera")).CreateFocalLengthAttr(30.0)
-    image = shoot(stage, "radiance", samples=64, bounces=1).images["radiance"]
-    expected = np.pi * 500.0 * 0.3**2 / (0.3**2 + 1.5**2) * ALBEDO / np.pi
-    ratio = image.pixels.mean() / expected
-    assert abs(ratio - 1) < 4 * math.sqrt(image.error / image.pixels[..., 0].size) + 2e-3
 
 
 SKY = (8, 16)
@@ -221,7 +168,7 @@ def directions_of_sky():
 
 
 @pytest.mark.parametrize("kind", ["z pole", "y pole", "legacy", "rotated", "y up"])
-def test_the_sky_stands_where_usd_says(build, shoot, save_picture, tmp_path, kind):
+def test_the_sky_stands_where_usd_says(shoot, save_picture, tmp_path, kind):
     own = directions_of_sky()
     # What a pixel stores is its direction in our world, Z up, worked out without the translator.
     to_world = {
@@ -233,7 +180,7 @@ def test_the_sky_stands_where_usd_says(build, shoot, save_picture, tmp_path, kin
     }[kind]
     stored = ((to_world(own) + 1) / 2).astype(np.float32)
     picture = save_picture(tmp_path / "sky.exr", stored)
-    made = build(up="Y" if kind == "y up" else "Z")
+    made = small.Stage(up="Y" if kind == "y up" else "Z")
     if kind in ("legacy", "y up"):
         dome = UsdLux.DomeLight.Define(made.stage, "/Dome")
         dome.CreateIntensityAttr(1.0)
@@ -255,17 +202,15 @@ def test_the_sky_stands_where_usd_says(build, shoot, save_picture, tmp_path, kin
         assert np.degrees(np.arccos(seen @ direction / np.linalg.norm(seen))) < 2.5
 
 
-def test_a_constant_sky_and_a_sky_with_wrong_pixels(
-    build, open_stage, shoot, save_picture, tmp_path
-):
-    made = build()
+def test_a_constant_sky_and_a_sky_with_wrong_pixels(open_stage, shoot, save_picture, tmp_path):
+    made = small.Stage()
     made.dome(radiance=7.0)
     made.camera((0, 0, 0), (1, 0, 0))
     view = shoot(made.stage, "radiance")
     assert (view.images["radiance"].pixels == 7.0).all()
     pixels = np.full((32, 64, 3), 2.0, dtype=np.float32)
     pixels[0, 0], pixels[0, 1] = np.inf, -5.0
-    wrong = build()
+    wrong = small.Stage()
     wrong.dome().CreateTextureFileAttr(save_picture(tmp_path / "wrong.exr", pixels))
     wrong.camera((0, 0, 0), (1, 0, 0))
     assert np.allclose(shoot(wrong.stage, "radiance").images["radiance"].pixels, 2.0)
@@ -273,8 +218,8 @@ def test_a_constant_sky_and_a_sky_with_wrong_pixels(
     assert "2 negative or infinite pixels" in losses["/Dome"]
 
 
-def test_equal_seeds_give_equal_bits_and_others_do_not(build, shoot):
-    stage = lit_patch(build)
+def test_equal_seeds_give_equal_bits_and_others_do_not(shoot):
+    stage = lit_patch()
     first, again, other = (
         shoot(stage, "radiance", samples=5, seed=seed).images["radiance"].pixels
         for seed in (7, 7, 8)
@@ -283,20 +228,20 @@ def test_equal_seeds_give_equal_bits_and_others_do_not(build, shoot):
     assert not np.array_equal(first, other)
 
 
-def test_one_sample_estimates_no_error_and_centre_rays_have_none(build, shoot):
-    images = shoot(lit_patch(build), "radiance", "depth", samples=1).images
+def test_one_sample_estimates_no_error_and_centre_rays_have_none(shoot):
+    images = shoot(lit_patch(), "radiance", "depth", samples=1).images
     assert images["radiance"].error is None
     assert images["depth"].error == 0.0
     assert (images["radiance"].samples, images["depth"].samples) == (1, 1)
 
 
-def test_an_error_is_reached(build, shoot):
-    image = shoot(lit_patch(build), "radiance", error=1e-3, bounces=1).images["radiance"]
+def test_an_error_is_reached(shoot):
+    image = shoot(lit_patch(), "radiance", error=1e-3, bounces=1).images["radiance"]
     assert image.robust_error <= 1e-3
 
 
-def test_pixels_that_are_no_numbers_are_counted_and_reported(build, open_stage, monkeypatch):
-    session = open_stage(lit_patch(build))
+def test_pixels_that_are_no_numbers_are_counted_and_reported(open_stage, monkeypatch):
+    session = open_stage(lit_patch())
 
     import mitsuba as mi
 
@@ -319,27 +264,27 @@ def test_pixels_that_are_no_numbers_are_counted_and_reported(build, open_stage, 
     gather = Band.means
     monkeypatch.setattr(mi, "render", lambda *args, **how: Spoiled(real(*args, **how)))
     monkeypatch.setattr(Band, "means", spoiled)
-    request = RenderRequest("/Camera", ("radiance",), 32, 24, samples=4)
-    image = session.render(request).images["radiance"]
+    image = shown(session, "radiance", width=32, height=24, samples=4).images["radiance"]
     assert np.isfinite(image.pixels).all()
     assert image.replaced == 2
     rows = [reason for path, _, reason in session.report.losses() if path == "/Camera"]
     assert rows == ["radiance was no number in 2 pixels, taken as 0"]
 
 
-def test_an_error_that_is_not_reached_is_reported(build, open_stage, monkeypatch):
+def test_an_error_that_is_not_reached_is_reported(open_stage, monkeypatch):
     monkeypatch.setattr(sampling, "_MOST_SAMPLES", 16)
-    session = open_stage(lit_patch(build))
-    request = RenderRequest("/Camera", ("radiance",), 32, 24, error=1e-9, bounces=1)
-    image = session.render(request).images["radiance"]
+    session = open_stage(lit_patch())
+    image = shown(session, "radiance", width=32, height=24, error=1e-9, bounces=1).images[
+        "radiance"
+    ]
     (row,) = [reason for path, _, reason in session.report.losses() if path == "/Camera"]
     said = f"estimated error {image.robust_error:.2g} after 16 samples a pixel"
     assert row == f"radiance: {said}, not 1e-09"
 
 
 @pytest.mark.parametrize("ior", [1.5, 2.0])
-def test_a_black_dielectric_reflects_what_fresnel_says(build, shoot, ior):
-    made = build()
+def test_a_black_dielectric_reflects_what_fresnel_says(shoot, ior):
+    made = small.Stage()
     black = made.material("/Black", base_color=(0.0, 0.0, 0.0), ior=ior, roughness=0.1)
     made.quad("/Patch", PATCH, material=black)
     made.dome(radiance=10.0)
@@ -350,31 +295,26 @@ def test_a_black_dielectric_reflects_what_fresnel_says(build, shoot, ior):
 
 
 @pytest.mark.parametrize(("roughness", "seen"), [(0.02, 0.95), (1.0, 0.1)])
-def test_a_metal_is_as_sharp_a_mirror_as_it_is_smooth(build, shoot, roughness, seen):
-    made = build()
+def test_a_metal_is_as_sharp_a_mirror_as_it_is_smooth(shoot, roughness, seen):
+    made = small.Stage()
     how = {"base_color": (0.8, 0.8, 0.8), "metallic": 1.0, "roughness": roughness}
     made.quad("/Patch", PATCH, material=made.material("/Metal", **how))
-    light = UsdLux.RectLight.Define(made.stage, "/Light")
-    light.CreateIntensityAttr(100.0)
-    light.CreateWidthAttr(0.4)
-    light.CreateHeightAttr(0.4)
-    light.AddTranslateOp().Set(Gf.Vec3d(0, 1, 1))
+    made.light("Rect", "/Light", 100.0, at=(0, 1, 1), width=0.4, height=0.4)
     made.camera((0, -1, 1), (0, 0, 0), fov=1)
     image = shoot(made.stage, "radiance", samples=256, bounces=1).images["radiance"]
     ratio = image.pixels.mean() / 80.0
     assert ratio > seen if roughness < 0.5 else ratio < seen
 
 
-def test_the_glow_of_a_lamps_material_is_counted_once(build, shoot):
+def test_the_glow_of_a_lamps_material_is_counted_once(shoot):
     """What lights is the mesh light: no pixel of any channel hangs on ``emissiveColor``."""
     views = []
     for glow in ((0.0, 0.0, 0.0), (50.0, 40.0, 30.0), (9e4, 9e4, 9e4)):
-        made = build()
+        made = small.Stage()
         made.box("/Room", 4.0, inside=True, material=made.material("/Grey", base_color=(0.5,) * 3))
         for name, nits in (("Lamp", 50.0), ("Off", 0.0)):
             worn = made.material(f"/{name}Glow", base_color=(0.8,) * 3, ior=1.5, emissive=glow)
-            lamp = made.box(f"/{name}", 0.3, material=worn)
-            lamp.AddTranslateOp().Set((0.8, 0.9 if nits else 0.3, 0.3))
+            lamp = made.box(f"/{name}", 0.3, material=worn, at=(0.8, 0.9 if nits else 0.3, 0.3))
             define_mesh_light(lamp.GetPrim(), nits=nits)
         made.camera((-0.5, -0.5, 0.2), (1, 1, 0.1))
         channels = ("radiance", "emission_mask", "base_color", "instance", "material")

@@ -9,19 +9,19 @@ import pytest
 from numpy.typing import NDArray
 from pxr import UsdLux
 
-from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.relight import Relighting, light_factors, relit
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.portals import Portal, define_portal
-from orusd_mitsuba import MitsubaRenderer
-from tests.opening import open_with
+from tests import small
+from tests.mitsuba.rendering import session_of, shown
+from tests.small import square
 
 NITS = {"near": 800.0, "far": 3000.0}
 HALVES = 6
 
 
-def room_with_lamps(build: Any, factors: dict[str, float], kelvin: float = 4000.0) -> Any:
-    room = build()
+def room_with_lamps(factors: dict[str, float], kelvin: float = 4000.0) -> Any:
+    room = small.Stage()
     grey = room.material("/Grey", base_color=(0.7, 0.5, 0.4))
     room.box("/Room", 2.0, inside=True, material=grey)
     for name, x in (("near", -0.6), ("far", 0.5)):
@@ -34,8 +34,12 @@ def room_with_lamps(build: Any, factors: dict[str, float], kelvin: float = 4000.
 
 
 def render(session: Any, channel: str, seed: int) -> dict[str, NDArray[np.float32]]:
-    request = RenderRequest("/Camera", (channel,), 16, 12, samples=64, seed=seed)
-    return {name: image.pixels for name, image in session.render(request).images.items()}
+    return {
+        name: image.pixels
+        for name, image in shown(
+            session, channel, width=16, height=12, samples=64, seed=seed
+        ).images.items()
+    }
 
 
 def z_scores(old: Any, how: Callable[[str], Relighting], path: str, fresh: Any) -> Any:
@@ -47,7 +51,7 @@ def z_scores(old: Any, how: Callable[[str], Relighting], path: str, fresh: Any) 
         path: Its prim: names are whatever the stage gives.
         fresh: The stage to render.
     """
-    before, after = open_with(MitsubaRenderer(), old), open_with(MitsubaRenderer(), fresh)
+    before, after = session_of(old), session_of(fresh)
     lights = before.lights
     (name,) = (light.name for light in lights if light.path == path)
     factors = light_factors(lights, how(name), Path("old"))
@@ -72,9 +76,9 @@ CASES = {
 @pytest.mark.usefixtures("vectorized")
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("case", CASES)
-def test_relit_agrees_with_a_fresh_render(build: Any, case: str) -> None:
+def test_relit_agrees_with_a_fresh_render(case: str) -> None:
     how, factors, kelvin = CASES[case]
-    old, fresh = room_with_lamps(build, {}), room_with_lamps(build, factors, kelvin)
+    old, fresh = room_with_lamps({}), room_with_lamps(factors, kelvin)
     scores = z_scores(old, how, "/far", fresh)
     # Of Student's distribution with some 10 degrees of freedom; 36 values.
     assert np.abs(scores).max() < 6.0
@@ -83,28 +87,28 @@ def test_relit_agrees_with_a_fresh_render(build: Any, case: str) -> None:
 
 # Corners of a black box of 2 m about the origin, but for a hole of 1 m in its side at +Y.
 BOX = [
-    [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)],
-    [(-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)],
-    [(-1, -1, -1), (-1, 1, -1), (-1, 1, 1), (-1, -1, 1)],
-    [(1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)],
-    [(-1, -1, -1), (1, -1, -1), (1, -1, 1), (-1, -1, 1)],
-    [(-1, 1, -1), (1, 1, -1), (1, 1, -0.5), (-1, 1, -0.5)],
-    [(-1, 1, 0.5), (1, 1, 0.5), (1, 1, 1), (-1, 1, 1)],
-    [(-1, 1, -0.5), (-0.5, 1, -0.5), (-0.5, 1, 0.5), (-1, 1, 0.5)],
-    [(0.5, 1, -0.5), (1, 1, -0.5), (1, 1, 0.5), (0.5, 1, 0.5)],
+    square((0, 0, -1), 1),
+    square((0, 0, 1), 1),
+    square((-1, 0, 0), 1, "+X"),
+    square((1, 0, 0), 1, "+X"),
+    square((0, -1, 0), 1, "-Y"),
+    square((0, 1, -0.75), (0.25, 1), "-Y"),
+    square((0, 1, 0.75), (0.25, 1), "-Y"),
+    square((-0.75, 1, 0), (0.5, 0.25), "-Y"),
+    square((0.75, 1, 0), (0.5, 0.25), "-Y"),
 ]
 
 
-def corner(build: Any, *, boxed: bool, sky: float = 500.0) -> Any:
+def corner(*, boxed: bool, sky: float = 500.0) -> Any:
     """A floor and a wall under the sky with a window before them, or in a black box with a hole."""
-    room = build()
+    room = small.Stage()
     grey = room.material("/Grey", base_color=(0.7, 0.5, 0.4))
     black = room.material("/Black", base_color=(0.0, 0.0, 0.0))
     for number, side in enumerate(BOX if boxed else ()):
         room.quad(f"/Side_{number}", side, material=black)
-    floor = [(-0.9, -0.9, -0.9), (0.9, -0.9, -0.9), (0.9, 0.9, -0.9), (-0.9, 0.9, -0.9)]
+    floor = square((0, 0, -0.9), 0.9)
     room.quad("/Floor", floor, material=grey)
-    wall = [(-0.9, -0.9, -0.9), (0.9, -0.9, -0.9), (0.9, -0.9, 0.9), (-0.9, -0.9, 0.9)]
+    wall = square((0, -0.9, 0), 0.9, "-Y")
     room.quad("/Wall", wall, material=grey)
     room.dome(radiance=sky)
     frame = np.eye(4)
@@ -117,9 +121,9 @@ def corner(build: Any, *, boxed: bool, sky: float = 500.0) -> Any:
 
 @pytest.mark.usefixtures("vectorized")
 @pytest.mark.slow
-def test_a_window_alone_is_a_hole_in_a_black_box(build: Any) -> None:
+def test_a_window_alone_is_a_hole_in_a_black_box() -> None:
     """Brighter sky in the window, none elsewhere: as an aperture of black walls lets it in."""
-    old, fresh = corner(build, boxed=False), corner(build, boxed=True, sky=1000.0)
+    old, fresh = corner(boxed=False), corner(boxed=True, sky=1000.0)
     scores = z_scores(old, lambda name: Relighting({name: 2.0, "elsewhere": 0.0}), "/window", fresh)
     assert np.abs(scores).max() < 6.0
     assert 0.2 < np.sqrt((scores**2).mean()) < 2.0

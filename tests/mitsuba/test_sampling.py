@@ -1,6 +1,6 @@
 """Batches, strips, halves and stopping rules, with random numbers instead of pictures."""
 
-import time
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -98,20 +98,39 @@ def test_an_error_that_cannot_be_reached_ends():
     assert halves.error > 0
 
 
-def test_until_time_is_up_at_least_one_pass_for_each_half():
-    start = time.perf_counter()
-    halves = rendered(request(seconds=0.05))
-    assert time.perf_counter() - start < 5
+@pytest.fixture
+def clock(monkeypatch):
+    """Time that passes by rendering alone: a microsecond a ray; the list holds what has passed."""
+    passed = [0.0]
+    monkeypatch.setattr(sampling, "time", SimpleNamespace(perf_counter=lambda: passed[0]))
+    return passed
+
+
+def timed(clock):
+    def render(rows, samples, seed):
+        clock[0] += 1e-6 * samples * (rows.stop - rows.start) * SIZE[1]
+        return noise(rows, samples, seed)
+
+    return render
+
+
+@pytest.mark.parametrize("seconds", [0.05, 0.4])
+def test_until_time_is_up_and_hardly_longer(clock, seconds):
+    halves = rendered(request(seconds=seconds), timed(clock))
     assert halves.samples[0] == halves.samples[1] >= 1
-    assert rendered(request(seconds=1e-9)).samples == [1, 1]
+    assert 0.9 * seconds < clock[0] <= 1.01 * seconds
+
+
+def test_there_is_at_least_one_pass_for_each_half(clock):
+    assert rendered(request(seconds=1e-9), timed(clock)).samples == [1, 1]
 
 
 @pytest.mark.parametrize("how", [{"samples": 40}, {"error": 1e-4}, {"seconds": 0.02}])
-def test_progress_grows_to_one(how):
+def test_progress_grows_to_one(how, clock):
     seen = []
-    rendered(request(**how), progress=seen.append)
+    rendered(request(**how), timed(clock), progress=seen.append)
     assert 0 < min(seen) <= max(seen) <= 1.0
-    assert seen[-1] == pytest.approx(1.0, abs=0.5 if "seconds" in how else 0)
+    assert seen[-1] == pytest.approx(1.0, abs=0.1 if "seconds" in how else 0)
 
 
 def test_seeds_differ_by_camera_pass_and_seed():
@@ -133,23 +152,28 @@ def test_strips_hold_what_memory_allows_and_go_by_the_request_alone():
 
 
 @pytest.mark.parametrize("how", [{"samples": 40}, {"error": 5e-5}, {"seconds": 0.02}])
-def test_no_two_batches_draw_the_same_random_numbers(how, monkeypatch):
+def test_no_two_batches_draw_the_same_random_numbers(how, clock):
     seeds = []
 
     def count(rows, samples, seed):
         seeds.append(seed)
-        return noise(rows, samples, seed)
+        return timed(clock)(rows, samples, seed)
 
     rendered(request(**how), count, most=2)
     assert len({*seeds}) == len(seeds) > 16
 
 
 @pytest.mark.parametrize("how", [{"error": 5e-5}, {"seconds": 0.05}])
-def test_where_sums_take_too_much_memory_the_number_of_samples_is_found_first(how, monkeypatch):
-    kept = rendered(request(**how))
+def test_where_sums_take_too_much_memory_the_number_of_samples_is_found_first(
+    how, clock, monkeypatch
+):
+    kept = rendered(request(**how), timed(clock))
+    clock[0] = 0.0
     monkeypatch.setattr(sampling, "_MOST_KEPT_BYTES", 0)
-    halves = rendered(request(**how))
+    halves = rendered(request(**how), timed(clock))
     assert halves.error is not None and halves.error < 1e-3
+    if "seconds" in how:
+        assert clock[0] == pytest.approx(how["seconds"], rel=0.1)
     if "error" in how:
         assert halves.total == kept.total == 256
         assert np.allclose(halves.mean, 1.0, atol=0.05)

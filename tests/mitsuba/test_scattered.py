@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.mitsuba.test_transport import little_room
+from tests import small
+from tests.mitsuba.rooms import little_room
+from tests.small import square
 
 PATHS = 4096
 
@@ -30,14 +32,14 @@ def _sums(room: Any, run: Any) -> NDArray[np.float32]:
     return np.concatenate(found).reshape(-1, 3, PATHS)
 
 
-def test_it_is_the_rest_of_a_path(build: Any, lit: Any) -> None:
+def test_it_is_the_rest_of_a_path(lit: Any) -> None:
     """Same random numbers: same bits, but for what the first ray met."""
     import mitsuba as mi
 
     from orusd_mitsuba.transport.path_tracing import trace
     from orusd_mitsuba.transport.scattered import TracedLight
 
-    room = lit(little_room(build))
+    room = lit(little_room())
 
     def whole(sampler: Any, ray: Any, sums: Any) -> None:
         trace(room.built, room.index, sampler, ray, sums, 4)
@@ -65,7 +67,7 @@ def test_it_is_the_rest_of_a_path(build: Any, lit: Any) -> None:
 
 
 @pytest.mark.parametrize("opacity", [0.5])
-def test_what_goes_straight_through_is_not_theirs(build: Any, lit: Any, opacity: float) -> None:
+def test_what_goes_straight_through_is_not_theirs(lit: Any, opacity: float) -> None:
     """Half of a clear sheet's light, as if all of it were there."""
     import mitsuba as mi
 
@@ -73,10 +75,10 @@ def test_what_goes_straight_through_is_not_theirs(build: Any, lit: Any, opacity:
 
     means = []
     for clear in (1.0, opacity):
-        made = build()
+        made = small.Stage()
         # A sheet before the sky: without the sheet's own light all would be sky.
         black = made.material("/Sheet", base_color=(0.8,) * 3, opacity=clear, ior=1.0)
-        made.quad("/Quad", [(-9, 2, -9), (9, 2, -9), (9, 2, 9), (-9, 2, 9)], material=black)
+        made.quad("/Quad", square((0, 2, 0), 9, "-Y"), material=black)
         made.dome(radiance=1.0)
         made.camera((0, 0, 0), (0, 1, 0), fov=40)
         room = lit(made.stage)
@@ -85,8 +87,9 @@ def test_what_goes_straight_through_is_not_theirs(build: Any, lit: Any, opacity:
             si = room.built.ray_intersect(ray)
             light = TracedLight(room.built, room.index, 8)
             elsewhere = mi.UInt32(room.index.elsewhere)
-            light.add(sampler, ray, si, mi.Color3f(1.0), mi.UInt32(0), elsewhere, sums,
-                      mi.Bool(True))  # fmt: skip
+            light.add(
+                sampler, ray, si, mi.Color3f(1.0), mi.UInt32(0), elsewhere, sums, mi.Bool(True)
+            )
 
         means.append(_sums(room, run)[:3].sum(axis=0).mean())
     assert means[0] == pytest.approx(0.8, rel=0.02)

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from tests.mitsuba.test_light_cache import small
-
-__all__ = ["small"]
+from tests.mitsuba.rooms import half_hidden
 
 Array = NDArray[Any]
 HEIGHT, WIDTH, SPACING_M = 36, 160, 0.02
@@ -161,24 +159,24 @@ def test_what_a_mirror_shows_stays_sharp_and_a_wide_lobe_is_smooth(mi: Any) -> N
 
 
 @pytest.mark.slow
-def test_pictures_of_a_room_are_smoother_and_add_up(small: None, half_hidden: Any) -> None:
+def test_pictures_of_a_room_are_smoother_and_add_up(few_surfels: None) -> None:
     from openrooms_usd.render import RenderRequest
     from openrooms_usd.render.estimates import robust_error
-    from orusd_mitsuba import MitsubaRenderer
-    from tests.opening import open_with
+    from tests.mitsuba.rendering import session_of
 
-    channels = (
-        "radiance", "direct", "indirect", "emission", "diffuse", "specular", "radiance_i",
-        "irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i",
-    )  # fmt: skip
+    channels = tuple(
+        (
+            "radiance direct indirect emission diffuse specular radiance_i irradiance "
+            "irradiance_direct irradiance_indirect irradiance_i"
+        ).split()
+    )
     stage = half_hidden()
-    session = open_with(MitsubaRenderer(), stage, {"bsdf": "openrooms"})
+    session = session_of(stage, bsdf="openrooms")
 
     def render(samples: int, method: str = "cache") -> Any:
         request = RenderRequest(
-            session.cameras[0], channels, 48, 36, samples=samples, method=method,
-            measure_bias=False,
-        )  # fmt: skip
+            session.cameras[0], channels, 48, 36, samples=samples, method=method, measure_bias=False
+        )
         return session.render(request).images
 
     truth, found, exact = render(1024, "reference"), render(16), render(16, "reference")

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from tests.mitsuba.conftest import Lit
+from tests.mitsuba.rooms import half_hidden
 
 SIZE = (20, 15)
 PIXELS = np.array([0, 19, 20, 137, 138, 299, 5], np.uint32)
 
 
 @pytest.fixture
-def integrator(mi: Any, half_hidden: Any) -> Any:
+def integrator(mi: Any) -> Any:
     from orusd_mitsuba.transport.path_integrator import PathIntegrator
 
     lit = Lit(half_hidden())
@@ -47,7 +48,7 @@ def test_means_are_those_of_the_whole_picture(integrator: Any) -> None:
     assert integrator(1, 0).shape == (integrator.planes, SIZE[1], SIZE[0], 3)
 
 
-def test_hemispheres_of_some_points(mi: Any, half_hidden: Any) -> None:
+def test_hemispheres_of_some_points(mi: Any) -> None:
     from openrooms_usd.geometry.hemisphere import untiled
     from orusd_mitsuba.tracer import MitsubaTracer
     from orusd_mitsuba.transport.hemispheres import HemisphereIntegrator

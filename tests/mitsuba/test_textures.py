@@ -4,22 +4,24 @@ import math
 
 import numpy as np
 import pytest
-from pxr import Gf, UsdLux
+from pxr import Gf
 
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from tests import small
+from tests.small import square
 
 SIDE = 8
 # The quad spans 2 by 2 metres: its st run from 0 to 1 and beyond where a test says so.
-QUAD = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
+QUAD = square((0, 0, 0), 1)
 
 
 def speckled(seed=1, high=255):
     return np.random.default_rng(seed).integers(0, high, (SIDE, SIDE, 3)).astype(np.uint8)
 
 
-def from_above(build, texture, *, role="base_color", st_scale=1.0, **inputs):
+def from_above(texture, *, role="base_color", st_scale=1.0, **inputs):
     """A textured quad that fills a square picture, seen from straight above, +Y up."""
-    made = build()
+    made = small.Stage()
     material = made.material("/Paper", **{role: texture}, **inputs)
     st = np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * st_scale
     made.mesh("/Quad", QUAD, [[0, 1, 2, 3]], st=st, material=material)
@@ -34,10 +36,10 @@ def linear(encoded):
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-def test_the_top_row_of_the_picture_is_at_t_one(build, shoot, save_picture, tmp_path):
+def test_the_top_row_of_the_picture_is_at_t_one(shoot, save_picture, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
-    made = from_above(build, Texture(file, color_space="sRGB"))
+    made = from_above(Texture(file, color_space="sRGB"))
     # As many pixels as texels: every pixel's centre is a texel's centre.
     seen = shoot(made.stage, "base_color", width=SIDE, height=SIDE).images["base_color"].pixels
     assert np.abs(seen - linear(pixels)).max() < 1e-3
@@ -49,11 +51,17 @@ ALONG = {"repeat": "wrap", "mirror": "symmetric", "clamp": "edge", "black": "con
 @pytest.mark.parametrize(
     "wraps",
     [
-        ("repeat", "repeat"), ("mirror", "mirror"), ("clamp", "clamp"), ("black", "black"),
-        ("repeat", "mirror"), ("mirror", "repeat"), ("black", "clamp"), ("clamp", "black"),
+        ("repeat", "repeat"),
+        ("mirror", "mirror"),
+        ("clamp", "clamp"),
+        ("black", "black"),
+        ("repeat", "mirror"),
+        ("mirror", "repeat"),
+        ("black", "clamp"),
+        ("clamp", "black"),
     ],
-)  # fmt: skip
-def test_wrap_modes_beyond_the_picture(build, shoot, save_picture, tmp_path, wraps):
+)
+def test_wrap_modes_beyond_the_picture(shoot, save_picture, tmp_path, wraps):
     pixels = speckled()
     texture = Texture(
         save_picture(tmp_path / "paper.png", pixels),
@@ -61,7 +69,7 @@ def test_wrap_modes_beyond_the_picture(build, shoot, save_picture, tmp_path, wra
         wrap_t=wraps[1],
         uv_translation=(-1.0, -1.0),
     )
-    made = from_above(build, texture, st_scale=3.0)
+    made = from_above(texture, st_scale=3.0)
     size = 3 * SIDE
     seen = shoot(made.stage, "base_color", width=size, height=size).images["base_color"].pixels
     sides = ((0, 0), (SIDE, SIDE), (0, 0)), ((SIDE, SIDE), (0, 0), (0, 0))
@@ -71,11 +79,11 @@ def test_wrap_modes_beyond_the_picture(build, shoot, save_picture, tmp_path, wra
     assert np.abs(seen - expected).max() < 1e-3
 
 
-def test_transform_scales_then_turns_then_moves(build, shoot, save_picture, tmp_path):
+def test_transform_scales_then_turns_then_moves(shoot, save_picture, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
     texture = Texture(file, uv_scale=(2.0, 0.5), uv_rotation=90.0, uv_translation=(0.25, 0.125))
-    made = from_above(build, texture)
+    made = from_above(texture)
     size = 2 * SIDE
     seen = shoot(made.stage, "base_color", width=size, height=size).images["base_color"].pixels
     for row in range(size):
@@ -86,26 +94,27 @@ def test_transform_scales_then_turns_then_moves(build, shoot, save_picture, tmp_
             x, y = u * SIDE - 0.5, (1 - v) * SIDE - 0.5
             i, j = math.floor(x), math.floor(y)
             value = sum(
-                pixels[(j + dj) % SIDE, (i + di) % SIDE] / 255.0
-                * abs(1 - di - (x - i)) * abs(1 - dj - (y - j))
-                for di in (0, 1) for dj in (0, 1)
-            )  # fmt: skip
+                pixels[(j + dj) % SIDE, (i + di) % SIDE]
+                / 255.0
+                * abs(1 - di - (x - i))
+                * abs(1 - dj - (y - j))
+                for di in (0, 1)
+                for dj in (0, 1)
+            )
             assert np.abs(seen[row, column] - value).max() < 1e-3
 
 
-def test_scale_bias_and_single_channels(build, shoot, save_picture, tmp_path):
+def test_scale_bias_and_single_channels(shoot, save_picture, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
     texture = Texture(file, channel="g", scale=(1, 0.5, 1, 1), bias=(0, 0.25, 0, 0))
-    made = from_above(build, texture, role="roughness", base_color=Texture(file))
+    made = from_above(texture, role="roughness", base_color=Texture(file))
     images = shoot(made.stage, "roughness", "base_color", width=SIDE, height=SIDE).images
     assert np.abs(images["roughness"].pixels[..., 0] - (pixels[..., 1] / 510.0 + 0.25)).max() < 1e-3
     assert np.abs(images["base_color"].pixels - pixels / 255.0).max() < 1e-3
 
 
-def test_materials_that_share_a_picture_show_it_each_in_its_way(
-    build, shoot, save_picture, tmp_path
-):
+def test_materials_that_share_a_picture_show_it_each_in_its_way(shoot, save_picture, tmp_path):
     """One of half the radiance, one mirrored along s."""
     pixels = speckled()
     file = save_picture(tmp_path / "lamp.png", pixels)
@@ -113,7 +122,7 @@ def test_materials_that_share_a_picture_show_it_each_in_its_way(
     ways = {"scale": (0.5, 0.5, 0.5, 1.0)}, {"uv_scale": (-1.0, 1.0)}
     shown = []
     for chosen in (ways[:1], ways[1:], ways):
-        made = build()
+        made = small.Stage()
         for number, way in enumerate(chosen):
             material = made.material(f"/Glow{number}", emissive=Texture(file, **way))
             moved = [(x, y, 1e-3 * number) for x, y, _ in QUAD]
@@ -126,12 +135,12 @@ def test_materials_that_share_a_picture_show_it_each_in_its_way(
     assert np.abs(shown[0] - shown[1]).max() > 0.1
 
 
-def test_textures_of_one_material_may_be_placed_differently(build, shoot, save_picture, tmp_path):
+def test_textures_of_one_material_may_be_placed_differently(shoot, save_picture, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
     turned = Texture(file, uv_scale=(2.0, 0.5), uv_rotation=30.0, uv_translation=(0.4, 0.1))
     upright = Texture(file, channel="b")
-    made = from_above(build, upright, role="roughness", base_color=turned)
+    made = from_above(upright, role="roughness", base_color=turned)
     images = shoot(made.stage, "roughness", "base_color", width=SIDE, height=SIDE).images
     assert np.abs(images["roughness"].pixels[..., 0] - pixels[..., 2] / 255.0).max() < 1.1e-2
     assert images["base_color"].pixels.std() > 0.05
@@ -139,12 +148,10 @@ def test_textures_of_one_material_may_be_placed_differently(build, shoot, save_p
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("wrap", ["repeat", "mirror", "clamp"])
-def test_the_renderer_sees_the_colours_that_the_channel_says(
-    build, shoot, save_picture, tmp_path, wrap
-):
+def test_the_renderer_sees_the_colours_that_the_channel_says(shoot, save_picture, tmp_path, wrap):
     file = save_picture(tmp_path / "paper.png", speckled())
     how = {"wrap_s": wrap, "wrap_t": wrap, "uv_rotation": 30.0, "uv_translation": (0.3, -0.2)}
-    made = from_above(build, Texture(file, color_space="sRGB", **how), st_scale=2.5)
+    made = from_above(Texture(file, color_space="sRGB", **how), st_scale=2.5)
     made.dome(radiance=10.0)
     size = {"width": 64, "height": 64}
     color = shoot(made.stage, "base_color", **size).images["base_color"].pixels
@@ -163,10 +170,10 @@ def relief():
 
 
 @pytest.mark.parametrize("rotation", [0.0, 90.0])
-def test_normal_maps_tilt_along_u_and_v(build, shoot, save_picture, tmp_path, rotation):
+def test_normal_maps_tilt_along_u_and_v(shoot, save_picture, tmp_path, rotation):
     file = save_picture(tmp_path / "relief.png", relief())
     texture = Texture(file, scale=NORMAL_SCALE, bias=NORMAL_BIAS, uv_rotation=rotation)
-    made = from_above(build, texture, role="normal")
+    made = from_above(texture, role="normal")
     seen = shoot(made.stage, "normal", width=SIDE, height=SIDE).images["normal"].pixels
     if rotation == 0.0:
         # u runs along +X and v along +Y here.
@@ -184,18 +191,16 @@ def test_normal_maps_tilt_along_u_and_v(build, shoot, save_picture, tmp_path, ro
 @pytest.mark.parametrize("behind", [False, True])
 @pytest.mark.parametrize("rotation", [0.0, 90.0])
 def test_the_renderer_shades_with_the_normals_that_the_channel_says(
-    build, shoot, save_picture, tmp_path, rotation, behind
+    shoot, save_picture, tmp_path, rotation, behind
 ):
     file = save_picture(tmp_path / "relief.png", relief())
     texture = Texture(file, scale=NORMAL_SCALE, bias=NORMAL_BIAS, uv_rotation=rotation)
-    made = from_above(build, texture, role="normal", base_color=(1.0, 1.0, 1.0))
+    made = from_above(texture, role="normal", base_color=(1.0, 1.0, 1.0))
     side = -1.0 if behind else 1.0
     made.camera((0, 0, 10 * side), (0, 0, 0), up=(0, 1, 0), fov=11.4, aspect=1.0)
     light = np.array([0.3, 0.2, side])
     light /= np.linalg.norm(light)
-    sun = UsdLux.DistantLight.Define(made.stage, "/Sun")
-    sun.CreateAngleAttr(0.0)
-    sun.CreateIntensityAttr(np.pi)
+    sun = made.light("Distant", "/Sun", np.pi, angle=0.0)
     turn = Gf.Rotation(Gf.Vec3d(0, 0, 1), Gf.Vec3d(*light))
     sun.AddTransformOp().Set(Gf.Matrix4d().SetRotate(turn))
     images = shoot(
@@ -210,12 +215,12 @@ def test_the_renderer_shades_with_the_normals_that_the_channel_says(
     assert np.abs(seen - expected)[settled].max() < 0.01
 
 
-def test_clear_parts_are_seen_through(build, shoot, save_picture, tmp_path):
+def test_clear_parts_are_seen_through(shoot, save_picture, tmp_path):
     pixels = np.full((SIDE, SIDE, 3), 255, dtype=np.uint8)
     pixels[:, : SIDE // 2] = 0
     file = save_picture(tmp_path / "leaf.png", pixels)
     texture = Texture(file, channel="r", wrap_s="clamp", wrap_t="clamp")
-    made = from_above(build, texture, role="opacity", opacity_threshold=0.5)
+    made = from_above(texture, role="opacity", opacity_threshold=0.5)
     below = [(x, y, z - 3.0) for x, y, z in np.array(QUAD) * 2.0]
     made.quad("/Below", below)
     images = shoot(made.stage, "depth", "instance", width=SIDE, height=SIDE).images
@@ -225,11 +230,11 @@ def test_clear_parts_are_seen_through(build, shoot, save_picture, tmp_path):
 
 
 def test_what_cannot_be_read_is_reported_and_rendered_all_the_same(
-    build, open_stage, shoot, save_picture, tmp_path
+    open_stage, shoot, save_picture, tmp_path
 ):
     broken = tmp_path / "broken.png"
     broken.write_bytes(b"this is no picture")
-    made = build()
+    made = small.Stage()
     cases = {
         "missing": Texture(str(tmp_path / "missing.png")),
         "broken": Texture(str(broken), fallback=(0.25, 0.5, 0.75, 1.0)),
@@ -252,14 +257,11 @@ def test_what_cannot_be_read_is_reported_and_rendered_all_the_same(
 
 
 def test_the_picture_of_a_rectangle_light_is_upright_from_its_lit_side(
-    build, shoot, save_picture, tmp_path
+    shoot, save_picture, tmp_path
 ):
     pixels = speckled().astype(np.float32) / 255
-    made = build()
-    light = UsdLux.RectLight.Define(made.stage, "/Light")
-    light.CreateWidthAttr(2.0)
-    light.CreateHeightAttr(2.0)
-    light.CreateIntensityAttr(3.0)
+    made = small.Stage()
+    light = made.light("Rect", "/Light", 3.0, width=2.0, height=2.0)
     light.CreateTextureFileAttr(save_picture(tmp_path / "film.exr", pixels))
     distance = 10.0
     fov = math.degrees(2 * math.atan(1 / distance))

@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pxr import UsdLux
 
 from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 from orusd_mitsuba import variants
 from orusd_mitsuba.export.exporter import export_scene
+from tests import small
+from tests.small import square
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 CLOTH = (0.5, 0.4, 0.2)
@@ -23,11 +24,11 @@ def passed_color(base: tuple[float, ...], transmission: float) -> np.ndarray:
     return hue * transmission
 
 
-def sheet(build: Any, *, eye: tuple[float, float, float], **inputs: Any) -> Any:
+def sheet(*, eye: tuple[float, float, float], **inputs: Any) -> Any:
     """A sheet in the plane y = 0 that fills the picture."""
-    made = build()
+    made = small.Stage()
     material = made.material("/Cloth", **({"base_color": CLOTH, "transmission": PASSED} | inputs))
-    corners = [(-50, 0, -50), (50, 0, -50), (50, 0, 50), (-50, 0, 50)]
+    corners = square((0, 0, 0), 50, "-Y")
     made.quad("/Sheet", corners, material=material)
     made.camera(eye, (0, 0, 0), fov=40)
     return made
@@ -42,44 +43,41 @@ def agrees(pixels: np.ndarray, expected: np.ndarray) -> bool:
 
 @pytest.mark.parametrize("eye", [(0.4, -3.0, 0.5), (0.4, 3.0, 0.5)], ids=["front", "back"])
 def test_in_even_light_a_sheet_shows_what_it_reflects_and_passes(
-    build: Any, shoot: Any, eye: tuple[float, float, float]
+    shoot: Any, eye: tuple[float, float, float]
 ) -> None:
-    made = sheet(build, eye=eye)
+    made = sheet(eye=eye)
     made.dome(radiance=10.0)
     pixels = shoot(made.stage, "radiance", samples=64, bounces=1).images["radiance"].pixels
     assert agrees(pixels, 10.0 * (np.array(CLOTH) + passed_color(CLOTH, PASSED)))
 
 
-def test_a_white_furnace_neither_loses_nor_makes_light(build: Any, shoot: Any) -> None:
-    made = sheet(build, eye=(0.2, -3.0, 0.1), base_color=(0.4, 0.4, 0.4), transmission=0.6)
+def test_a_white_furnace_neither_loses_nor_makes_light(shoot: Any) -> None:
+    made = sheet(eye=(0.2, -3.0, 0.1), base_color=(0.4, 0.4, 0.4), transmission=0.6)
     made.dome(radiance=1.0)
     pixels = shoot(made.stage, "radiance", samples=64).images["radiance"].pixels
     assert agrees(pixels, np.ones(3))
 
 
 @pytest.mark.parametrize("behind", [False, True])
-def test_parallel_light_arrives_on_both_sides(build: Any, shoot: Any, behind: bool) -> None:
+def test_parallel_light_arrives_on_both_sides(shoot: Any, behind: bool) -> None:
     """Only next-event estimation can find a light without extent."""
-    made = sheet(build, eye=(0.4, 3.0 if behind else -3.0, 0.5))
-    light = UsdLux.DistantLight.Define(made.stage, "/Sun")
-    light.CreateAngleAttr(0.0)
-    light.CreateIntensityAttr(100.0)
+    made = sheet(eye=(0.4, 3.0 if behind else -3.0, 0.5))
     # Shines along +Y, 30 degrees downwards.
-    light.AddRotateXOp().Set(60.0)
+    made.light("Distant", "/Sun", 100.0, turn=(60.0, 0, 0), angle=0.0)
     color = passed_color(CLOTH, PASSED) if behind else np.array(CLOTH)
     pixels = shoot(made.stage, "radiance", samples=16, bounces=1).images["radiance"].pixels
     expected = 100.0 * math.cos(math.radians(30.0)) / math.pi * color
     np.testing.assert_allclose(pixels.mean(axis=(0, 1)), expected, rtol=2e-3)
 
 
-def test_behind_a_curtain_the_window_is_a_dimmer_even_light(build: Any, shoot: Any) -> None:
+def test_behind_a_curtain_the_window_is_a_dimmer_even_light(shoot: Any) -> None:
     """Its radiance inside is T times the sky's, so its irradiance T times the open window's."""
-    made = build()
+    made = small.Stage()
     black = made.material("/Black", base_color=(0.0, 0.0, 0.0))
-    made.quad("/Blind", [(-9, 0, -9), (9, 0, -9), (9, 0, 0), (-9, 0, 0)], material=black)
+    made.quad("/Blind", square((0, 0, -4.5), (4.5, 9), "-Y"), material=black)
     cloth = made.material("/Cloth", base_color=(0.4, 0.4, 0.4), transmission=PASSED)
-    made.quad("/Curtain", [(-1, 0, 0), (1, 0, 0), (1, 0, 2), (-1, 0, 2)], material=cloth)
-    hole = [(-9, 0, 2), (9, 0, 2), (9, 0, 9), (-9, 0, 9)]
+    made.quad("/Curtain", square((0, 0, 1), 1, "-Y"), material=cloth)
+    hole = square((0, 0, 5.5), (3.5, 9), "-Y")
     made.quad("/Above", hole, material=black)
     for side in (-1, 1):
         made.quad(
@@ -96,7 +94,7 @@ def test_behind_a_curtain_the_window_is_a_dimmer_even_light(build: Any, shoot: A
         made.quad(f"/{name}", corners, material=black)
     white = made.material("/White", base_color=(1.0, 1.0, 1.0))
     # In the plane of the curtain's lower edge, a metre away from it, facing up.
-    spot = [(-0.02, -1.02, 0), (0.02, -1.02, 0), (0.02, -0.98, 0), (-0.02, -0.98, 0)]
+    spot = square((0, -1, 0), (0.02, 0.02))
     made.quad("/Spot", spot, material=white)
     made.camera((0, -1, 1), (0, -1, 0), up=(0, 1, 0), fov=1.0, aspect=1.0)
     made.dome(radiance=1000.0)
@@ -128,20 +126,20 @@ def test_more_than_all_light_is_not_passed() -> None:
     assert black.transmission == 0.0 and black.losses
 
 
-def test_the_base_colour_channel_is_what_is_reflected(build: Any, shoot: Any) -> None:
-    made = sheet(build, eye=(0.4, -3.0, 0.5))
+def test_the_base_colour_channel_is_what_is_reflected(shoot: Any) -> None:
+    made = sheet(eye=(0.4, -3.0, 0.5))
     view = shoot(made.stage, "base_color")
     np.testing.assert_allclose(view.images["base_color"].pixels, np.full((24, 32, 3), CLOTH))
 
 
 def test_a_textured_sheet_passes_in_the_hue_of_each_texel(
-    build: Any, shoot: Any, save_picture: Any, tmp_path: Any
+    shoot: Any, save_picture: Any, tmp_path: Any
 ) -> None:
     texels = np.zeros((1, 2, 3), dtype=np.float32)
     texels[0] = [[0.2, 0.3, 0.1], [0.1, 0.1, 0.4]]
     file = save_picture(tmp_path / "cloth.exr", texels)
     cloth = Texture(file, wrap_s="clamp", wrap_t="clamp")
-    made = sheet(build, eye=(0.0, 3.0, 0.0), base_color=cloth, transmission=0.25)
+    made = sheet(eye=(0.0, 3.0, 0.0), base_color=cloth, transmission=0.25)
     made.dome(radiance=1.0)
     view = shoot(made.stage, "radiance", "base_color", samples=64, bounces=1)
     mean = float((texels[0] @ LUMINANCE).mean())
@@ -151,8 +149,8 @@ def test_a_textured_sheet_passes_in_the_hue_of_each_texel(
 
 
 @pytest.mark.one_in(2)
-def test_the_exported_sheet_passes_the_same(build: Any, tmp_path: Any, variant: str) -> None:
-    made = sheet(build, eye=(0.4, 3.0, 0.5))
+def test_the_exported_sheet_passes_the_same(tmp_path: Any, variant: str) -> None:
+    made = sheet(eye=(0.4, 3.0, 0.5))
     made.dome(radiance=10.0)
     export_scene(made.stage, tmp_path / "scene.xml", {})
     import mitsuba as mi

@@ -9,13 +9,11 @@ import numpy as np
 import OpenImageIO
 import pytest
 import trimesh
-from click.testing import CliRunner
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd import adapters
 from openrooms_usd.channels import each
-from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render import RenderRequest
@@ -25,6 +23,7 @@ from openrooms_usd.usd.surfaces import PreviewSurface
 from orusd_preview import PreviewRenderer
 from orusd_preview.occlusion import openness
 from orusd_preview.shading import BACKGROUND, shade
+from tests.commands import run
 from tests.opening import open_with
 
 SIZE = (32, 24)
@@ -105,9 +104,10 @@ def test_openness_in_the_open_and_below_a_lid() -> None:
 def test_white_that_faces_the_camera_upwards_in_the_open_is_white() -> None:
     one = np.ones((1, 1))
     seen = {
-        "base_color": np.ones((1, 3)), "normal": np.array([[0.0, 0.0, 1.0]]),
+        "base_color": np.ones((1, 3)),
+        "normal": np.array([[0.0, 0.0, 1.0]]),
         "emission_mask": 0.0 * one,
-    }  # fmt: skip
+    }
     down = np.array([[0.0, 0.0, -3.0]])
     assert shade(seen, down, np.ones(1)) == pytest.approx(np.ones((1, 3)))
     darker = [
@@ -174,14 +174,14 @@ def test_the_command_writes_what_it_writes_with_any_renderer(tmp_path: Path) -> 
     stage.GetRootLayer().Export(str(tmp_path / "board.usda"))
     out = tmp_path / "out"
     words = ["render", str(tmp_path / "board.usda"), "-o", str(out), "--resolution", "16x12"]
-    done = CliRunner().invoke(
-        orusd, [*words, "--renderer", "preview", "--spp", "8", "--option", "reach=0.5"]
-    )
+    done = run(*words, "--renderer", "preview", "--spp", "8", "--option", "reach=0.5")
     assert done.exit_code == 0, done.output
     manifest = json.loads((out / "manifest.json").read_text())
     assert manifest["renderer"] == {
-        "name": "preview", "backend": "preview, rays cast by the core", "reach": "0.5",
-    }  # fmt: skip
+        "name": "preview",
+        "backend": "preview, rays cast by the core",
+        "reach": "0.5",
+    }
     assert "without light transport" in manifest["conventions"]["radiance"]
     said = [row["reason"] for row in manifest["report"]["losses"] if row["prim"] == "/Camera"]
     assert said == ["radiance: a preview, no light"]
@@ -192,7 +192,7 @@ def test_the_command_writes_what_it_writes_with_any_renderer(tmp_path: Path) -> 
 @pytest.mark.usefixtures("installed")
 def test_it_draws_the_thumbnails_of_the_catalogue(tmp_path: Path) -> None:
     words = ["library", "sheet", "-o", str(tmp_path / "sheet.png"), "--category", "plant_pot"]
-    done = CliRunner().invoke(orusd, [*words, "--size", "32", "--renderer", "preview"])
+    done = run(*words, "--size", "32", "--renderer", "preview")
     assert done.exit_code == 0, done.output
     sheet = OpenImageIO.ImageBuf(str(tmp_path / "sheet.png")).get_pixels()
     # Green leaves before the grey of the studio, above the caption.
@@ -215,6 +215,6 @@ def test_what_it_cannot_do_is_refused(options: list[str], said: str, tmp_path: P
     stage = board((0.8, 0.4, 0.2))
     stage.GetRootLayer().Export(str(tmp_path / "board.usda"))
     words = ["render", str(tmp_path / "board.usda"), "-o", str(tmp_path / "out")]
-    done = CliRunner().invoke(orusd, [*words, "--renderer", "preview", *options])
+    done = run(*words, "--renderer", "preview", *options)
     assert isinstance(done.exception, InputError)
     assert said in str(done.exception)

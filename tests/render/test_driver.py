@@ -5,7 +5,7 @@ import errno
 import json
 import re
 import threading
-import time
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 
 import numpy as np
@@ -204,17 +204,22 @@ def test_a_large_view_is_written_before_the_next_is_rendered(
 
 
 def test_what_cannot_be_written_stops_the_next_render(renderer, scene, tmp_path, monkeypatch):
-    failed = threading.Event()
+    futures = []
+
+    class Pool(ThreadPoolExecutor):
+        def submit(self, *given):
+            futures.append(super().submit(*given))
+            return futures[-1]
 
     def write(path, images, *how):
-        failed.set()
         raise OutputError("no space", place=path)
 
     def progress(view: str, fraction: float) -> None:
         if view == "right":
-            pytest.fail("the next view was rendered on") if fraction > 0.99 else failed.wait(20.0)
-            time.sleep(0.2)
+            assert fraction <= 0.99, "the next view was rendered on"
+            wait(futures)
 
+    monkeypatch.setattr(writer, "ThreadPoolExecutor", Pool)
     monkeypatch.setattr(exr, "write_channels", write)
     with pytest.raises(OutputError, match="no space"):
         render_stage(scene, tmp_path / "out", progress=progress)
@@ -223,19 +228,25 @@ def test_what_cannot_be_written_stops_the_next_render(renderer, scene, tmp_path,
 
 def test_interrupted_while_much_is_written(renderer, scene, tmp_path, monkeypatch):
     """The first view goes, after a moment: it is not waited for."""
-    monkeypatch.setattr(writer, "_GRACE_SECONDS", 0.05)
-    began, real = threading.Event(), exr.write_channels
+    monkeypatch.setattr(writer, "_GRACE_SECONDS", 0.0)
+    began, stopped = threading.Event(), threading.Event()
+    real, stop = exr.write_channels, writer.ViewWriter.stop
 
     def write(path, images, *how):
         began.set()
-        time.sleep(0.3)
+        assert stopped.wait(20.0)
         real(path, images, *how)
+
+    def stopping(self):
+        stop(self)
+        stopped.set()
 
     def progress(view: str, fraction: float) -> None:
         if view == "right":
             assert began.wait(20.0)
             raise KeyboardInterrupt
 
+    monkeypatch.setattr(writer.ViewWriter, "stop", stopping)
     monkeypatch.setattr(exr, "write_channels", write)
     with pytest.raises(KeyboardInterrupt):
         render_stage(scene, tmp_path / "out", progress=progress)

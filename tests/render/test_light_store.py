@@ -16,7 +16,7 @@ from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.render.light_store import FOLDER, content_key, load, places, save
 from openrooms_usd.render.scene.arrays import Piece, Scene
 from openrooms_usd.render.scene.translate import translate
-from tests.handmade import Build
+from tests.small import Stage
 
 KEY = "5f" * 32
 ARRAYS = {
@@ -30,7 +30,7 @@ MAKERS = ("openrooms_usd.render.light_store",)
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    build = Build(path=tmp_path / "room" / "scene.usda")
+    build = Stage(path=tmp_path / "room" / "scene.usda")
     build.box("/Room", 2.0, inside=True, material=build.material("/Paint"))
     lamp = UsdLux.RectLight.Define(build.stage, "/Lamp")
     lamp.CreateIntensityAttr(3.0)
@@ -67,7 +67,7 @@ def test_what_lies_beside_a_room_is_of_that_room(scene: Scene, file: Path) -> No
     assert beside == file.parent / FOLDER
     assert cache == Path(os.environ["ORUSD_CACHE"]) / "light"
     assert places(replace(scene, folder=None)) == (cache,)
-    assert translate(Build().stage).folder is None
+    assert translate(Stage().stage).folder is None
 
 
 def test_no_cache_where_it_is_switched_off(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:

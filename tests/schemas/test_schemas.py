@@ -114,10 +114,9 @@ def test_a_schema_applies_to_what_it_is_for(schema: str) -> None:
     shade = UsdShade.Material.Define(stage, "/Material").GetPrim()
     if schema == "OpenRoomsPartitionAPI":
         xform = UsdGeom.Mesh.Define(stage, "/Mesh").GetPrim()
-    allowed = {
-        "OpenRoomsMaterialAPI": (False, True),
-        "OpenRoomsSourceAPI": (True, True),
-    }.get(schema, (True, False))
+    allowed = {"OpenRoomsMaterialAPI": (False, True), "OpenRoomsSourceAPI": (True, True)}.get(
+        schema, (True, False)
+    )
     assert (bool(xform.CanApplyAPI(schema)), bool(shade.CanApplyAPI(schema))) == allowed
 
 

@@ -1,7 +1,6 @@
 """Files of others are refused with a reason before USD's own parser could end the process."""
 
 import os
-import time
 from pathlib import Path
 
 import pytest
@@ -65,18 +64,17 @@ def test_brackets_in_strings_and_comments_nest_nothing(literal: str) -> None:
         preflight.check_text(nested.encode(), "here")
 
 
+@pytest.mark.usefixtures("in_time")
 def test_brackets_side_by_side_nest_nothing_and_take_no_time() -> None:
-    text = f'{HEAD}def "a" {{\nfloat3[] p = [{"(1, 2, 3), " * 200_000}]\n}}\n'.encode()
-    started = time.perf_counter()
+    """By the square of their number it would take hours."""
+    text = f'{HEAD}def "a" {{\nfloat3[] p = [{"(1, 2, 3), " * 1_000_000}]\n}}\n'.encode()
     preflight.check_text(text, "here")
-    assert time.perf_counter() - started < 1.0
 
 
+@pytest.mark.usefixtures("in_time")
 @pytest.mark.parametrize("opener", [b'"""', b"'''", b"@@@", b"/*", b'"', b"@", b"\\", b"`"])
 def test_what_is_never_closed_takes_no_time(opener: bytes) -> None:
-    started = time.perf_counter()
-    preflight.check_text(HEAD.encode() + (opener + b" ") * 150_000, "here")
-    assert time.perf_counter() - started < 1.0
+    preflight.check_text(HEAD.encode() + (opener + b" ") * 1_000_000, "here")
 
 
 @pytest.mark.parametrize("place", ["name", "value", "comment", "metadata"])

@@ -23,7 +23,7 @@ from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.surfaces import Texture
 from orusd_usdz import UsdzExporter
 from orusd_usdz.profiles import PROFILES
-from tests.handmade import Build
+from tests.small import Stage
 
 ROOT = Path(__file__).parents[2]
 Check = Callable[[Path], list[str]]
@@ -134,7 +134,7 @@ def test_equal_rooms_give_equal_files(composed_demo: Path, tmp_path: Path) -> No
 
 def odd_stage(path: Path, save: Callable[..., str]) -> Path:
     """What rooms of ours do not hold, and others' do."""
-    made = Build(path=path)
+    made = Stage(path=path)
     sky = save(path.parent / "paper.exr", np.full((4, 4, 3), 0.25, np.float32))
     paper = made.material("/World/M/paper", base_color=Texture(sky), emissive=(300.0, 200.0, 0.0))
     made.quad("/World/Paper", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], material=paper)
@@ -203,11 +203,11 @@ def test_layers_from_elsewhere_stay_where_they_are(tmp_path: Path) -> None:
     inside, outside = tmp_path / "room", tmp_path / "elsewhere"
     for folder in (inside, outside):
         folder.mkdir()
-    guest = Build(path=outside / "guest.usda")
+    guest = Stage(path=outside / "guest.usda")
     guest.box("/Guest", 1.0)
     guest.stage.SetDefaultPrim(guest.stage.GetPrimAtPath("/Guest"))
     guest.stage.Save()
-    made = Build(path=inside / "scene.usda")
+    made = Stage(path=inside / "scene.usda")
     made.stage.DefinePrim("/Guest").GetReferences().AddReference("../elsewhere/guest.usda")
     made.stage.Save()
     for profile in PROFILES:

@@ -134,11 +134,7 @@ BREAKS: tuple[tuple[str, str, Break], ...] = (
         HINGE,
         lambda s: (drive(s).CreateStiffnessAttr(1.0), drive(s).CreateTargetPositionAttr(115.0)),
     ),
-    (
-        "joint-drive",
-        HINGE,
-        lambda s: UsdPhysics.DriveAPI.Apply(s.GetPrimAtPath(HINGE), "linear"),
-    ),
+    ("joint-drive", HINGE, lambda s: UsdPhysics.DriveAPI.Apply(s.GetPrimAtPath(HINGE), "linear")),
 )
 
 

@@ -227,18 +227,12 @@ BREAKS: dict[str, tuple[Callable[[SmallRoom], Path], str]] = {
         lambda room: room.edit(MATERIALS, 'over "Floor"', 'def Mesh "Floor"'),
         names.FLOOR,
     ),
-    "below-instance": (
-        lambda room: room.edits(OVER_SEAT),
-        f"{names.FURNITURE}/chair_1/Geometry",
-    ),
+    "below-instance": (lambda room: room.edits(OVER_SEAT), f"{names.FURNITURE}/chair_1/Geometry"),
     "orphan": (
         lambda room: room.edits('over "World" {\n over "Gone" {\n bool x = 1\n }\n}\n'),
         "/World/Gone",
     ),
-    "units": (
-        lambda room: room.edits(room.statue()),
-        "/World/Statue",
-    ),
+    "units": (lambda room: room.edits(room.statue()), "/World/Statue"),
     "extent": (
         lambda room: room.edit(LAYOUT, "extent = [(0, 0, 0), (1, 1, 0)]", "extent:not = []"),
         names.FLOOR,
@@ -255,22 +249,13 @@ BREAKS: dict[str, tuple[Callable[[SmallRoom], Path], str]] = {
         lambda room: room.edit(CHAIR, 'semantics:labels:category = ["chair"]', "x:y = []"),
         f"{names.FURNITURE}/chair_0/Geometry/seat",
     ),
-    "kind": (
-        lambda room: room.edit(LAYOUT, 'kind = "assembly"', ""),
-        "/World",
-    ),
+    "kind": (lambda room: room.edit(LAYOUT, 'kind = "assembly"', ""), "/World"),
     "component": (
         lambda room: room.edit(CHAIR, "prepend inherits = </__class__/Chair>", ""),
         f"{names.FURNITURE}/chair_0",
     ),
-    "nested-body": (
-        lambda room: room.edits(bodies(nested=True)),
-        f"{names.ROOM}/Floor",
-    ),
-    "articulation": (
-        joined,
-        "/World/Joint",
-    ),
+    "nested-body": (lambda room: room.edits(bodies(nested=True)), f"{names.ROOM}/Floor"),
+    "articulation": (joined, "/World/Joint"),
     "contract": (
         lambda room: room.edit(MATERIALS, 'def Scope "Materials"', 'def Xform "Materials"'),
         names.MATERIALS,

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from openrooms_usd.cli.viewing import view
 from openrooms_usd.errors import InputError
 from openrooms_usd.view.room import room_app, room_state
-from tests.handmade import Build
+from tests.small import Stage
 
 
 def test_a_room_is_written_as_a_page(composed_demo: Path, tmp_path: Path) -> None:
@@ -22,7 +22,7 @@ def test_a_room_is_written_as_a_page(composed_demo: Path, tmp_path: Path) -> Non
 
 
 def test_any_stage_has_a_page(tmp_path: Path) -> None:
-    made = Build(up="Y", metres=0.01, path=tmp_path / "box.usda")
+    made = Stage(up="Y", metres=0.01, path=tmp_path / "box.usda")
     made.box("/Box", 100.0)
     made.camera((0, 0, 400), (0, 0, 0), up=(0, 1, 0))
     made.stage.Save()

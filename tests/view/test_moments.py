@@ -20,7 +20,7 @@ from openrooms_usd.render.bake.layer import (
     SCALE_OFFSET,
 )
 from openrooms_usd.view.room import room_app
-from tests.handmade import Build
+from tests.small import Stage
 
 ATLAS_PATH = "/Lightmaps/atlas_0"
 ST = [(0, 0), (1, 0), (1, 1), (0, 1)]
@@ -29,7 +29,7 @@ ST = [(0, 0), (1, 0), (1, 1), (0, 1)]
 def room(folder: Path, sky: str | None = None) -> Path:
     """A floor, a lamp and a sky."""
     folder.mkdir(parents=True, exist_ok=True)
-    made = Build(path=folder / "scene.usda")
+    made = Stage(path=folder / "scene.usda")
     made.quad("/Floor", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
     UsdLux.SphereLight.Define(made.stage, "/lamp")
     dome = UsdLux.DomeLight.Define(made.stage, "/Sky")

@@ -12,7 +12,7 @@ from openrooms_usd.render.paths.camera_path import frame_times
 from openrooms_usd.render.paths.keyframes import read_keyframes
 from openrooms_usd.render.paths.spline import eased, interpolated
 from openrooms_usd.render.paths.timed import time_range, timed_poses
-from tests.handmade import Build
+from tests.small import Stage
 
 TIMES = np.array([0.0, 0.5, 2.0, 2.25, 4.0])
 
@@ -96,7 +96,7 @@ def test_a_file_that_says_nothing_is_refused(tmp_path: Path, text: str, message:
 
 @pytest.mark.parametrize(("up", "metres"), [("Z", 1.0), ("Y", 0.01)])
 def test_a_camera_with_time_samples_moves(up: str, metres: float) -> None:
-    stage = Build(up=up, metres=metres).stage
+    stage = Stage(up=up, metres=metres).stage
     stage.SetTimeCodesPerSecond(10)
     rig = UsdGeom.Xform.Define(stage, "/Rig")
     camera = UsdGeom.Camera.Define(stage, "/Rig/Camera")

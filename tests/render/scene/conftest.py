@@ -10,7 +10,6 @@ from pxr import Usd
 from openrooms_usd.render import Image, RenderRequest, View
 from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.render.contract import NO_OPTIONS
-from tests.handmade import Build
 from tests.opening import open_with
 
 Open = Callable[[Usd.Stage], OpenedStage]
@@ -33,11 +32,6 @@ class Dark:
     ) -> dict[str, Image]:
         black = np.zeros((request.height, request.width, 3), np.float32)
         return {"radiance": Image(black, 1, 0.0, 0.0)}
-
-
-@pytest.fixture
-def build() -> type[Build]:
-    return Build
 
 
 @pytest.fixture(params=["core", "scalar", "llvm"])

@@ -13,6 +13,8 @@ from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.render.exact import flow_images
 from openrooms_usd.usd.cameras import PinholeCamera
+from tests import small
+from tests.small import square
 
 WIDTH, HEIGHT = 40, 30
 SIZE = np.array([WIDTH, HEIGHT])
@@ -23,10 +25,10 @@ COLUMN, ROW = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
 
 
 @pytest.fixture
-def wall(build: type, open_stage: Callable[[Usd.Stage], OpenedStage]) -> OpenedStage:
+def wall(open_stage: Callable[[Usd.Stage], OpenedStage]) -> OpenedStage:
     """A wall at y = 0."""
-    made = build()
-    made.quad("/Wall", [(-9, 0, -9), (9, 0, -9), (9, 0, 9), (-9, 0, 9)])
+    made = small.Stage()
+    made.quad("/Wall", square((0, 0, 0), 9, "-Y"))
     return open_stage(made.stage)
 
 
@@ -78,10 +80,10 @@ def test_a_turn_moves_all_by_its_homography(wall: OpenedStage, degrees: float) -
 
 
 def test_the_surroundings_turn_and_do_not_move(
-    build: type, open_stage: Callable[[Usd.Stage], OpenedStage]
+    open_stage: Callable[[Usd.Stage], OpenedStage],
 ) -> None:
-    made = build()
-    made.quad("/Wall", [(-9, 0, -9), (0, 0, -9), (0, 0, 9), (-9, 0, 9)])
+    made = small.Stage()
+    made.quad("/Wall", square((-4.5, 0, 0), (9, 4.5), "-Y"))
     found, seen = flow(open_stage(made.stage), AT, moved((0.4, 0.0, 0.0)))
     sky = COLUMN > WIDTH / 2
     assert np.abs(found[sky]).max() < 1e-9
@@ -93,11 +95,11 @@ def test_the_surroundings_turn_and_do_not_move(
 
 
 def test_what_comes_to_be_hidden_is_as_the_next_depth_says(
-    build: type, open_stage: Callable[[Usd.Stage], OpenedStage]
+    open_stage: Callable[[Usd.Stage], OpenedStage],
 ) -> None:
-    made = build()
-    made.quad("/Wall", [(-9, 2, -9), (9, 2, -9), (9, 2, 9), (-9, 2, 9)])
-    made.quad("/Floor", [(-9, -4, 0), (9, -4, 0), (9, 4, 0), (-9, 4, 0)])
+    made = small.Stage()
+    made.quad("/Wall", square((0, 2, 0), 9, "-Y"))
+    made.quad("/Floor", square((0, 0, 0), (9, 4)))
     box = made.box("/Box", 0.8)
     box.AddTransformOp().Set(Gf.Matrix4d().SetTranslate(Gf.Vec3d(0.1, -0.4, 0.9)))
     stage = open_stage(made.stage)

@@ -8,16 +8,15 @@ from pxr import Gf
 
 from openrooms_usd.render.scene import framing
 from openrooms_usd.usd.cameras import framing_camera
+from tests import small
 from tests.crowd import crowd
-from tests.handmade import Build
 
 
-def closed_room() -> Build:
-    made = Build(metres=0.01)
-    room = made.box("/World/room", 1.0, inside=True)
-    room.AddTranslateOp().Set(Gf.Vec3d(250, 200, 125))
+def closed_room() -> small.Stage:
+    made = small.Stage(metres=0.01)
+    room = made.box("/World/room", 1.0, inside=True, at=(250, 200, 125))
     room.AddScaleOp().Set(Gf.Vec3f(500, 400, 250))
-    made.box("/World/table", 80.0).AddTranslateOp().Set(Gf.Vec3d(300, 250, 40))
+    made.box("/World/table", 80.0, at=(300, 250, 40))
     return made
 
 

@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd.channels import CHANNELS, DEFAULT
+from tests import small
+from tests.small import square
 
-GEOMETRY = (
-    "depth", "distance", "position", "normal", "normal_geometric", "normal_camera", "valid",
-)  # fmt: skip
+GEOMETRY = ("depth", "distance", "position", "normal", "normal_geometric", "normal_camera", "valid")
 WIDTH, HEIGHT = 32, 24
 
 
-def furnished(build, up="Z", metres=1.0):
+def furnished(up="Z", metres=1.0):
     """A tilted box, a stretched one and a floor, seen by a camera with a shifted window."""
-    made = build(up=up, metres=metres)
+    made = small.Stage(up=up, metres=metres)
     # Row vectors, as USD's: from our world to the stage's frame.
     turn = Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 0, 0), -90 if up == "Y" else 0))
     to_stage = turn * Gf.Matrix4d().SetScale(1 / metres)
@@ -30,7 +30,7 @@ def furnished(build, up="Z", metres=1.0):
             placed = placed * step
         mesh.AddTransformOp().Set(to_stage.GetInverse() * placed * to_stage)
 
-    place(made.quad("/Floor", [(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)]))
+    place(made.quad("/Floor", square((0, 0, 0), 2)))
     tilt = Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d(1, 2, 0.5), 50))
     move = Gf.Matrix4d().SetTranslate(Gf.Vec3d(0.3, 0.2, 0.9))
     place(made.box("/Boxes/first", 0.8), tilt, move)
@@ -85,8 +85,8 @@ def brute_force(stage: Usd.Stage) -> tuple[NDArray[np.float64], NDArray[np.float
     return hits, normals
 
 
-def test_positions_and_normals_are_those_of_an_independent_ray_cast(build, shoot):
-    stage = furnished(build)
+def test_positions_and_normals_are_those_of_an_independent_ray_cast(shoot):
+    stage = furnished()
     images = shoot(stage, *GEOMETRY).images
     hits, normals = brute_force(stage)
     seen = np.abs(hits).sum(axis=2) > 0
@@ -97,12 +97,14 @@ def test_positions_and_normals_are_those_of_an_independent_ray_cast(build, shoot
     assert np.abs(images["normal"].pixels - normals).max() < 1e-6
 
 
-def test_depth_is_planar_and_distance_is_euclidean(build, shoot):
-    view = shoot(furnished(build), *GEOMETRY)
+def test_depth_is_planar_and_distance_is_euclidean(shoot):
+    view = shoot(furnished(), *GEOMETRY)
     image = {name: item.pixels for name, item in view.images.items()}
     x, y = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
-    rays = np.stack([(x - view.K[0, 2]) / view.K[0, 0], (y - view.K[1, 2]) / view.K[1, 1],
-                     np.ones_like(x)], axis=2)  # fmt: skip
+    rays = np.stack(
+        [(x - view.K[0, 2]) / view.K[0, 0], (y - view.K[1, 2]) / view.K[1, 1], np.ones_like(x)],
+        axis=2,
+    )
     lengths = np.linalg.norm(rays, axis=2, keepdims=True)
     assert np.allclose(image["distance"], image["depth"] * lengths, rtol=1e-6)
     points = image["depth"] * rays @ view.world_from_camera[:3, :3].T
@@ -111,8 +113,8 @@ def test_depth_is_planar_and_distance_is_euclidean(build, shoot):
     assert np.abs(np.where(valid, points - image["position"], 0)).max() < 2e-6
 
 
-def test_normals_are_unit_face_the_camera_and_turn_into_its_axes(build, shoot):
-    stage = furnished(build)
+def test_normals_are_unit_face_the_camera_and_turn_into_its_axes(shoot):
+    stage = furnished()
     view = shoot(stage, *GEOMETRY)
     image = {name: item.pixels for name, item in view.images.items()}
     valid = image["valid"][..., 0] == 1
@@ -126,18 +128,18 @@ def test_normals_are_unit_face_the_camera_and_turn_into_its_axes(build, shoot):
     assert np.allclose(image["normal_camera"], image["normal"] @ axes.T, atol=1e-6)
 
 
-def test_everything_is_zero_where_there_is_no_surface(build, shoot):
+def test_everything_is_zero_where_there_is_no_surface(shoot):
     names = [name for name in DEFAULT if CHANNELS[name].kind != "light"]
-    images = shoot(furnished(build), *names).images
+    images = shoot(furnished(), *names).images
     nothing = images["valid"].pixels[..., 0] == 0
     assert nothing.any()
     assert all((image.pixels[nothing] == 0).all() for image in images.values())
 
 
-def test_a_stage_in_centimetres_with_y_up_gives_the_same_pixels(build, shoot):
+def test_a_stage_in_centimetres_with_y_up_gives_the_same_pixels(shoot):
     names = (*GEOMETRY, "instance", "part")
-    ours = shoot(furnished(build), *names).images
-    theirs = shoot(furnished(build, up="Y", metres=0.01), *names).images
+    ours = shoot(furnished(), *names).images
+    theirs = shoot(furnished(up="Y", metres=0.01), *names).images
     for name in ("valid", "instance", "part"):
         assert np.array_equal(ours[name].pixels, theirs[name].pixels), name
     for name in ("depth", "distance", "position"):
@@ -147,9 +149,9 @@ def test_a_stage_in_centimetres_with_y_up_gives_the_same_pixels(build, shoot):
 
 
 @pytest.mark.parametrize("offset", [1e4, 1e6])
-def test_far_from_the_origin_depth_stays_exact(build, shoot, offset):
-    near = furnished(build)
-    far = furnished(build)
+def test_far_from_the_origin_depth_stays_exact(shoot, offset):
+    near = furnished()
+    far = furnished()
     for path in ("/Floor", "/Boxes", "/Camera"):
         shifted = UsdGeom.Xformable(far.GetPrimAtPath(path))
         if not shifted:
@@ -163,8 +165,8 @@ def test_far_from_the_origin_depth_stays_exact(build, shoot, offset):
     assert np.abs(a["depth"].pixels - b["depth"].pixels).max() < 1e-5
 
 
-def test_instances_and_their_flattened_copy_give_the_same_bits(build, shoot):
-    made = build()
+def test_instances_and_their_flattened_copy_give_the_same_bits(shoot):
+    made = small.Stage()
     made.box("/Class/Chair/Seat", 0.5)
     for number in range(3):
         prim = UsdGeom.Xform.Define(made.stage, f"/World/chair_{number}")
@@ -188,8 +190,8 @@ def test_instances_and_their_flattened_copy_give_the_same_bits(build, shoot):
 
 
 @pytest.mark.parametrize("scale", [(1, 1, 1), (2, 1, 0.5), (-1, 1.5, 1)])
-def test_smooth_normals_are_those_of_the_ellipsoid(build, shoot, scale):
-    made = build()
+def test_smooth_normals_are_those_of_the_ellipsoid(shoot, scale):
+    made = small.Stage()
     sphere = UsdGeom.Sphere.Define(made.stage, "/Ball")
     sphere.CreateRadiusAttr(1.0)
     sphere.AddScaleOp().Set(Gf.Vec3f(*scale))

@@ -37,8 +37,12 @@ def picture(tmp_path: Any) -> str:
 
 
 def shared(stage: Usd.Stage) -> list[Instances]:
-    return [part for patch in translate(stage).patches for part in patch.triangles.parts
-            if isinstance(part, Instances)]  # fmt: skip
+    return [
+        part
+        for patch in translate(stage).patches
+        for part in patch.triangles.parts
+        if isinstance(part, Instances)
+    ]
 
 
 def test_what_is_seen_is_the_same(open_stage: Any, keep: Any, picture: str) -> None:

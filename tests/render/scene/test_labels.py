@@ -6,16 +6,17 @@ from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.usd.semantics import label, label_part
 from openrooms_usd.usd.taxonomies import NYU40, OPENROOMS45
+from tests import small
+from tests.small import square
 
-LABELS = (
-    "semantic", "semantic_nyu40", "semantic_ade20k", "semantic_coco", "instance", "part",
-    "material",
-)  # fmt: skip
+LABELS = tuple(
+    "semantic semantic_nyu40 semantic_ade20k semantic_coco instance part material".split()
+)
 
 
-def shelf(build):
+def shelf():
     """Two labelled chairs of two parts each, an unlabelled box, all in a row along X."""
-    made = build()
+    made = small.Stage()
     for paint in ("red", "blue"):
         made.material(f"/Materials/{paint}", base_color=(0.5, 0.1, 0.1))
     for number in range(2):
@@ -28,8 +29,7 @@ def shelf(build):
             )
             mesh.AddTranslateOp().Set(Gf.Vec3d(0, 0, z))
             label_part(mesh.GetPrim(), part)
-    plain = made.box("/World/plain", 0.9)
-    plain.AddTranslateOp().Set(Gf.Vec3d(4, 0, 0))
+    made.box("/World/plain", 0.9, at=(4, 0, 0))
     made.camera((2, -6, 0.5), (2, 0, 0.5))
     return made
 
@@ -42,8 +42,8 @@ def at(view, name, x, z):
     return int(view.images[name].pixels[int(row), int(column), 0])
 
 
-def test_labels_name_the_object_the_part_the_class_and_the_material(build, open_stage, shoot):
-    made = shelf(build)
+def test_labels_name_the_object_the_part_the_class_and_the_material(open_stage, shoot):
+    made = shelf()
     view = shoot(made.stage, *LABELS)
     legend = open_stage(made.stage).legend
     for number in range(2):
@@ -68,8 +68,8 @@ def test_labels_name_the_object_the_part_the_class_and_the_material(build, open_
         assert (view.images[name].pixels % 1 == 0).all()
 
 
-def test_subsets_have_materials_of_their_own(build, open_stage, shoot):
-    made = shelf(build)
+def test_subsets_have_materials_of_their_own(open_stage, shoot):
+    made = shelf()
     mesh = UsdGeom.Mesh(made.stage.GetPrimAtPath("/World/chair_0/Geometry/seat"))
     # The third face of the box looks along -Y, at the camera.
     subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset("front", [2])
@@ -80,8 +80,8 @@ def test_subsets_have_materials_of_their_own(build, open_stage, shoot):
     assert legend.material[at(view, "material", 2, 0)] == "/Materials/red"
 
 
-def test_the_points_of_an_instancer_are_objects(build, open_stage, shoot):
-    made = build()
+def test_the_points_of_an_instancer_are_objects(open_stage, shoot):
+    made = small.Stage()
     instancer = UsdGeom.PointInstancer.Define(made.stage, "/World/Scatter")
     made.box("/World/Scatter/Prototypes/cube/Mesh", 0.9)
     label(made.stage.GetPrimAtPath("/World/Scatter/Prototypes/cube"), "cabinet")
@@ -97,18 +97,17 @@ def test_the_points_of_an_instancer_are_objects(build, open_stage, shoot):
     assert not [row for row in session.report.losses() if "Prototypes" in row[0]]
 
 
-def test_emission_is_masked_on_the_side_that_emits(build, shoot):
-    made = build()
+def test_emission_is_masked_on_the_side_that_emits(shoot):
+    made = small.Stage()
     made.box("/Bulb", 1.0)
     UsdLux.MeshLightAPI.Apply(made.stage.GetPrimAtPath("/Bulb"))
-    made.quad("/Wall", [(-9, 2, -9), (9, 2, -9), (9, 2, 9), (-9, 2, 9)])
+    made.quad("/Wall", square((0, 2, 0), 9, "-Y"))
     made.camera((0, -4, 0), (0, 0, 0))
     view = shoot(made.stage, "emission_mask", "instance")
     lit = view.images["instance"].pixels == view.images["instance"].pixels[12, 16]
     assert 0 < lit.mean() < 1
     assert np.array_equal(view.images["emission_mask"].pixels == 1, lit)
-    light = UsdLux.RectLight.Define(made.stage, "/Panel")
-    light.AddTranslateOp().Set(Gf.Vec3d(0, -1, 0))
+    light = made.light("Rect", "/Panel", 1.0, at=(0, -1, 0))
     light.AddRotateXOp().Set(90.0)  # from -Z to +Y: its back is seen, which is not there
     channels = ("emission_mask", "depth")
     behind = shoot(made.stage, *channels).images
@@ -120,15 +119,15 @@ def test_emission_is_masked_on_the_side_that_emits(build, shoot):
     assert front["depth"].pixels[12, 16, 0] == pytest.approx(3.0, abs=1e-4)
 
 
-def test_what_is_hidden_is_not_seen_and_is_named(build, open_stage, shoot):
-    made = build()
+def test_what_is_hidden_is_not_seen_and_is_named(open_stage, shoot):
+    made = small.Stage()
     hidden = {"/invisible": "invisible", "/proxy": "proxy", "/guide": "guide"}
     for number, path in enumerate(hidden):
-        made.box(path, 0.9).AddTranslateOp().Set(Gf.Vec3d(number, 0, 0))
+        made.box(path, 0.9, at=(number, 0, 0))
     UsdGeom.Imageable(made.stage.GetPrimAtPath("/invisible")).MakeInvisible()
     for path in ("/proxy", "/guide"):
         UsdGeom.Imageable(made.stage.GetPrimAtPath(path)).CreatePurposeAttr(path[1:])
-    made.box("/seen", 0.9).AddTranslateOp().Set(Gf.Vec3d(3, 0, 0))
+    made.box("/seen", 0.9, at=(3, 0, 0))
     UsdGeom.Imageable(made.stage.GetPrimAtPath("/seen")).CreatePurposeAttr("render")
     made.camera((1.5, -6, 0), (1.5, 0, 0))
     session = open_stage(made.stage)
@@ -152,23 +151,23 @@ def test_what_is_hidden_is_not_seen_and_is_named(build, open_stage, shoot):
         ("Cube", "approximated"),  # it has no material
     ],
 )
-def test_every_kind_of_prim_is_accounted_for(build, open_stage, kind, outcome):
-    made = build()
+def test_every_kind_of_prim_is_accounted_for(open_stage, kind, outcome):
+    made = small.Stage()
     made.stage.DefinePrim("/Thing", kind)
     rows = {path: found for path, found, _ in open_stage(made.stage).report.rows}
     assert rows["/Thing"] == outcome
 
 
-def test_all_domes_are_used(build, open_stage):
-    made = build()
+def test_all_domes_are_used(open_stage):
+    made = small.Stage()
     made.dome("/A")
     made.dome("/B")
     rows = {path: found for path, found, _ in open_stage(made.stage).report.rows}
     assert rows == {"/A": "translated", "/B": "translated"}
 
 
-def test_display_color_stands_in_for_a_material(build, open_stage, shoot):
-    made = build()
+def test_display_color_stands_in_for_a_material(open_stage, shoot):
+    made = small.Stage()
     box = made.box("/Box", 1.0)
     box.CreateDisplayColorAttr([(0.2, 0.4, 0.6)])
     made.camera((0, -4, 0), (0, 0, 0))
@@ -178,15 +177,15 @@ def test_display_color_stands_in_for_a_material(build, open_stage, shoot):
     assert "displayColor" in losses["/Box"]
 
 
-def test_an_empty_stage_renders_nothing(build, shoot):
-    made = build()
+def test_an_empty_stage_renders_nothing(shoot):
+    made = small.Stage()
     made.camera((0, -4, 0), (0, 0, 0))
     images = shoot(made.stage, "radiance", *LABELS, "depth", "normal").images
     assert all((image.pixels == 0).all() for image in images.values())
 
 
-def test_without_a_camera_the_scene_is_framed(build, open_stage, shoot):
-    made = build()
+def test_without_a_camera_the_scene_is_framed(open_stage, shoot):
+    made = small.Stage()
     made.box("/Box", 1.0)
     session = open_stage(made.stage)
     assert session.cameras == ()
@@ -196,8 +195,8 @@ def test_without_a_camera_the_scene_is_framed(build, open_stage, shoot):
     assert (view.images["valid"].pixels == 1).mean() > 0.1
 
 
-def test_the_stage_says_its_cameras_and_its_resolution(build, open_stage, shoot):
-    made = build()
+def test_the_stage_says_its_cameras_and_its_resolution(open_stage, shoot):
+    made = small.Stage()
     made.camera((0, -4, 0), (0, 0, 0), path="/Cameras/b")
     made.camera((0, -4, 0), (0, 0, 0), path="/Cameras/a")
     made.camera((0, -4, 0), (0, 0, 0), path="/Other/a")
@@ -208,15 +207,15 @@ def test_the_stage_says_its_cameras_and_its_resolution(build, open_stage, shoot)
     assert session.resolution == (320, 200)
 
 
-def test_points_that_are_no_numbers_are_skipped(build, open_stage):
-    made = build()
+def test_points_that_are_no_numbers_are_skipped(open_stage):
+    made = small.Stage()
     made.mesh("/Broken", [(0, 0, 0), (1, 0, 0), (float("nan"), 1, 0)], [[0, 1, 2]])
     rows = {path: found for path, found, _ in open_stage(made.stage).report.rows}
     assert rows["/Broken"] == "skipped"
 
 
-def test_a_mirrored_mesh_keeps_its_outside(build, shoot):
-    made = build()
+def test_a_mirrored_mesh_keeps_its_outside(shoot):
+    made = small.Stage()
     UsdLux.MeshLightAPI.Apply(made.box("/Bulb", 1.0).GetPrim())
     mirrored = UsdGeom.Xformable(made.stage.GetPrimAtPath("/Bulb"))
     mirrored.AddScaleOp().Set(Gf.Vec3f(-1, 1, 1))
@@ -224,9 +223,9 @@ def test_a_mirrored_mesh_keeps_its_outside(build, shoot):
     assert shoot(made.stage, "emission_mask").images["emission_mask"].pixels[12, 16, 0] == 1
 
 
-def test_an_unreadable_stage_path_is_a_usd_stage_nonetheless(build, open_stage):
+def test_an_unreadable_stage_path_is_a_usd_stage_nonetheless(open_stage):
     # A reference to a file that is missing leaves an empty prim, which is no reason to stop.
-    made = build()
+    made = small.Stage()
     prim = made.stage.DefinePrim("/Lost", "Xform")
     prim.GetReferences().AddReference("./nowhere.usda")
     assert open_stage(made.stage).legend.instance == {}

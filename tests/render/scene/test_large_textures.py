@@ -17,6 +17,8 @@ from openrooms_usd.render.scene.codes import load_picture
 from openrooms_usd.render.scene.pictures import Picture, load
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.surfaces import Texture
+from tests import small
+from tests.small import square
 
 
 def speckled(path: Path, height: int, width: int, channels: int = 3) -> str:
@@ -70,12 +72,12 @@ def test_pictures_of_floats_follow_too(tmp_path: Path) -> None:
     assert np.abs(found.pixels[::-1] - expected).max() < 2e-3
 
 
-def board(build: Any, path: Path, *, side: int = 64) -> Usd.Stage:
-    made = build()
+def board(path: Path, *, side: int = 64) -> Usd.Stage:
+    made = small.Stage()
     color = Texture(speckled(path / "color.png", side, side), color_space="sRGB")
     rough = Texture(speckled(path / "rough.png", side, side), channel="r")
     material = made.material("/Look", base_color=color, roughness=rough)
-    made.quad("/Board", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], material=material)
+    made.quad("/Board", square((0.5, 0.5, 0), 0.5), material=material)
     made.dome()
     return made.stage
 
@@ -86,9 +88,9 @@ def sides(scene: Any) -> set[int]:
 
 
 def test_a_stage_whose_textures_are_too_many_has_smaller_ones(
-    build: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = board(build, tmp_path)
+    stage = board(tmp_path)
     assert sides(translate(stage)) == {64}
     # Three channels and one, three bytes each.
     whole = 64 * 64 * 4 * 3
@@ -103,8 +105,8 @@ def test_a_stage_whose_textures_are_too_many_has_smaller_ones(
     assert sides(translate(stage, texture_side=4096)) == {64}
 
 
-def test_renders_have_it_and_refuse_what_is_none(build: Any, tmp_path: Path) -> None:
-    stage = board(build, tmp_path)
+def test_renders_have_it_and_refuse_what_is_none(tmp_path: Path) -> None:
+    stage = board(tmp_path)
     stage.Export(str(tmp_path / "stage.usda"))
     asked = RenderSettings(renderer="preview", channels=["base_color"], resolution=(8, 6))
     summary = render_stage(tmp_path / "stage.usda", tmp_path / "out", asked.replace(texture_side=8))

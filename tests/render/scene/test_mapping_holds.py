@@ -23,7 +23,7 @@ from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.rendersettings import asked_purposes, is_set
 from tests.opening import open_with
 from tests.render.scene.conftest import Dark
-from tests.smallstages import (
+from tests.render.scene.schemas import (
     CAMERA,
     DRAWN,
     GROUND,
@@ -212,8 +212,11 @@ def _st(prim: Usd.Prim) -> None:
 def _posed(prim: Usd.Prim) -> None:
     """Only its first joint is animated."""
     elsewhere(f"{RIG}/Animation", to("joints", ["a"]))(prim)
-    for name, value in (("translations", [(0, 0, 1)]), ("rotations", [Gf.Quatf(1)]),
-                        ("scales", [Gf.Vec3h(1)])):  # fmt: skip
+    for name, value in (
+        ("translations", [(0, 0, 1)]),
+        ("rotations", [Gf.Quatf(1)]),
+        ("scales", [Gf.Vec3h(1)]),
+    ):
         attribute = prim.GetStage().GetAttributeAtPath(f"{RIG}/Animation.{name}")
         attribute.Clear()
         attribute.Set(value)

@@ -11,7 +11,7 @@ from openrooms_usd.convert import Report
 from openrooms_usd.render.scene.digest import light_digest
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd import mapping
-from tests.smallstages import MATERIAL, SURFACE, bind, write_files
+from tests.render.scene.schemas import MATERIAL, SURFACE, bind, write_files
 
 Kind = Sdf.ValueTypeNames
 TEXTURE, TURN, READER = (f"{MATERIAL}/{name}" for name in ("Texture", "Turn", "Reader"))

@@ -50,8 +50,9 @@ def test_which_model_each_surface_is_of(model: Model, expected: list[float | Non
 
 def test_what_is_lost_stands_in_the_row_of_what_gave_the_surface() -> None:
     assert row(with_model(scene(), "preview"), "/Ours") == (
-        "approximated", "OpenRooms' model is shown by UsdPreviewSurface with ior 1.576",
-    )  # fmt: skip
+        "approximated",
+        "OpenRooms' model is shown by UsdPreviewSurface with ior 1.576",
+    )
     found = with_model(scene(), "openrooms")
     assert row(found, "/Ours") == row(found, "/Chalk") == ("translated", "")
     assert "F0 0.04; its clearcoat is left out" in row(found, "/Glass")[1]

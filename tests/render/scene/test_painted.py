@@ -7,6 +7,7 @@ import pytest
 from pxr import Gf, Sdf, UsdGeom, UsdShade
 
 from openrooms_usd.render.scene.translate import translate
+from tests import small
 
 # Three by three points on the floor, and their four squares.
 POINTS = np.array([(i, j, 0.0) for j in range(3) for i in range(3)])
@@ -22,8 +23,8 @@ def affine(at: np.ndarray) -> np.ndarray:
     return 0.2 + at @ np.array([[0.3, 0.1, 0.0], [0.0, 0.1, 0.25], [0.0, 0.0, 0.0]])
 
 
-def floor(build: Any, interpolation: str, colors: np.ndarray, name: str = "displayColor") -> Any:
-    made = build()
+def floor(interpolation: str, colors: np.ndarray, name: str = "displayColor") -> Any:
+    made = small.Stage()
     mesh = made.mesh("/floor", POINTS, FACES)
     primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
         name, Sdf.ValueTypeNames.Color3fArray, interpolation
@@ -40,17 +41,17 @@ def seen(view: Any, *channels: str) -> list[np.ndarray]:
     return [view.images[name].pixels[there].astype(np.float64) for name in channels]
 
 
-def test_colors_of_points_change_evenly_between_them(build, shoot) -> None:
-    made = floor(build, "vertex", affine(POINTS))
+def test_colors_of_points_change_evenly_between_them(shoot) -> None:
+    made = floor("vertex", affine(POINTS))
     at, found = seen(shoot(made.stage, "depth", "position", "base_color"), "position", "base_color")
     assert np.abs(found - affine(at)).max() < 2e-4
     # Not the mean, which it was.
     assert found.std(axis=0).min() > 0.05
 
 
-def test_colors_of_corners_stay_with_their_triangle(build, shoot) -> None:
+def test_colors_of_corners_stay_with_their_triangle(shoot) -> None:
     colors = colors_of(16)
-    made = floor(build, "faceVarying", colors)
+    made = floor("faceVarying", colors)
     at, found = seen(shoot(made.stage, "depth", "position", "base_color"), "position", "base_color")
     expected = np.zeros_like(found)
     for face, corners in enumerate(FACES):
@@ -66,17 +67,17 @@ def test_colors_of_corners_stay_with_their_triangle(build, shoot) -> None:
     assert wrong.mean() < 0.01
 
 
-def test_colors_of_faces_are_theirs(build, shoot) -> None:
+def test_colors_of_faces_are_theirs(shoot) -> None:
     colors = colors_of(4)
-    made = floor(build, "uniform", colors)
+    made = floor("uniform", colors)
     at, found = seen(shoot(made.stage, "depth", "position", "base_color"), "position", "base_color")
     face = (at[:, 0] > 1.0) + 2 * (at[:, 1] > 1.0)
     away = (np.abs(at[:, :2] - 1.0) > 1e-6).all(axis=1)
     assert np.abs(found - colors[face])[away].max() < 2e-4
 
 
-def test_subdivision_surfaces_carry_them_along(build, shoot) -> None:
-    made = floor(build, "vertex", affine(POINTS))
+def test_subdivision_surfaces_carry_them_along(shoot) -> None:
+    made = floor("vertex", affine(POINTS))
     UsdGeom.Mesh(made.stage.GetPrimAtPath("/floor")).GetSubdivisionSchemeAttr().Set("catmullClark")
     at, found = seen(shoot(made.stage, "depth", "position", "base_color"), "position", "base_color")
     assert np.abs(found - affine(at)).max() < 2e-4
@@ -98,9 +99,9 @@ def painted_material(made: Any, name: str, **inputs: Any) -> str:
     return path
 
 
-def test_a_material_takes_them_and_light_does(build, shoot) -> None:
+def test_a_material_takes_them_and_light_does(shoot) -> None:
     """Under an even sky a Lambertian floor is as bright as its colour."""
-    made = floor(build, "vertex", affine(POINTS), "paint")
+    made = floor("vertex", affine(POINTS), "paint")
     made.bind(made.stage.GetPrimAtPath("/floor"), painted_material(made, "paint"))
     made.dome()
     channels = ("depth", "position", "base_color", "radiance")
@@ -110,15 +111,15 @@ def test_a_material_takes_them_and_light_does(build, shoot) -> None:
         assert np.abs(light.mean(axis=0) - affine(at).mean(axis=0)).max() < 0.02
 
 
-def test_a_material_without_the_primvar_has_its_fallback(build, shoot) -> None:
-    made = floor(build, "vertex", affine(POINTS), "other")
+def test_a_material_without_the_primvar_has_its_fallback(shoot) -> None:
+    made = floor("vertex", affine(POINTS), "other")
     made.bind(made.stage.GetPrimAtPath("/floor"), painted_material(made, "paint"))
     (found,) = seen(shoot(made.stage, "depth", "base_color"), "base_color")
     assert np.abs(found - [0.1, 0.2, 0.3]).max() < 1e-3
 
 
-def test_instances_share_their_picture_and_inherit_colors(build) -> None:
-    made = build()
+def test_instances_share_their_picture_and_inherit_colors() -> None:
+    made = small.Stage()
     made.stage.DefinePrim("/asset", "Xform")
     made.mesh("/asset/floor", POINTS, FACES)
     mesh = UsdGeom.Mesh(made.stage.GetPrimAtPath("/asset/floor"))
@@ -141,8 +142,8 @@ def test_instances_share_their_picture_and_inherit_colors(build) -> None:
     assert of["/World/one_1/plain"].base_color == pytest.approx((0.1, 0.5, 0.1))
 
 
-def test_beside_textures_their_mean_is_taken_and_told(build, tmp_path) -> None:
-    made = floor(build, "vertex", affine(POINTS), "paint")
+def test_beside_textures_their_mean_is_taken_and_told(tmp_path) -> None:
+    made = floor("vertex", affine(POINTS), "paint")
     path = painted_material(made, "paint")
     made.bind(made.stage.GetPrimAtPath("/floor"), path)
     from openrooms_usd.imagefile import write_png

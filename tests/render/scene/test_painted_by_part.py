@@ -8,6 +8,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd.render.scene.pictures import Picture, evaluate
 from openrooms_usd.render.scene.translate import translate
+from tests import small
 from tests.render.scene.test_painted import FACES, POINTS, affine, floor, seen
 
 COLORS = [(0.8, 0.1, 0.1), (0.1, 0.7, 0.1), (0.1, 0.1, 0.9), (0.6, 0.6, 0.1)]
@@ -40,8 +41,8 @@ def at_corners(stage: Usd.Stage, field: str = "base_color") -> tuple[np.ndarray,
     return np.concatenate(places), np.concatenate(values)
 
 
-def test_each_point_of_a_cloud_has_its_color(build: Any) -> None:
-    made = build()
+def test_each_point_of_a_cloud_has_its_color() -> None:
+    made = small.Stage()
     cloud = UsdGeom.Points.Define(made.stage, "/Cloud")
     where = np.array([(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 0, 0)], dtype=float)
     cloud.CreatePointsAttr(vectors(where))
@@ -54,8 +55,8 @@ def test_each_point_of_a_cloud_has_its_color(build: Any) -> None:
     assert np.abs(found - np.array(COLORS)[nearest]).max() < 2e-3
 
 
-def test_curves_change_along_their_length(build: Any) -> None:
-    made = build()
+def test_curves_change_along_their_length() -> None:
+    made = small.Stage()
     curves = UsdGeom.BasisCurves.Define(made.stage, "/Hair")
     curves.CreateTypeAttr("linear")
     points = np.array([(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (2, 1, 0)], dtype=float)
@@ -68,8 +69,8 @@ def test_curves_change_along_their_length(build: Any) -> None:
     assert np.abs(found - affine(axis)).max() < 2e-3
 
 
-def test_each_curve_has_its_color(build: Any) -> None:
-    made = build()
+def test_each_curve_has_its_color() -> None:
+    made = small.Stage()
     curves = UsdGeom.BasisCurves.Define(made.stage, "/Hair")
     curves.CreateBasisAttr("catmullRom")
     points = [(i, j, 0) for j in range(4) for i in range(5)]
@@ -83,8 +84,8 @@ def test_each_curve_has_its_color(build: Any) -> None:
     assert sorted(map(tuple, kinds.tolist())) == sorted(COLORS[i] for i in (0, 2, 3))
 
 
-def test_patches_and_tetrahedra_have_those_of_their_points(build: Any) -> None:
-    made = build()
+def test_patches_and_tetrahedra_have_those_of_their_points() -> None:
+    made = small.Stage()
     body = UsdGeom.TetMesh.Define(made.stage, "/Body")
     points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)
     body.CreatePointsAttr(vectors(points))
@@ -101,17 +102,17 @@ def test_patches_and_tetrahedra_have_those_of_their_points(build: Any) -> None:
     assert np.abs(found - affine(at)).max() < 2e-3
 
 
-def test_one_value_is_that_of_all_whatever_its_interpolation(build: Any) -> None:
+def test_one_value_is_that_of_all_whatever_its_interpolation() -> None:
     for interpolation in ("vertex", "uniform", "faceVarying", "varying"):
-        made = build()
+        made = small.Stage()
         mesh = made.mesh("/floor", POINTS, FACES)
         colors(mesh, interpolation, COLORS[:1])
         _, found = at_corners(made.stage)
         assert np.abs(found - COLORS[0]).max() < 1e-6, interpolation
 
 
-def test_colors_that_are_no_array_are_taken(build: Any) -> None:
-    made = build()
+def test_colors_that_are_no_array_are_taken() -> None:
+    made = small.Stage()
     made.mesh("/floor", POINTS, FACES)
     # As some exporters write it; USD's own interface would refuse to.
     spec = made.stage.GetRootLayer().GetPrimAtPath("/floor")
@@ -121,9 +122,9 @@ def test_colors_that_are_no_array_are_taken(build: Any) -> None:
     assert np.abs(found - [0.2, 0.4, 0.6]).max() < 1e-6
 
 
-def test_opacity_changes_over_a_mesh(build: Any, shoot: Any) -> None:
+def test_opacity_changes_over_a_mesh(shoot: Any) -> None:
     """What is less than half there is seen through; an even sky shines through the rest."""
-    made = floor(build, "constant", np.array([(1.0, 1.0, 1.0)]))
+    made = floor("constant", np.array([(1.0, 1.0, 1.0)]))
     opacity = (POINTS[:, 0] / 2.0).tolist()
     mesh = made.stage.GetPrimAtPath("/floor")
     say(mesh, "displayOpacity", Sdf.ValueTypeNames.FloatArray, "vertex", opacity)
@@ -133,8 +134,8 @@ def test_opacity_changes_over_a_mesh(build: Any, shoot: Any) -> None:
     assert found.min() == pytest.approx(0.0, abs=1e-3) and found.max() == pytest.approx(1.0)
 
 
-def test_materials_read_numbers_of_meshes(build: Any) -> None:
-    made = build()
+def test_materials_read_numbers_of_meshes() -> None:
+    made = small.Stage()
     mesh = made.mesh("/floor", POINTS, FACES)
     path = made.material("/Looks/paint", base_color=(0.5, 0.5, 0.5))
     shader = UsdShade.Shader(made.stage.GetPrimAtPath(path).GetChildren()[0])
@@ -156,8 +157,8 @@ def test_materials_read_numbers_of_meshes(build: Any) -> None:
     assert patch.surface.opacity == 0.0
 
 
-def test_a_material_that_nobody_can_read_leaves_the_colors(build: Any) -> None:
-    made = build()
+def test_a_material_that_nobody_can_read_leaves_the_colors() -> None:
+    made = small.Stage()
     mesh = made.mesh("/floor", POINTS, FACES)
     colors(mesh, "constant", COLORS[:1])
     material = UsdShade.Material.Define(made.stage, "/Looks/other")
@@ -171,8 +172,8 @@ def test_a_material_that_nobody_can_read_leaves_the_colors(build: Any) -> None:
     assert any("SomebodysSurface is not" in reason for _, _, reason in scene.report.rows)
 
 
-def scattered(build: Any, count: int = 4) -> tuple[Any, UsdGeom.PointInstancer]:
-    made = build()
+def scattered(count: int = 4) -> tuple[Any, UsdGeom.PointInstancer]:
+    made = small.Stage()
     instancer = UsdGeom.PointInstancer.Define(made.stage, "/Set")
     made.mesh("/Set/Proto", POINTS, FACES)
     made.mesh("/Set/Own", POINTS + np.array([0.0, 0.0, 1.0]), FACES)
@@ -184,8 +185,8 @@ def scattered(build: Any, count: int = 4) -> tuple[Any, UsdGeom.PointInstancer]:
 
 
 @pytest.mark.parametrize("interpolation", ["vertex", "varying"])
-def test_instances_have_the_colors_of_their_instancer(build: Any, interpolation: str) -> None:
-    made, instancer = scattered(build)
+def test_instances_have_the_colors_of_their_instancer(interpolation: str) -> None:
+    made, instancer = scattered()
     colors(instancer, interpolation, COLORS)
     at, found = at_corners(made.stage)
     number = np.floor(at[:, 0] / 3.0 + 1e-9).astype(int)
@@ -194,16 +195,16 @@ def test_instances_have_the_colors_of_their_instancer(build: Any, interpolation:
     assert np.abs(found - expected[number]).max() < 1e-6
 
 
-def test_instances_have_the_opacity_of_their_instancer(build: Any) -> None:
-    made, instancer = scattered(build)
+def test_instances_have_the_opacity_of_their_instancer() -> None:
+    made, instancer = scattered()
     say(instancer, "displayOpacity", Sdf.ValueTypeNames.FloatArray, "vertex", [0.2, 0.4, 0.6, 0.8])
     at, found = at_corners(made.stage, "opacity")
     number = np.floor(at[:, 0] / 3.0 + 1e-9).astype(int)
     assert np.abs(found[:, 0] - np.array([0.2, 0.4, 0.6, 0.8])[number]).max() < 1e-6
 
 
-def test_a_masked_instance_keeps_the_numbers_of_the_others(build: Any) -> None:
-    made, instancer = scattered(build)
+def test_a_masked_instance_keeps_the_numbers_of_the_others() -> None:
+    made, instancer = scattered()
     colors(instancer, "vertex", COLORS)
     instancer.CreateInvisibleIdsAttr([0])
     at, found = at_corners(made.stage)
@@ -212,8 +213,8 @@ def test_a_masked_instance_keeps_the_numbers_of_the_others(build: Any) -> None:
     assert np.abs(found[number == 2] - COLORS[2]).max() < 1e-6
 
 
-def test_very_many_colors_of_instances_are_rounded_and_told(build: Any) -> None:
-    made, instancer = scattered(build, 400)
+def test_very_many_colors_of_instances_are_rounded_and_told() -> None:
+    made, instancer = scattered(400)
     rows = np.random.default_rng(2).uniform(0.0, 1.0, (400, 3))
     colors(instancer, "vertex", rows)
     scene = translate(made.stage)
@@ -225,8 +226,8 @@ def test_very_many_colors_of_instances_are_rounded_and_told(build: Any) -> None:
     assert np.abs(found - rows[number])[own].max() <= 1.0 / 8.0 + 1e-6
 
 
-def test_of_nested_instancers_the_inner_one_counts(build: Any) -> None:
-    made = build()
+def test_of_nested_instancers_the_inner_one_counts() -> None:
+    made = small.Stage()
     made.mesh("/Set/Inner/Proto", POINTS, FACES)
     for path, target in (("/Set/Inner", "/Set/Inner/Proto"), ("/Set", "/Set/Inner")):
         instancer = UsdGeom.PointInstancer.Define(made.stage, path)

@@ -10,6 +10,7 @@ from openrooms_usd.geometry.pinhole import intrinsics, look_at, panorama_intrins
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
+from tests import small
 
 WIDTH, HEIGHT = 48, 24
 POSE = look_at((0.3, -0.2, 0.1), (1.3, -0.2, 0.1))
@@ -33,9 +34,9 @@ def test_directions_are_those_of_a_map() -> None:
 
 
 @pytest.fixture
-def inside(build: type, open_stage: Callable[[Usd.Stage], OpenedStage]) -> OpenedStage:
+def inside(open_stage: Callable[[Usd.Stage], OpenedStage]) -> OpenedStage:
     """A closed box of 4 m about the origin."""
-    made = build()
+    made = small.Stage()
     made.box("/Room", 4.0, inside=True)
     return open_stage(made.stage)
 

@@ -69,12 +69,19 @@ def test_instances_stand_where_usd_says(
                 turned = matrix.GetInverse().GetTranspose()
                 expected = [turned.TransformDir(Gf.Vec3d(given[i])).GetNormalized() for i in places]
             # The winding of what is mirrored is turned round, from whichever corner.
-            order = [int(np.abs(np.array(corners) - corner).sum(axis=1).argmin())
-                     for corner in found.corners[row]]  # fmt: skip
+            order = [
+                int(np.abs(np.array(corners) - corner).sum(axis=1).argmin())
+                for corner in found.corners[row]
+            ]
             assert sorted(order) == [0, 1, 2]
-            assert (Gf.Cross(Gf.Vec3d(*map(float, np.eye(3)[order[0]])),
-                             Gf.Vec3d(*map(float, np.eye(3)[order[1]])))
-                    * Gf.Vec3d(*map(float, np.eye(3)[order[2]])) < 0.0) == mirrored  # fmt: skip
+            assert (
+                Gf.Cross(
+                    Gf.Vec3d(*map(float, np.eye(3)[order[0]])),
+                    Gf.Vec3d(*map(float, np.eye(3)[order[1]])),
+                )
+                * Gf.Vec3d(*map(float, np.eye(3)[order[2]]))
+                < 0.0
+            ) == mirrored
             assert np.allclose(found.corners[row], np.array(corners)[order], atol=1e-6)
             assert np.allclose(found.normals[row], np.array(expected)[order], atol=1e-5)
     assert next(rows, None) is None

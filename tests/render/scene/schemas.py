@@ -101,26 +101,51 @@ KNOTS = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0]
 # What a prim of a type needs; others need nothing.
 BASES: dict[str, Change] = {
     "Mesh": several(
-        to("points", [*POINTS, (1, 3, 1)]), to("faceVertexCounts", [4, 3]),
-        to("faceVertexIndices", [0, 1, 2, 3, 3, 2, 4]), to("subdivisionScheme", "none"),
+        to("points", [*POINTS, (1, 3, 1)]),
+        to("faceVertexCounts", [4, 3]),
+        to("faceVertexIndices", [0, 1, 2, 3, 3, 2, 4]),
+        to("subdivisionScheme", "none"),
     ),
-    "BasisCurves": several(to("points", ROW), to("curveVertexCounts", [7]), to("widths", [0.1]),
-                           lambda prim: UsdGeom.Curves(prim).SetWidthsInterpolation("constant")),
-    "HermiteCurves": several(to("points", ROW[:4]), to("tangents", [(1, 0, 0)] * 4),
-                             to("curveVertexCounts", [4]), to("widths", [0.1] * 4)),
-    "NurbsCurves": several(to("points", ROW[:5]), to("curveVertexCounts", [5]), to("order", [4]),
-                           to("knots", [0, 0, 0, 0, 1, 2, 2, 2, 2]), to("widths", [0.1] * 5)),
+    "BasisCurves": several(
+        to("points", ROW),
+        to("curveVertexCounts", [7]),
+        to("widths", [0.1]),
+        lambda prim: UsdGeom.Curves(prim).SetWidthsInterpolation("constant"),
+    ),
+    "HermiteCurves": several(
+        to("points", ROW[:4]),
+        to("tangents", [(1, 0, 0)] * 4),
+        to("curveVertexCounts", [4]),
+        to("widths", [0.1] * 4),
+    ),
+    "NurbsCurves": several(
+        to("points", ROW[:5]),
+        to("curveVertexCounts", [5]),
+        to("order", [4]),
+        to("knots", [0, 0, 0, 0, 1, 2, 2, 2, 2]),
+        to("widths", [0.1] * 5),
+    ),
     "NurbsPatch": several(
-        to("points", GRID), to("uVertexCount", 4), to("vVertexCount", 4), to("uOrder", 4),
-        to("vOrder", 4), to("uKnots", KNOTS), to("vKnots", KNOTS),
+        to("points", GRID),
+        to("uVertexCount", 4),
+        to("vVertexCount", 4),
+        to("uOrder", 4),
+        to("vOrder", 4),
+        to("uKnots", KNOTS),
+        to("vKnots", KNOTS),
     ),
     "Points": several(to("points", ROW[:3]), to("widths", [0.1] * 3)),
-    "TetMesh": several(to("points", [*POINTS[:3], (1, 1, 2)]),
-                       to("tetVertexIndices", [(0, 1, 2, 3)])),
-    "PointInstancer": several(refer("prototypes", GROUND, OTHER), to("protoIndices", [0, 1]),
-                              to("positions", [(0, 0, 1), (4, 0, 1)])),
-    "GeomSubset": several(to("indices", [0]), to("familyName", "materialBind"),
-                          lambda prim: bind(prim, SECOND)),
+    "TetMesh": several(
+        to("points", [*POINTS[:3], (1, 1, 2)]), to("tetVertexIndices", [(0, 1, 2, 3)])
+    ),
+    "PointInstancer": several(
+        refer("prototypes", GROUND, OTHER),
+        to("protoIndices", [0, 1]),
+        to("positions", [(0, 0, 1), (4, 0, 1)]),
+    ),
+    "GeomSubset": several(
+        to("indices", [0]), to("familyName", "materialBind"), lambda prim: bind(prim, SECOND)
+    ),
     **dict.fromkeys(("Xform", "Scope"), _parent),
     "RenderSettings": _settings,
     "RenderProduct": _product,
@@ -128,7 +153,7 @@ BASES: dict[str, Change] = {
         lambda prim: _product(prim.GetStage().DefinePrim("/World/Product", "RenderProduct")),
         elsewhere("/World/Product", refer("orderedVars", "/World/It")),
     ),
-}  # fmt: skip
+}
 # Where a prim is that is not at /World/It.
 PLACES = {
     "GeomSubset": "/World/Faces/It",
@@ -150,9 +175,12 @@ HOSTS = {
     "VolumeLightAPI": "Volume",
     "BackPlateAPI": "Camera",
 }
-DRAWN = ("Mesh", "Cube", "Sphere", "Cylinder", "Cylinder_1", "Cone", "Capsule", "Capsule_1",
-         "Plane", "BasisCurves", "HermiteCurves", "NurbsCurves", "NurbsPatch", "Points",
-         "TetMesh", "PointInstancer")  # fmt: skip
+DRAWN = tuple(
+    (
+        "Mesh Cube Sphere Cylinder Cylinder_1 Cone Capsule Capsule_1 Plane BasisCurves "
+        "HermiteCurves NurbsCurves NurbsPatch Points TetMesh PointInstancer"
+    ).split()
+)
 
 
 def small(schema: str) -> tuple[Usd.Stage, Usd.Prim]:
