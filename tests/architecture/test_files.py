@@ -74,7 +74,7 @@ def chapters() -> list[Path]:
 
     The command line has a table of its commands, and furniture one module a category.
     """
-    without = {"openrooms_usd", "openrooms_usd/cli", "openrooms_usd/library/furniture"}
+    without = {"openrooms_usd", "openrooms_usd/cli", "openrooms_usd/furniture/categories"}
     return [
         path.parent
         for path in modules()

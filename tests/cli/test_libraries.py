@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError, OutputError
-from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.render.sheet import write_sheet
 from openrooms_usd.showroom import exhibits
 

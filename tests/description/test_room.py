@@ -203,7 +203,7 @@ def test_openings_are_named_by_their_kind() -> None:
 
 
 def test_the_categories_are_those_of_the_library() -> None:
-    from openrooms_usd.library.furniture import CATEGORIES
+    from openrooms_usd.furniture import CATEGORIES
 
     assert sorted(get_args(LibraryCategory)) == sorted(CATEGORIES)
 

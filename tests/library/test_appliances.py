@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from openrooms_usd.furniture import CATEGORIES, Furniture, make, part_of
+from openrooms_usd.furniture.categories.toilet import egg
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.library.furniture import CATEGORIES, Furniture, make, part_of
-from openrooms_usd.library.furniture.toilet import egg
 
 
 def _made(name: str, style: str, seed: int = 0) -> Furniture:

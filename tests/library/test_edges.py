@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from openrooms_usd.furniture import CATEGORIES, make, part_of
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.solids import box, rounded_box
-from openrooms_usd.library.furniture import CATEGORIES, make, part_of
 
 JOINED = {"tabletop", "leg", "door", "drawer_front", "shelf", "rail", "headboard"}
 PIECES = ("table", "chair", "coffee_table", "desk", "cabinet", "dresser", "bookshelf", "wardrobe",

@@ -6,10 +6,10 @@ from functools import cached_property
 import numpy as np
 import pytest
 
+from openrooms_usd.furniture import Furniture, Joint, Size, make, part_of
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.solids import box
-from openrooms_usd.library.furniture import Furniture, Joint, Size, make, part_of
 from tests.library.pieces import STYLES, piece, usual
 
 # What may overlap, metres: seals, and handles let into their doors.

@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.library.furniture import (
+from openrooms_usd.furniture import (
     CATEGORIES,
     Furniture,
     Parts,
@@ -15,6 +14,7 @@ from openrooms_usd.library.furniture import (
     part_of,
     styles,
 )
+from openrooms_usd.geometry.raycast import RayCaster
 
 
 def _made(name: str, style: str, seed: int = 0, size: Size | None = None) -> Furniture:

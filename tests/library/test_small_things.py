@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from openrooms_usd.furniture import CATEGORIES, Furniture, make, part_of
+from openrooms_usd.furniture.joinery.posing import facing, oval, tapered, turned
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.library.furniture import CATEGORIES, Furniture, make, part_of
-from openrooms_usd.library.furniture.posing import facing, oval, tapered, turned
 
 
 def made(name: str, style: str, seed: int = 0) -> Furniture:

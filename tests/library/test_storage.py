@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from openrooms_usd.library.furniture import CATEGORIES, Furniture, Size, make, part_of
-from openrooms_usd.library.furniture.books import BINDINGS, Shelf, bound
-from openrooms_usd.library.furniture.fronts import HANDLES, Look, leaf
+from openrooms_usd.furniture import CATEGORIES, Furniture, Size, make, part_of
+from openrooms_usd.furniture.joinery.books import BINDINGS, Shelf, bound
+from openrooms_usd.furniture.joinery.fronts import HANDLES, Look, leaf
 
 STORAGE = ("cabinet", "wardrobe", "dresser", "bookshelf", "file_cabinet", "counter",
            "kitchen_cabinet")  # fmt: skip

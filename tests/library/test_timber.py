@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture import CATEGORIES, make
 from openrooms_usd.geometry.grain import along_grain, charts
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import box, rounded_box
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import model_of
-from openrooms_usd.library.furniture import CATEGORIES, make
 from openrooms_usd.library.timber import grained
 
 

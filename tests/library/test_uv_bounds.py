@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from openrooms_usd.furniture import CATEGORIES, make
 from openrooms_usd.geometry.uvquality import uv_quality
-from openrooms_usd.library.furniture import CATEGORIES, make
 from tests.library.pieces import piece
 
 

@@ -1,12 +1,12 @@
 """Cloths over edges, and what hangs on hooks and rails: made to fit, drawn by the records."""
 
+from openrooms_usd.furniture import category
 from openrooms_usd.generate.clutter.amounts import DRAPED, HUNG
 from openrooms_usd.generate.clutter.draping import Edge, hang_over
 from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.hooks import Peg
 from openrooms_usd.generate.clutter.laying import item_at, posed_object
 from openrooms_usd.generate.clutter.scatter import Scatter
-from openrooms_usd.library.furniture import category
 
 
 def drape(scatter: Scatter, number: int, edge: Edge, level: int) -> None:
@@ -27,7 +27,8 @@ def drape(scatter: Scatter, number: int, edge: Edge, level: int) -> None:
     fit = hang_over(edge, width, height, scatter.rng)
     spec, carrier = category(drawn[0]), edge.carrier
     if fit is None or not all(
-        low <= side <= high for low, side, high in zip(spec.least, fit.size, spec.most, strict=True)
+        low <= side <= high
+        for low, side, high in zip(spec.min_size, fit.size, spec.max_size, strict=True)
     ):
         return
     thing = posed_object(scatter.surfaces, drawn[0], (fit.size, style))

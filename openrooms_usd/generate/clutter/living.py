@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.generate.clutter.amounts import LAID, ROOM_AMOUNTS
 from openrooms_usd.generate.clutter.arrangements import MOUSE, lay_table, put_beside
 from openrooms_usd.generate.clutter.draping import edges
@@ -21,7 +22,6 @@ from openrooms_usd.generate.clutter.spots import Spot, spots, spots_of
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shapes import Shapes
-from openrooms_usd.library.furniture import CATEGORIES
 
 # The level from which on tables are laid for a meal.
 _MEALS_FROM: Final = 2
@@ -134,10 +134,11 @@ def _lay_tables(
 
 def _inside(scatter: Scatter, surfaces: Surfaces, known: int) -> list[tuple[int, Spot]]:
     """What small things carry themselves: baskets, trays, stacks."""
-    carriers = [(group, item) for group, item in scatter.added if CATEGORIES[item.category].carries]
+    offered = [(*added, offered_surfaces(added[1].category)) for added in scatter.added]
     found = (
         spot
-        for group, item in carriers
-        for spot in spots_of(item, group, CATEGORIES[item.category].carries, surfaces)
+        for group, item, places in offered
+        if places
+        for spot in spots_of(item, group, places, surfaces)
     )
     return list(enumerate(found, known))

@@ -6,7 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.categories.record import given
+from openrooms_usd.furniture import Size, category
+from openrooms_usd.furniture.placements import Place, SurfacePlacement
+from openrooms_usd.furniture.placements import Pose as Lying
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS, amount_of
 from openrooms_usd.generate.clutter.forms import Surfaces
@@ -24,9 +26,6 @@ from openrooms_usd.generate.clutter.resting import rest_on
 from openrooms_usd.generate.clutter.soft import Seat, drop, lean
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
-from openrooms_usd.library.furniture import Size, category
-from openrooms_usd.library.furniture.lying import Lies, Place
-from openrooms_usd.library.furniture.lying import Pose as Lying
 
 # Turns from the direction of those who use a surface, degrees.
 _TURNED: Final[dict[Lying, float]] = {"flat": 180.0, "on_back": 180.0, "on_side": 180.0}
@@ -72,7 +71,7 @@ class Scatter:
     ceiling: float
     added: list[tuple[int, Item]] = field(default_factory=list)
     _company: dict[int, list[tuple[str, Array, str]]] = field(default_factory=dict)
-    _used: dict[tuple[str, Lies], int] = field(default_factory=dict)
+    _used: dict[tuple[str, SurfacePlacement], int] = field(default_factory=dict)
     _keys: dict[str, int] = field(default_factory=dict)
 
     def fill(self, number: int, spot: Spot, level: int) -> None:
@@ -138,7 +137,7 @@ class Scatter:
             thing = posed_object(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
             z = 0.0
             if place == "wall":
-                z = given(category(name).level, 1.3) + float(self.rng.uniform(-0.1, 0.15))
+                z = (category(name).mount_height or 1.3) + float(self.rng.uniform(-0.1, 0.15))
             pose = ground.hang(thing, z) if place == "wall" else ground.place(place, thing)
             if pose is None:
                 continue
@@ -156,12 +155,12 @@ class Scatter:
         wanted = usual * amount.shares[level - 1]
         return int(wanted + self.rng.random())
 
-    def drawn(self, number: int, place: Place, level: int) -> tuple[str, Lies] | None:
+    def drawn(self, number: int, place: Place, level: int) -> tuple[str, SurfacePlacement] | None:
         """What to lay next: likelier what goes with what is there, less likely what is there."""
         rows = [
             row
             for row in candidates(place, self.room_type, level)
-            if self._used.get(row, 0) < row[1].most
+            if self._used.get(row, 0) < row[1].max_groups
         ]
         if not rows:
             return None
@@ -176,7 +175,7 @@ class Scatter:
         share = np.cumsum(weights) / np.sum(weights)
         return rows[int(np.searchsorted(share, self.rng.random()))]
 
-    def _lay(self, number: int, spot: Spot, name: str, lies: Lies) -> None:
+    def _lay(self, number: int, spot: Spot, name: str, lies: SurfacePlacement) -> None:
         count = int(self.rng.integers(lies.count[0], lies.count[1] + 1))
         room = self._room_on(spot)
         make = self.makes.draw(name, lies, room)
@@ -191,7 +190,9 @@ class Scatter:
             laid = []
             for index in range(count):
                 # What lies together is alike only where a room has one make of it.
-                other = self.makes.draw(name, lies, room) if index and lies.makes > 1 else None
+                other = (
+                    self.makes.draw(name, lies, room) if index and lies.max_variants > 1 else None
+                )
                 if other is not None:
                     thing = posed_object(self.surfaces, name, other, thing.tilt)
                 item = self._put(number, spot, thing, lies)
@@ -205,7 +206,9 @@ class Scatter:
         high = float(spot.level.clear[spot.level.clear > 0.0].max())
         return x1 - x0, y1 - y0, min(high, 1.2) - 0.005
 
-    def _put(self, number: int, spot: Spot, thing: PosedObject, lies: Lies) -> Item | None:
+    def _put(
+        self, number: int, spot: Spot, thing: PosedObject, lies: SurfacePlacement
+    ) -> Item | None:
         """One thing somewhere on a surface."""
         middle = self._place(number, spot, thing.size, lies)
         if middle is None:
@@ -215,7 +218,7 @@ class Scatter:
         return item
 
     def _row(
-        self, number: int, spot: Spot, thing: PosedObject, lies: Lies, count: int
+        self, number: int, spot: Spot, thing: PosedObject, lies: SurfacePlacement, count: int
     ) -> list[Item]:  # fmt: skip
         """Several alike side by side, fewer where there is no space."""
         width, depth, height = thing.size
@@ -235,7 +238,13 @@ class Scatter:
         return []
 
     def _stack(
-        self, number: int, spot: Spot, thing: PosedObject, lies: Lies, count: int, room: Size
+        self,
+        number: int,
+        spot: Spot,
+        thing: PosedObject,
+        lies: SurfacePlacement,
+        count: int,
+        room: Size,
     ) -> list[Item]:
         """Several on top of each other, none larger than the one below."""
         width, depth, height = thing.size
@@ -266,7 +275,7 @@ class Scatter:
             carrier, below = item.key, upper
         return laid
 
-    def _next(self, below: PosedObject, lies: Lies, high: float) -> PosedObject | None:
+    def _next(self, below: PosedObject, lies: SurfacePlacement, high: float) -> PosedObject | None:
         """What may lie on top of something: no larger than that."""
         width, depth, _ = below.make[0]
         make = self.makes.draw(below.name, lies, (width + 0.002, depth + 0.002, high))
@@ -278,7 +287,7 @@ class Scatter:
         return origin + float(upper.low[2]) - float(below.low[2])
 
     def _place(
-        self, number: int, spot: Spot, size: tuple[float, float, float], lies: Lies
+        self, number: int, spot: Spot, size: tuple[float, float, float], lies: SurfacePlacement
     ) -> Pose | None:
         (x0, y0), (x1, y1) = spot.reach
         if min(size[:2]) > min(x1 - x0, y1 - y0):
@@ -306,7 +315,7 @@ class Scatter:
         thing: PosedObject,
         middle: Pose,
         z: float,
-        lies: Lies,
+        lies: SurfacePlacement,
     ) -> None:
         self.add(spot.group, item, thing.standing((item.x, item.y, item.yaw), z))
         back = (0.0, 0.0, -spot.pose[2])
@@ -318,7 +327,7 @@ class Scatter:
         self.added.append((group, item))
         self.taken.add(boxes, item.key)
 
-    def note(self, number: int, name: str, lies: Lies) -> None:
+    def note(self, number: int, name: str, lies: SurfacePlacement) -> None:
         """Remember that something was laid on a surface without places of its own."""
         self._used[name, lies] = self._used.get((name, lies), 0) + 1
         self._company.setdefault(number, []).append((lies.cluster, np.zeros(2), name))
