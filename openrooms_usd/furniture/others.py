@@ -8,9 +8,9 @@ from openrooms_usd.furniture.record import (
     STORAGE_ROWS,
     Category,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED, STORAGE
 
@@ -42,7 +42,7 @@ OTHERS: Final[dict[str, Category]] = {
     "opening": Category(
         fixed=True,
         classes=Classes(nyu40="otherstructure"),
-        schemes=(Scheme({ANY: "white", "threshold": "wood"}),),
+        schemes=(scheme("white", threshold="wood"),),
     ),
     "pendant_lamp": Category(classes=Classes("lamp", "lamp", "chandelier"), support="ceiling"),
     "picture_rail": Category(fixed=True, classes=Classes("wall", "otherstructure", "wall")),

@@ -29,7 +29,7 @@ from openrooms_usd.furniture.construction import (
 )
 from openrooms_usd.furniture.joinery.boards import Size, Style
 from openrooms_usd.furniture.placements import Place, SurfacePlacement, on
-from openrooms_usd.furniture.schemes import METAL, Scheme
+from openrooms_usd.furniture.schemes import METAL, Scheme, scheme
 
 __all__ = [
     "ALUMINIUM",
@@ -60,6 +60,7 @@ __all__ = [
     "filled",
     "on",
     "row",
+    "scheme",
     "solid",
     "walls",
 ]

@@ -31,6 +31,32 @@ class Scheme:
     suite: str = ""
 
 
+_NO_PARTS: Final[Mapping[str, str]] = {}
+
+
+def scheme(
+    finish: str,
+    shared: Mapping[str, str] = _NO_PARTS,
+    /,
+    *,
+    needs: str | None = None,
+    weight: float = 1.0,
+    suite: str = "",
+    **parts: str,
+) -> Scheme:
+    """A scheme by the finish of most parts, and by those that have another.
+
+    Args:
+        finish: Of all that are not named.
+        shared: Finishes of parts which several schemes have; ``parts`` go before them.
+        needs: As of `Scheme`.
+        weight: As of `Scheme`.
+        suite: As of `Scheme`.
+        **parts: The finish of each other part.
+    """
+    return Scheme({ANY: finish, **shared, **parts}, needs, weight, suite)
+
+
 # Parts that several categories finish alike.
 HIDE: Final = {"seat_cushion": "hide", "back_cushion": "hide", "cushion": "hide"}
 TAP: Final = {"body": "chrome", "switch": "chrome"}
@@ -38,20 +64,20 @@ DARK_TAP: Final = {"body": METAL, "switch": METAL, "spout": METAL, "drain": META
 _HOT: Final = {"container": "cavity", "base": "black", "rack": "chrome", "handle": "steel"}
 
 CHAIRS: Final = (
-    Scheme({ANY: "bent_wood"}, weight=3.0),
-    Scheme({ANY: "lacquer", "leg": "bent_wood", "frame": "bent_wood"}),
-    Scheme({ANY: "lacquer"}),
-    Scheme({ANY: "upholstery", "leg": "bent_wood"}, needs="arm", weight=100.0),
+    scheme("bent_wood", weight=3.0),
+    scheme("lacquer", leg="bent_wood", frame="bent_wood"),
+    scheme("lacquer"),
+    scheme("upholstery", leg="bent_wood", needs="arm", weight=100.0),
 )
 TABLES: Final = (
-    Scheme({ANY: "wood"}, weight=3.0),
-    Scheme({ANY: METAL, "tabletop": "wood", "shelf": "wood"}),
-    Scheme({ANY: "white", "tabletop": "wood", "shelf": "wood"}),
+    scheme("wood", weight=3.0),
+    scheme(METAL, tabletop="wood", shelf="wood"),
+    scheme("white", tabletop="wood", shelf="wood"),
 )
 STORAGE: Final = (
-    Scheme({ANY: "wood"}, weight=2.0),
-    Scheme({ANY: "white", "leg": "wood", "base": "white"}),
-    Scheme({ANY: "wood", "door": "lacquer", "drawer_front": "lacquer"}, needs="handle"),
+    scheme("wood", weight=2.0),
+    scheme("white", leg="wood", base="white"),
+    scheme("wood", door="lacquer", drawer_front="lacquer", needs="handle"),
 )
 _UNIT: Final = {
     "shelf": "white",
@@ -61,21 +87,21 @@ _UNIT: Final = {
     "rack": "chrome",
 }
 KITCHEN: Final = (
-    Scheme({ANY: "white", **_UNIT}, weight=3.0, suite="kitchen"),
-    Scheme({ANY: "kitchen_lacquer", **_UNIT}, weight=3.0, suite="kitchen"),
-    Scheme({ANY: "wood", **_UNIT}, weight=2.0, suite="kitchen"),
-    Scheme({ANY: "white", **_UNIT, "kickboard": "black"}, suite="kitchen"),
+    scheme("white", _UNIT, weight=3.0, suite="kitchen"),
+    scheme("kitchen_lacquer", _UNIT, weight=3.0, suite="kitchen"),
+    scheme("wood", _UNIT, weight=2.0, suite="kitchen"),
+    scheme("white", _UNIT, kickboard="black", suite="kitchen"),
 )
 # Of appliances behind the fronts of a kitchen.
-PANELLED: Final = tuple(replace(scheme, needs="kickboard") for scheme in KITCHEN)
-LAMPS: Final = (Scheme({ANY: METAL}, weight=2.0), Scheme({ANY: METAL, "base": "ceramic"}))
-SOCKETED: Final = (Scheme({ANY: METAL, "lamp_shade": "lacquer"}, needs="socket", weight=100.0),)
+PANELLED: Final = tuple(replace(each, needs="kickboard") for each in KITCHEN)
+LAMPS: Final = (scheme(METAL, weight=2.0), scheme(METAL, base="ceramic"))
+SOCKETED: Final = (scheme(METAL, lamp_shade="lacquer", needs="socket", weight=100.0),)
 COOKERS: Final = (
-    Scheme({ANY: "steel", **_HOT, "frame": "black"}, weight=2.0),
-    Scheme({ANY: "enamel", **_HOT, "knob": "enamel"}, weight=2.0),
-    Scheme({ANY: "screen", **_HOT, "frame": "black", "knob": "steel"}),
+    scheme("steel", _HOT, frame="black", weight=2.0),
+    scheme("enamel", _HOT, knob="enamel", weight=2.0),
+    scheme("screen", _HOT, frame="black", knob="steel"),
 )
 SCREENS: Final = (
-    Scheme({ANY: "black_plastic"}, weight=3.0),
-    Scheme({ANY: "black_plastic", "stand": "aluminium", "base": "aluminium", "foot": "aluminium"}),
+    scheme("black_plastic", weight=3.0),
+    scheme("black_plastic", stand="aluminium", base="aluminium", foot="aluminium"),
 )

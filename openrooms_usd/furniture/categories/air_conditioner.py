@@ -13,7 +13,7 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     profiled,
 )
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, filled, row
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
 
 
 def split(size: Size, rng: np.random.Generator) -> Parts:
@@ -67,6 +67,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     mass_range=(6, 20),
     words="air_conditioning ac_unit air_condition aircon",
-    schemes=(Scheme({ANY: "plastic", "slat": "grey"}),),
+    schemes=(scheme("plastic", slat="grey"),),
     construction=(row(ANY, filled(260), "weight"),),
 )

@@ -12,10 +12,10 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
@@ -132,19 +132,17 @@ CATEGORY: Final = BuiltCategory(
     words="clock_radio digital_clock desk_clock",
     classes=Classes("clock", "otherprop", "clock", "clock"),
     schemes=(
-        Scheme({ANY: METAL, "face": "white_paper", "number": "print", "hand": "black"}),
-        Scheme(
-            {
-                ANY: "lacquer",
-                "face": "white_paper",
-                "number": "print",
-                "hand": "black",
-                "bell": "chrome",
-                "foot": "chrome",
-                "handle": "chrome",
-            }
+        scheme(METAL, face="white_paper", number="print", hand="black"),
+        scheme(
+            "lacquer",
+            face="white_paper",
+            number="print",
+            hand="black",
+            bell="chrome",
+            foot="chrome",
+            handle="chrome",
         ),
-        Scheme({ANY: "dark_plastic", "digit": "lit_digit"}, needs="digit", weight=100.0),
+        scheme("dark_plastic", digit="lit_digit", needs="digit", weight=100.0),
     ),
     construction=(row(ANY, filled(550), "weight"),),
     placements=(

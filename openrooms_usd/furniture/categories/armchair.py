@@ -20,7 +20,7 @@ from openrooms_usd.furniture.joinery.boards import (
     square_leg,
     strip,
 )
-from openrooms_usd.furniture.record import ANY, METAL, SEAT_ROWS, BuiltCategory, Classes, Scheme
+from openrooms_usd.furniture.record import METAL, SEAT_ROWS, BuiltCategory, Classes, scheme
 from openrooms_usd.furniture.schemes import HIDE
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft
@@ -204,10 +204,10 @@ CATEGORY: Final = BuiltCategory(
     words="arm_chair recliner club_chair lounge_chair easy_chair sofa_chair poltrone massage_chair",
     classes=Classes("chair", "chair", "armchair", "chair"),
     schemes=(
-        Scheme({ANY: "upholstery", "leg": "wood"}, weight=2.0),
-        Scheme({ANY: "upholstery", "leg": METAL}),
-        Scheme({ANY: "hide", **HIDE, "leg": "wood"}, needs="seat_cushion", weight=0.7),
-        Scheme({ANY: "wood"}, needs="rail", weight=100.0),
+        scheme("upholstery", leg="wood", weight=2.0),
+        scheme("upholstery", leg=METAL),
+        scheme("hide", HIDE, leg="wood", needs="seat_cushion", weight=0.7),
+        scheme("wood", needs="rail", weight=100.0),
     ),
     construction=SEAT_ROWS,
     offers_surfaces=("armchair_seat", "chair_back"),

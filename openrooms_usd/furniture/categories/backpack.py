@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
 from openrooms_usd.furniture.joinery.posing import tapered
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
@@ -95,10 +95,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.5, 5),
     words="rucksack knapsack schoolbag school_bag",
     classes=Classes("bag", "bag", "bag", "backpack"),
-    schemes=(
-        Scheme({ANY: "bag_cloth", "lock": "chrome"}, weight=2.0),
-        Scheme({ANY: "hide", "lock": "brass"}),
-    ),
+    schemes=(scheme("bag_cloth", lock="chrome", weight=2.0), scheme("hide", lock="brass")),
     construction=(row(ANY, filled(90), "common"),),
     collision_softness=0.03,
     placements=(

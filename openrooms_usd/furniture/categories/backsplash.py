@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 
 
@@ -33,10 +33,6 @@ CATEGORY: Final = BuiltCategory(
     mount_height=0.91,
     fixed=True,
     classes=Classes("wall", "wall", "wall"),
-    schemes=(
-        Scheme({ANY: "wall_tiles"}, weight=4.0),
-        Scheme({ANY: "stone"}),
-        Scheme({ANY: "back_painted_glass"}),
-    ),
+    schemes=(scheme("wall_tiles", weight=4.0), scheme("stone"), scheme("back_painted_glass")),
     construction=(row(ANY, filled(2300), "common"),),
 )

@@ -10,10 +10,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.cloth import pillow, ripples
@@ -103,9 +103,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bag", "bag", "bag", "handbag"),
     synsets=("02773838",),
     schemes=(
-        Scheme({ANY: "bag_cloth", "handle": "bag_cloth"}, weight=2.0),
-        Scheme({ANY: "hide", "handle": "hide"}),
-        Scheme({ANY: "cardboard", "cord": "white_paper"}, needs="sack", weight=100.0),
+        scheme("bag_cloth", handle="bag_cloth", weight=2.0),
+        scheme("hide", handle="hide"),
+        scheme("cardboard", cord="white_paper", needs="sack", weight=100.0),
     ),
     construction=(
         row("sack", walls(0.3, 800), "common"),

@@ -13,10 +13,10 @@ from openrooms_usd.furniture.record import (
     WIDE,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -166,10 +166,7 @@ CATEGORY: Final = BuiltCategory(
     "storage_bin plastic_bin laundry_bin",
     classes=Classes("basket", "otherprop", "basket"),
     synsets=("02801938",),
-    schemes=(
-        Scheme({ANY: "rope", "handle": "rope"}),
-        Scheme({ANY: "wood"}, needs="base", weight=100.0),
-    ),
+    schemes=(scheme("rope", handle="rope"), scheme("wood", needs="base", weight=100.0)),
     construction=(row(ANY, filled(250), "weight", "fabric"),),
     placements=(
         on("low_shelf wardrobe_shelf appliance_top", weight=0.8),

@@ -16,13 +16,12 @@ from openrooms_usd.furniture.joinery.boards import (
     square_leg,
 )
 from openrooms_usd.furniture.record import (
-    ANY,
     SEAT_ROWS,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.curves import filleted
@@ -317,11 +316,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bed", "bed", "bed", "bed"),
     synsets=("02818832",),
     schemes=(
-        Scheme({ANY: "wood"}, weight=3.0),
-        Scheme({ANY: "white"}),
-        Scheme(
-            {ANY: "upholstery", "leg": "wood", "base": "black"}, needs="headboard_pad", weight=100.0
-        ),
+        scheme("wood", weight=3.0),
+        scheme("white"),
+        scheme("upholstery", leg="wood", base="black", needs="headboard_pad", weight=100.0),
     ),
     construction=(
         row("frame headboard footboard", walls(12), "board", "wood", "paint"),

@@ -16,7 +16,7 @@ from openrooms_usd.furniture.joinery.boards import (
     profiled,
     square_leg,
 )
-from openrooms_usd.furniture.record import ANY, METAL, SEAT_ROWS, BuiltCategory, Classes, Scheme
+from openrooms_usd.furniture.record import METAL, SEAT_ROWS, BuiltCategory, Classes, scheme
 from openrooms_usd.furniture.schemes import CHAIRS
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion
@@ -185,7 +185,7 @@ CATEGORY: Final = BuiltCategory(
     words="piano_bench",
     classes=Classes("bench", "otherfurniture", "bench", "bench"),
     synsets=("02828884",),
-    schemes=(*CHAIRS, Scheme({ANY: "wood", "leg": METAL})),
+    schemes=(*CHAIRS, scheme("wood", leg=METAL)),
     construction=SEAT_ROWS,
     offers_surfaces=("cabinet_top",),
     view_importance=0.7,

@@ -13,10 +13,10 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -179,32 +179,21 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bike", "otherprop", "bicycle", "bicycle"),
     synsets=("02834778",),
     schemes=(
-        Scheme(
-            {
-                ANY: "black",
-                "frame": "lacquer",
-                "rim": "steel",
-                "spoke": "steel",
-                "chain": "steel",
-                "crank": "steel",
-                "handlebar": "chrome",
-                "post": "chrome",
-                "kickstand": "steel",
-                "tyre": "tyre",
-                "saddle": "hide",
-                "grip": "hide",
-            }
+        scheme(
+            "black",
+            frame="lacquer",
+            rim="steel",
+            spoke="steel",
+            chain="steel",
+            crank="steel",
+            handlebar="chrome",
+            post="chrome",
+            kickstand="steel",
+            tyre="tyre",
+            saddle="hide",
+            grip="hide",
         ),
-        Scheme(
-            {
-                ANY: "black",
-                "frame": "lacquer",
-                "spoke": "steel",
-                "chain": "steel",
-                "tyre": "tyre",
-                "post": "steel",
-            }
-        ),
+        scheme("black", frame="lacquer", spoke="steel", chain="steel", tyre="tyre", post="steel"),
     ),
     construction=(
         row("tyre", filled(600), "common"),

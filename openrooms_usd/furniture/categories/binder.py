@@ -10,10 +10,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     STANDARD,
     BuiltCategory,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -86,17 +86,10 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.15, 4),
     words="binders folder folders ring_binder file_folder",
     schemes=(
-        Scheme(
-            {
-                ANY: "binder",
-                "label": "white_paper",
-                "text": "print",
-                "ring": "steel",
-                "hole": "cavity",
-            },
-            weight=2.0,
+        scheme(
+            "binder", label="white_paper", text="print", ring="steel", hole="cavity", weight=2.0
         ),
-        Scheme({ANY: "white_paper", "folder": "envelope"}, needs="folder", weight=100.0),
+        scheme("white_paper", folder="envelope", needs="folder", weight=100.0),
     ),
     construction=(row("pages paper", filled(420), "weight"), row(ANY, solid(700), "common")),
     placements=(

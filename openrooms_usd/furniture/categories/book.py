@@ -10,7 +10,7 @@ from openrooms_usd.furniture.joinery.books import Book
 from openrooms_usd.furniture.joinery.linens import between
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import printed_cover
-from openrooms_usd.furniture.record import ANY, WIDE, BuiltCategory, Classes, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, WIDE, BuiltCategory, Classes, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
 
@@ -91,14 +91,8 @@ CATEGORY: Final = BuiltCategory(
     words="books notebooks textbook",
     classes=Classes(nyu40="books", ade20k="book", coco="book"),
     schemes=(
-        Scheme(
-            {
-                ANY: "binding",
-                "field": "package_field",
-                "title": "package_ink",
-                "text": "package_ink",
-            },
-            weight=1.0,
+        scheme(
+            "binding", field="package_field", title="package_ink", text="package_ink", weight=1.0
         ),
     ),
     construction=(row(ANY, solid(700), "common"),),

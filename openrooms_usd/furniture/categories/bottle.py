@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.vessel import bottle_pump, bottle_sport, bottle_wine
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, on, row, walls
+from openrooms_usd.furniture.record import BuiltCategory, Classes, on, row, scheme, walls
 
 _STORES: Final = "storage basement garage copy_room mail_room laundry_room"
 
@@ -25,16 +25,10 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bottle", "otherprop", "bottle", "bottle"),
     synsets=("02876657",),
     schemes=(
-        Scheme({ANY: "aluminium", "lid": "black_plastic", "handle": "black_plastic"}),
-        Scheme(
-            {ANY: "glaze", "lid": "steel", "frame": "steel", "handle": "steel"},
-            needs="frame",
-            weight=100.0,
-        ),
-        Scheme(
-            {ANY: "bottle_glass", "lid": "bottle_label", "label": "bottle_label"},
-            needs="label",
-            weight=100.0,
+        scheme("aluminium", lid="black_plastic", handle="black_plastic"),
+        scheme("glaze", lid="steel", frame="steel", handle="steel", needs="frame", weight=100.0),
+        scheme(
+            "bottle_glass", lid="bottle_label", label="bottle_label", needs="label", weight=100.0
         ),
     ),
     construction=(

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.vessel import bowl_footed, bowl_fruit, bowl_oval, bowl_round
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, on, row, walls
+from openrooms_usd.furniture.record import BuiltCategory, Classes, on, row, scheme, walls
 
 _KITCHENS: Final = "kitchen apartment"
 
@@ -25,7 +25,7 @@ CATEGORY: Final = BuiltCategory(
     words="bowls",
     classes=Classes(openrooms45="bowl", coco="bowl"),
     synsets=("02880940",),
-    schemes=(Scheme({ANY: "glaze"}, weight=3.0), Scheme({ANY: "wood"})),
+    schemes=(scheme("glaze", weight=3.0), scheme("wood")),
     construction=(row("container", walls(3), "common", "specular_stone"),),
     placements=(
         on("worktop dining_table coffee_table", weight=0.8, max_groups=1),

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
@@ -99,7 +99,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.1, 1.5),
     words="loaf baguette bread_loaf",
     classes=Classes(ade20k="food"),
-    schemes=(Scheme({ANY: "crust"}),),
+    schemes=(scheme("crust"),),
     construction=(row(ANY, filled(300), "common"),),
     placements=(
         on("worktop", rooms="kitchen", pose="flat", weight=0.4, max_groups=1),

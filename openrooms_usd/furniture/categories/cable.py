@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, on, row, scheme, solid
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import tube
@@ -70,8 +70,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.02, 0.4),
     words="charger wire cord cables phone_charger power_cord extension_cord",
     schemes=(
-        Scheme({ANY: "plastic", "pin": "steel", "tie": "membrane"}, weight=2.0),
-        Scheme({ANY: "black_plastic", "pin": "steel", "tie": "grey"}),
+        scheme("plastic", pin="steel", tie="membrane", weight=2.0),
+        scheme("black_plastic", pin="steel", tie="grey"),
     ),
     construction=(row(ANY, solid(1300), "common"),),
     placements=(

@@ -10,10 +10,10 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.mesh import joined
@@ -137,7 +137,7 @@ CATEGORY: Final = BuiltCategory(
     words="cans tin soda_can beer_can soup_can coke_can",
     classes=Classes(openrooms45="can"),
     synsets=("02946921",),
-    schemes=(Scheme({ANY: "package", "container": "can_metal", "field": "package_field"}),),
+    schemes=(scheme("package", container="can_metal", field="package_field"),),
     construction=(row("container cover", filled(800), "weight"), row(ANY, solid(700), "common")),
     placements=(
         on("cupboard shelf", rooms="kitchen", styles="tin", pose="row", count=(2, 5)),

@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     METAL,
     WIDE,
     BuiltCategory,
-    Scheme,
     on,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -127,11 +127,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.06, 1.2),
     words="candles candlestick candle_holder",
     schemes=(
-        Scheme({ANY: "wax", "wick": "cavity", "base": METAL}),
-        Scheme(
-            {ANY: "glaze", "wax": "wax", "wick": "cavity", "label": "bottle_label"},
-            needs="label",
-            weight=100.0,
+        scheme("wax", wick="cavity", base=METAL),
+        scheme(
+            "glaze", wax="wax", wick="cavity", label="bottle_label", needs="label", weight=100.0
         ),
     ),
     construction=(

@@ -16,7 +16,7 @@ from openrooms_usd.furniture.joinery.lamp_parts import (
     shade,
 )
 from openrooms_usd.furniture.joinery.posing import hoop, turned
-from openrooms_usd.furniture.record import ANY, LAMP_ROWS, BuiltCategory, Classes, Scheme
+from openrooms_usd.furniture.record import LAMP_ROWS, BuiltCategory, Classes, scheme
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -267,8 +267,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("lamp", "lamp", "chandelier"),
     schemes=(
         *LAMPS,
-        Scheme({ANY: "white"}, weight=2.0),
-        Scheme({ANY: "brass", "candle": "white"}, needs="candle", weight=100.0),
+        scheme("white", weight=2.0),
+        scheme("brass", candle="white", needs="candle", weight=100.0),
         *SOCKETED,
     ),
     construction=LAMP_ROWS,

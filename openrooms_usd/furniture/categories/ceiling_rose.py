@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.solids import lathe
 
@@ -81,6 +81,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="ceiling_medallion ceiling_rosette",
     classes=Classes("ceiling", "otherstructure", "ceiling"),
-    schemes=(Scheme({ANY: "white"}),),
+    schemes=(scheme("white"),),
     construction=(row(ANY, filled(900), "common"),),
 )

@@ -11,10 +11,10 @@ from openrooms_usd.furniture.record import (
     METAL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -210,26 +210,20 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("clock", "otherprop", "clock", "clock"),
     synsets=("03046257",),
     schemes=(
-        Scheme({ANY: "black", "frame": "wood"}),
-        Scheme({ANY: "black", "face": "enamel"}, needs="face", weight=20.0),
-        Scheme({ANY: "black", "frame": METAL, "face": "enamel"}, needs="face", weight=20.0),
-        Scheme(
-            {
-                ANY: "black",
-                "frame": "wood",
-                "base": "wood",
-                "foot": "brass",
-                "face": "enamel",
-                "bezel": "brass",
-            },
+        scheme("black", frame="wood"),
+        scheme("black", face="enamel", needs="face", weight=20.0),
+        scheme("black", frame=METAL, face="enamel", needs="face", weight=20.0),
+        scheme(
+            "black",
+            frame="wood",
+            base="wood",
+            foot="brass",
+            face="enamel",
+            bezel="brass",
             needs="bezel",
             weight=500.0,
         ),
-        Scheme(
-            {ANY: "black", "ray": "brass", "frame": "brass", "face": "enamel"},
-            needs="ray",
-            weight=500.0,
-        ),
+        scheme("black", ray="brass", frame="brass", face="enamel", needs="ray", weight=500.0),
     ),
     construction=(row(ANY, filled(500), "weight"),),
     placements=(on("wall", weight=0.3, max_groups=1),),

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, on, row, scheme, solid
 from openrooms_usd.geometry.lofts import rounded_rectangle, superellipse
 from openrooms_usd.geometry.sweeps import extrude
 
@@ -34,7 +34,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.01, 0.25),
     words="coasters",
-    schemes=(Scheme({ANY: "cork"}), Scheme({ANY: "wood"}), Scheme({ANY: "stone"}, weight=0.7)),
+    schemes=(scheme("cork"), scheme("wood"), scheme("stone", weight=0.7)),
     construction=(
         row(ANY, solid(2500), "common", "specular_stone"),
         row(ANY, solid(500), "common"),

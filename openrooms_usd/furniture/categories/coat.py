@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import backed, boxed, over_bar, with_loop
 from openrooms_usd.furniture.placements import LOOP_M
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.curves import filleted, lengths
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -238,11 +238,9 @@ CATEGORY: Final = BuiltCategory(
     words="jacket clothing coats jackets hoodie sweater clothes_hanging",
     classes=Classes(nyu40="clothes", ade20k="apparel"),
     schemes=(
-        Scheme({ANY: "coat_cloth"}),
-        Scheme({ANY: "terry"}, needs="robe", weight=100.0),
-        Scheme(
-            {ANY: "shirt_cloth", "hook": "chrome", "hanger": "wood"}, needs="shirt", weight=100.0
-        ),
+        scheme("coat_cloth"),
+        scheme("terry", needs="robe", weight=100.0),
+        scheme("shirt_cloth", hook="chrome", hanger="wood", needs="shirt", weight=100.0),
     ),
     construction=(row("hook hanger", filled(500), "common"), row(ANY, filled(45), "weight")),
     placements=(

@@ -6,12 +6,11 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
 from openrooms_usd.furniture.record import (
-    ANY,
     MADE_TO_MEASURE,
     METAL,
     BuiltCategory,
-    Scheme,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -75,9 +74,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.02, 4),
     words="hook hooks coat_hook coat_hooks hanger towel_hook wall_hook clothes_hook",
     schemes=(
-        Scheme({ANY: "wood", "hook": METAL}, weight=3.0),
-        Scheme({ANY: "white", "hook": METAL}),
-        Scheme({ANY: METAL, "hook": METAL}, needs="plate", weight=100.0),
+        scheme("wood", hook=METAL, weight=3.0),
+        scheme("white", hook=METAL),
+        scheme(METAL, hook=METAL, needs="plate", weight=100.0),
     ),
     construction=(
         row("hook", solid(3000), "common", "metal", "paint"),

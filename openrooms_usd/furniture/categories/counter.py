@@ -9,14 +9,7 @@ from openrooms_usd.furniture.joinery.kitchen import (
     counter_open,
     island,
 )
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    STORAGE_ROWS,
-    BuiltCategory,
-    Classes,
-    Scheme,
-)
+from openrooms_usd.furniture.record import STANDARD, STORAGE_ROWS, BuiltCategory, Classes, scheme
 
 CATEGORY: Final = BuiltCategory(
     description="a kitchen unit with a worktop",
@@ -34,18 +27,16 @@ CATEGORY: Final = BuiltCategory(
     words="kitchen_counter countertop kitchen_island bar_counter bar counter_top island",
     classes=Classes("counter", "counter", "counter"),
     schemes=(
-        Scheme({ANY: "white", "countertop": "wood", "base": "black"}, weight=2.0),
-        Scheme({ANY: "white", "countertop": "stone"}, weight=2.0),
-        Scheme({ANY: "wood", "countertop": "stone"}),
-        Scheme(
-            {
-                ANY: "lacquer",
-                "frame": "white",
-                "shelf": "white",
-                "drawer_box": "white",
-                "countertop": "stone",
-                "base": "black",
-            }
+        scheme("white", countertop="wood", base="black", weight=2.0),
+        scheme("white", countertop="stone", weight=2.0),
+        scheme("wood", countertop="stone"),
+        scheme(
+            "lacquer",
+            frame="white",
+            shelf="white",
+            drawer_box="white",
+            countertop="stone",
+            base="black",
         ),
     ),
     construction=STORAGE_ROWS,

@@ -6,13 +6,12 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
 from openrooms_usd.furniture.record import (
-    ANY,
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.mesh import joined
@@ -69,7 +68,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(14, 40),
     words="baby_bed baby_crib cot cradle bassinet infant_bed",
     classes=Classes("bed", "bed", "cradle", "bed"),
-    schemes=(Scheme({ANY: "wood", "slat": "wood"}, weight=2.0), Scheme({ANY: "white"})),
+    schemes=(scheme("wood", slat="wood", weight=2.0), scheme("white")),
     construction=(
         row("leg rail slat", solid(), "common", "wood"),
         row("leg rail slat frame", filled(600), "common"),

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import sheet
 
@@ -122,8 +122,8 @@ CATEGORY: Final = BuiltCategory(
     words="fork knife spoon silverware utensil",
     synsets=("03624134",),
     schemes=(
-        Scheme({ANY: "cutlery_steel", "handle": "cutlery_steel"}, weight=3.0),
-        Scheme({ANY: "cutlery_steel", "handle": "black_plastic"}),
+        scheme("cutlery_steel", handle="cutlery_steel", weight=3.0),
+        scheme("cutlery_steel", handle="black_plastic"),
     ),
     construction=(row(ANY, solid(), "common", "metal"), row(ANY, solid(1200), "common")),
     placements=(

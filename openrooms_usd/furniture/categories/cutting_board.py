@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.categories.bread import loaf_of, slice_of
 from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, numbered, profiled
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row, solid
+from openrooms_usd.furniture.record import BuiltCategory, filled, on, row, scheme, solid
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.sweeps import extrude, tube
@@ -84,7 +84,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.4, 3),
     words="chopping_board breadboard chopping_boards",
-    schemes=(Scheme({ANY: "board_wood", "cord": "hide", "bread": "crust", "slice": "crumb"}),),
+    schemes=(scheme("board_wood", cord="hide", bread="crust", slice="crumb"),),
     construction=(
         row("bread slice", filled(280), "common"),
         row("board", solid(650), "common"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import facing
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, filled, row
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 
@@ -61,6 +61,6 @@ CATEGORY: Final = BuiltCategory(
     mount_height=0.26,
     fixed=True,
     words="ethernet_outlet network_outlet aerial_socket antenna_socket wall_jack",
-    schemes=(Scheme({ANY: "plastic", "hole": "dark_plastic", "ring": "steel"}),),
+    schemes=(scheme("plastic", hole="dark_plastic", ring="steel"),),
     construction=(row(ANY, filled(900), "common"),),
 )

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import between, folded_pile, over_bar
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.cloth import ripples
 
 
@@ -49,7 +49,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.04, 0.4),
     words="dishcloth tea_towel kitchen_towel dish_towel cloth rag washcloth",
     classes=Classes(nyu40="towel", ade20k="towel"),
-    schemes=(Scheme({ANY: "dish_linen"}),),
+    schemes=(scheme("dish_linen"),),
     construction=(row(ANY, filled(160), "common"),),
     placements=(
         on("towel_rail", rooms="kitchen", styles="draped", pose="draped", max_groups=1),

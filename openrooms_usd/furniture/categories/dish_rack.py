@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     STEEL,
     BuiltCategory,
-    Scheme,
     on,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -66,10 +66,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.3, 3),
     words="dishrack dish_drainer drying_rack_for_dishes plate_rack",
-    schemes=(
-        Scheme({ANY: "chrome", "tray": "plastic"}),
-        Scheme({ANY: "black", "tray": "dark_plastic", "rack": "black"}),
-    ),
+    schemes=(scheme("chrome", tray="plastic"), scheme("black", tray="dark_plastic", rack="black")),
     construction=(row("tray", walls(2.0, 1000), "common"), row(ANY, solid(STEEL), "common")),
     placements=(
         on("sink_edge", rooms="kitchen apartment", weight=0.8, max_groups=1, cluster="washing"),

@@ -11,9 +11,9 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 from openrooms_usd.furniture.schemes import PANELLED
 
@@ -34,8 +34,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("dishwasher", "otherstructure", "dishwasher"),
     synsets=("03207941",),
     schemes=(
-        Scheme({ANY: "enamel", "container": "steel", "handle": "steel"}),
-        Scheme({ANY: "steel", "frame": "grey", "base": "black"}, weight=2.0),
+        scheme("enamel", container="steel", handle="steel"),
+        scheme("steel", frame="grey", base="black", weight=2.0),
         *PANELLED,
     ),
     construction=(

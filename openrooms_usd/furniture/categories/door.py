@@ -12,9 +12,9 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry import leaves
@@ -62,8 +62,8 @@ CATEGORY: Final = BuiltCategory(
     words="doors doorway",
     classes=Classes("door", "door", "door"),
     schemes=(
-        Scheme({ANY: "white", "threshold": "wood"}, weight=2.0),
-        Scheme({ANY: "white", "panel": "wood", "door": "wood", "threshold": "wood"}),
+        scheme("white", threshold="wood", weight=2.0),
+        scheme("white", panel="wood", door="wood", threshold="wood"),
     ),
     construction=(
         row("frame", solid(), "common"),

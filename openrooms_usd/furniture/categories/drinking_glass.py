@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
 
@@ -88,7 +88,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.08, 0.5),
     words="glass tumbler wine_glass wineglass glasses_of_water water_glass drinking_glasses",
     classes=Classes(ade20k="glass", coco="cup"),
-    schemes=(Scheme({ANY: "clear_glass"}),),
+    schemes=(scheme("clear_glass"),),
     construction=(row(ANY, solid(2500), "common"),),
     placements=(
         on(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, on, row, solid
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import extrude
@@ -69,10 +69,7 @@ CATEGORY: Final = BuiltCategory(
     one_variant_per_room=True,
     mass_range=(1, 20),
     words="dumbbells weights free_weights kettlebell",
-    schemes=(
-        Scheme({ANY: "tyre", "handle": "chrome"}),
-        Scheme({ANY: "cast_iron", "handle": "chrome"}),
-    ),
+    schemes=(scheme("tyre", handle="chrome"), scheme("cast_iron", handle="chrome")),
     construction=(row("weight", solid(4500), "weight"), row("handle", solid(6000), "weight")),
     placements=(
         on(

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, row, walls
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, row, scheme, walls
 from openrooms_usd.geometry.solids import sphere
 
 
@@ -27,7 +27,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.5, 4),
     words="yoga_ball gym_ball fitness_ball pilates_ball swiss_ball",
     classes=Classes(ade20k="ball", coco="sports_ball"),
-    schemes=(Scheme({ANY: "soft_vinyl"}),),
+    schemes=(scheme("soft_vinyl"),),
     construction=(row(ANY, walls(0.5, 1200), "common"),),
     collision_softness=0.03,
 )

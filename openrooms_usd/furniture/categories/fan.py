@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing, turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, row, walls
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, row, scheme, walls
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import extrude, tube
@@ -91,8 +91,8 @@ CATEGORY: Final = BuiltCategory(
     words="stand_fan pedestal_fan floor_fan electric_fan table_fan desk_fan",
     classes=Classes(ade20k="fan"),
     schemes=(
-        Scheme({ANY: "plastic", "cage": "chrome", "pole": "chrome"}),
-        Scheme({ANY: "black", "cage": "black", "pole": "black"}),
+        scheme("plastic", cage="chrome", pole="chrome"),
+        scheme("black", cage="black", pole="black"),
     ),
     construction=(
         row("base", filled(1500), "weight"),

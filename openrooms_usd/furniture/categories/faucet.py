@@ -13,8 +13,8 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.furniture.schemes import DARK_TAP
@@ -230,8 +230,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="faucet"),
     synsets=("03325088",),
     schemes=(
-        Scheme({ANY: "chrome", "switch": "chrome", "bracket": "chrome"}, weight=2.0),
-        Scheme({ANY: METAL, **DARK_TAP}),
+        scheme("chrome", switch="chrome", bracket="chrome", weight=2.0),
+        scheme(METAL, DARK_TAP),
     ),
     construction=(row(ANY, walls(3, BRASS), "common"),),
 )

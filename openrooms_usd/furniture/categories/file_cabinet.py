@@ -12,9 +12,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.solids import cylinder
@@ -119,9 +119,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("file_cabinet", "cabinet", "cabinet"),
     synsets=("03337140",),
     schemes=(
-        Scheme({ANY: "grey", "handle": "chrome"}, weight=2.0),
-        Scheme({ANY: "white", "handle": "chrome", "wheel": "dark_plastic"}),
-        Scheme({ANY: "black", "handle": "black"}),
+        scheme("grey", handle="chrome", weight=2.0),
+        scheme("white", handle="chrome", wheel="dark_plastic"),
+        scheme("black", handle="black"),
     ),
     construction=(
         row("frame base door drawer_front drawer_box shelf", walls(0.45, STEEL), "sheet"),

@@ -15,7 +15,7 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     square_leg,
 )
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme
+from openrooms_usd.furniture.record import BuiltCategory, Classes, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder
@@ -248,9 +248,9 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     classes=Classes(nyu40="otherstructure", ade20k="fireplace"),
     schemes=(
-        Scheme({ANY: "white", "hearth": "masonry"}, weight=2.0),
-        Scheme({ANY: "masonry"}),
-        Scheme({ANY: "black", "hearth": "masonry"}, needs="pipe", weight=100.0),
+        scheme("white", hearth="masonry", weight=2.0),
+        scheme("masonry"),
+        scheme("black", hearth="masonry", needs="pipe", weight=100.0),
     ),
     offers_surfaces=("mantel",),
     view_importance=2.0,

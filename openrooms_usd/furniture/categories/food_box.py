@@ -12,10 +12,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle
@@ -140,25 +140,15 @@ CATEGORY: Final = BuiltCategory(
     words="cereal_box cereal milk_carton food_package packet groceries tea_box",
     classes=Classes(nyu40="box", ade20k="box"),
     schemes=(
-        Scheme(
-            {
-                ANY: "package",
-                "field": "package_field",
-                "title": "package_ink",
-                "text": "package_ink",
-                "lid": "plastic",
-            },
+        scheme(
+            "package",
+            field="package_field",
+            title="package_ink",
+            text="package_ink",
+            lid="plastic",
             weight=2.0,
         ),
-        Scheme(
-            {
-                ANY: "white_paper",
-                "field": "package_field",
-                "title": "print",
-                "text": "print",
-                "lid": "package",
-            }
-        ),
+        scheme("white_paper", field="package_field", title="print", text="print", lid="package"),
     ),
     construction=(
         row("box", filled(160), "weight"),

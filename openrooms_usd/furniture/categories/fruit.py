@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import boxed
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -125,11 +125,11 @@ CATEGORY: Final = BuiltCategory(
     words="apple apples orange oranges lemon pear banana bananas fruits",
     classes=Classes(ade20k="food"),
     schemes=(
-        Scheme({ANY: "apple_skin"}),
-        Scheme({ANY: "orange_skin"}, needs="orange", weight=100.0),
-        Scheme({ANY: "pear_skin"}, needs="pear", weight=100.0),
-        Scheme({ANY: "lemon_skin"}, needs="lemon", weight=100.0),
-        Scheme({ANY: "banana_skin"}, needs="banana", weight=100.0),
+        scheme("apple_skin"),
+        scheme("orange_skin", needs="orange", weight=100.0),
+        scheme("pear_skin", needs="pear", weight=100.0),
+        scheme("lemon_skin", needs="lemon", weight=100.0),
+        scheme("banana_skin", needs="banana", weight=100.0),
     ),
     construction=(row(ANY, filled(950), "common"),),
     placements=(

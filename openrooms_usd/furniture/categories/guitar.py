@@ -14,9 +14,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.curves import filleted
@@ -136,30 +136,26 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="guitar"),
     synsets=("03467517",),
     schemes=(
-        Scheme(
-            {
-                ANY: "wood",
-                "string": "steel",
-                "peg": "chrome",
-                "rosette": "black",
-                "leg": "black",
-                "support": "tyre",
-                "fretboard": "ebony",
-            },
+        scheme(
+            "wood",
+            string="steel",
+            peg="chrome",
+            rosette="black",
+            leg="black",
+            support="tyre",
+            fretboard="ebony",
             weight=2.0,
         ),
-        Scheme(
-            {
-                ANY: "piano_lacquer",
-                "neck": "wood",
-                "head": "wood",
-                "string": "steel",
-                "peg": "chrome",
-                "rosette": "black",
-                "leg": "black",
-                "support": "tyre",
-                "fretboard": "ebony",
-            }
+        scheme(
+            "piano_lacquer",
+            neck="wood",
+            head="wood",
+            string="steel",
+            peg="chrome",
+            rosette="black",
+            leg="black",
+            support="tyre",
+            fretboard="ebony",
         ),
     ),
     construction=(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import sheet
@@ -81,8 +81,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("cap", "otherprop", "apparel"),
     synsets=("02954340",),
     schemes=(
-        Scheme({ANY: "coat_cloth"}, weight=2.0),
-        Scheme({ANY: "rope", "band": "membrane"}, needs="band", weight=2.0),
+        scheme("coat_cloth", weight=2.0),
+        scheme("rope", band="membrane", needs="band", weight=2.0),
     ),
     construction=(row(ANY, filled(250), "common"),),
     placements=(

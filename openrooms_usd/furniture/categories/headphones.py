@@ -10,10 +10,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     STANDARD,
     BuiltCategory,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -104,8 +104,8 @@ CATEGORY: Final = BuiltCategory(
     words="headphone headset earphones earphone",
     synsets=("03261776",),
     schemes=(
-        Scheme({ANY: "black_plastic", "pad": "membrane", "stand": "aluminium"}, weight=2.0),
-        Scheme({ANY: "plastic", "pad": "grey", "stand": "wood"}),
+        scheme("black_plastic", pad="membrane", stand="aluminium", weight=2.0),
+        scheme("plastic", pad="grey", stand="wood"),
     ),
     construction=(row("stand", solid(1500), "weight"), row(ANY, filled(800), "weight")),
     placements=(

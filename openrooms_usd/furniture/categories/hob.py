@@ -15,9 +15,9 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -80,10 +80,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(6, 20),
     words="cooktop gas_hob induction_hob stovetop",
     classes=Classes("stove", "otherstructure", "stove"),
-    schemes=(
-        Scheme({ANY: "steel", "frame": "black"}),
-        Scheme({ANY: "screen", "frame": "black", "knob": "steel"}),
-    ),
+    schemes=(scheme("steel", frame="black"), scheme("screen", frame="black", knob="steel")),
     construction=(
         row("burner grate", solid(7200), "common"),
         row("glass cooktop", walls(1.0, STEEL), "sheet"),

@@ -12,9 +12,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle
@@ -126,9 +126,9 @@ CATEGORY: Final = BuiltCategory(
     words="range_hood cooker_hood extractor_hood kitchen_hood extractor exhaust_hood oven_hood",
     classes=Classes(nyu40="otherstructure", ade20k="hood"),
     schemes=(
-        Scheme({ANY: "steel", "button": "dark_plastic"}, weight=3.0),
-        Scheme({ANY: "black", "panel": "steel"}),
-        Scheme({ANY: "white", "panel": "steel"}),
+        scheme("steel", button="dark_plastic", weight=3.0),
+        scheme("black", panel="steel"),
+        scheme("white", panel="steel"),
     ),
     construction=(
         row("panel", walls(1.0, STEEL), "sheet"),

@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.sweeps import extrude, tube
@@ -53,8 +53,8 @@ CATEGORY: Final = BuiltCategory(
     words="ironing_table iron_board",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        Scheme({ANY: "white", "cushion": "throw", "leg": "aluminium"}),
-        Scheme({ANY: "grey", "cushion": "linen", "leg": "grey"}),
+        scheme("white", cushion="throw", leg="aluminium"),
+        scheme("grey", cushion="linen", leg="grey"),
     ),
     construction=(
         row("cushion", filled(90), "foam"),

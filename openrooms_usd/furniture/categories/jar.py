@@ -5,14 +5,13 @@ from typing import Final
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.vessel import jar_canister, jar_ginger, jar_preserving
 from openrooms_usd.furniture.record import (
-    ANY,
     METAL,
     WIDE,
     BuiltCategory,
     Classes,
-    Scheme,
     on,
     row,
+    scheme,
     walls,
 )
 
@@ -36,13 +35,11 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="jar"),
     synsets=("03593526",),
     schemes=(
-        Scheme({ANY: "glaze", "handle": "glaze"}),
-        Scheme(
-            {ANY: "glaze", "lid": "wood", "seal": "membrane", "label": "bottle_label"},
-            needs="seal",
-            weight=100.0,
+        scheme("glaze", handle="glaze"),
+        scheme(
+            "glaze", lid="wood", seal="membrane", label="bottle_label", needs="seal", weight=100.0
         ),
-        Scheme({ANY: "bottle_glass", "lid": METAL, "frame": METAL}, needs="frame", weight=100.0),
+        scheme("bottle_glass", lid=METAL, frame=METAL, needs="frame", weight=100.0),
     ),
     construction=(
         row("container", walls(3), "common", "specular_stone"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.vessel import smooth_line
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, filled, on, row, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
@@ -125,32 +125,26 @@ CATEGORY: Final = BuiltCategory(
     on_worktop_probability=0.5,
     words="tea_kettle water_kettle electric_kettle teapot",
     schemes=(
-        Scheme(
-            {
-                ANY: "cookware_steel",
-                "handle": "black_plastic",
-                "base": "black_plastic",
-                "knob": "black_plastic",
-                "spout": "cookware_steel",
-            },
+        scheme(
+            "cookware_steel",
+            handle="black_plastic",
+            base="black_plastic",
+            knob="black_plastic",
+            spout="cookware_steel",
             weight=2.0,
         ),
-        Scheme(
-            {
-                ANY: "cookware_enamel",
-                "handle": "black_plastic",
-                "base": "black_plastic",
-                "knob": "black_plastic",
-                "spout": "cookware_enamel",
-            }
+        scheme(
+            "cookware_enamel",
+            handle="black_plastic",
+            base="black_plastic",
+            knob="black_plastic",
+            spout="cookware_enamel",
         ),
-        Scheme(
-            {
-                ANY: "tinted_plastic",
-                "base": "black_plastic",
-                "spout": "tinted_plastic",
-                "handle": "black_plastic",
-            },
+        scheme(
+            "tinted_plastic",
+            base="black_plastic",
+            spout="tinted_plastic",
+            handle="black_plastic",
             needs="base",
         ),
     ),

@@ -9,9 +9,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 
 CATEGORY: Final = BuiltCategory(
@@ -32,9 +32,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="computer_keyboard", coco="keyboard"),
     synsets=("03085013",),
     schemes=(
-        Scheme({ANY: "black_plastic", "key": "membrane"}, weight=2.0),
-        Scheme({ANY: "aluminium", "key": "pale_plastic"}),
-        Scheme({ANY: "pale_plastic"}),
+        scheme("black_plastic", key="membrane", weight=2.0),
+        scheme("aluminium", key="pale_plastic"),
+        scheme("pale_plastic"),
     ),
     construction=(row(ANY, filled(500), "weight"),),
 )

@@ -18,8 +18,8 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -65,7 +65,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(2.5, 16),
     words="step_ladder stepladder",
     classes=Classes(nyu40="otherfurniture"),
-    schemes=(Scheme({ANY: "aluminium"}, weight=2.0), Scheme({ANY: "wood"})),
+    schemes=(scheme("aluminium", weight=2.0), scheme("wood")),
     construction=(
         row(ANY, walls(1.3, ALUMINIUM), "sheet", "metal"),
         row(ANY, solid(), "common", "wood"),

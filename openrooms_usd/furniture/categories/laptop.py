@@ -9,10 +9,10 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 
@@ -33,8 +33,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("laptop", "otherprop", "computer", "laptop"),
     synsets=("03642806",),
     schemes=(
-        Scheme({ANY: "aluminium", "hinge": "black_plastic", "key": "black_plastic"}, weight=2.0),
-        Scheme({ANY: "dark_plastic", "touchpad": "membrane", "key": "membrane"}),
+        scheme("aluminium", hinge="black_plastic", key="black_plastic", weight=2.0),
+        scheme("dark_plastic", touchpad="membrane", key="membrane"),
     ),
     construction=(
         row("screen", solid(2500), "common"),

@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.linens import between, folded_pile
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.cloth import ripples
 
 
@@ -65,7 +65,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 6),
     words="clothes laundry pile_of_clothes clothing_pile shirt pants",
     classes=Classes(nyu40="clothes", ade20k="apparel"),
-    schemes=(Scheme({ANY: "garment"}),),
+    schemes=(scheme("garment"),),
     construction=(row(ANY, filled(90), "weight"),),
     placements=(
         on("wardrobe_shelf cupboard drawer", rooms="bedroom", styles="folded", count=(1, 2)),

@@ -5,16 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    Scheme,
-    on,
-    row,
-    solid,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
 
@@ -64,11 +55,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.4, 4),
     words="paper_tray letter_trays in_tray",
     classes=Classes(ade20k="tray"),
-    schemes=(
-        Scheme({ANY: "black"}, weight=2.0),
-        Scheme({ANY: "tinted_plastic"}),
-        Scheme({ANY: "wood"}),
-    ),
+    schemes=(scheme("black", weight=2.0), scheme("tinted_plastic"), scheme("wood")),
     construction=(row("paper", solid(750), "common"), row("tray", solid(900), "common")),
     placements=(
         on("desk", weight=0.5, max_groups=1),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, filled, row
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 
 
@@ -72,9 +72,9 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="wall_switch dimmer",
     schemes=(
-        Scheme({ANY: "plastic"}, weight=3.0),
-        Scheme({ANY: "plastic", "cover": "steel"}),
-        Scheme({ANY: "plastic", "cover": "brass"}),
+        scheme("plastic", weight=3.0),
+        scheme("plastic", cover="steel"),
+        scheme("plastic", cover="brass"),
     ),
     construction=(row(ANY, filled(900), "common"),),
 )

@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import between, folded_pile
 from openrooms_usd.furniture.joinery.prints import Print, label_lines, printed_cover
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 
 
 def glossy(size: Size, rng: np.random.Generator) -> Parts:
@@ -53,18 +53,9 @@ CATEGORY: Final = BuiltCategory(
     words="magazines newspaper newspapers brochure",
     classes=Classes(nyu40="paper"),
     schemes=(
-        Scheme(
-            {
-                ANY: "package",
-                "field": "package_field",
-                "title": "package_ink",
-                "text": "package_ink",
-            }
-        ),
-        Scheme(
-            {ANY: "newsprint", "field": "print", "title": "cavity", "text": "print"},
-            needs="paper",
-            weight=100.0,
+        scheme("package", field="package_field", title="package_ink", text="package_ink"),
+        scheme(
+            "newsprint", field="print", title="cavity", text="print", needs="paper", weight=100.0
         ),
     ),
     construction=(row(ANY, filled(700), "common"),),

@@ -14,9 +14,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.solids import cylinder, lathe
@@ -165,19 +165,17 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("microwave", "otherprop", "microwave", "microwave"),
     synsets=("03761084",),
     schemes=(
-        Scheme(
-            {
-                ANY: "steel",
-                "container": "enamel",
-                "frame": "black",
-                "tray": "plastic",
-                "panel": "screen",
-                "handle": "steel",
-                "base": "black",
-            }
+        scheme(
+            "steel",
+            container="enamel",
+            frame="black",
+            tray="plastic",
+            panel="screen",
+            handle="steel",
+            base="black",
         ),
-        Scheme({ANY: "enamel", "tray": "plastic", "handle": "enamel"}),
-        Scheme({ANY: "black", "container": "enamel", "handle": "steel"}),
+        scheme("enamel", tray="plastic", handle="enamel"),
+        scheme("black", container="enamel", handle="steel"),
     ),
     construction=(
         row("panel", filled(4000), "weight"),

@@ -10,14 +10,13 @@ from openrooms_usd.furniture.joinery.carcass import Carcass
 from openrooms_usd.furniture.joinery.fronts import BOARD, GAP, SEAT, columns, leaf
 from openrooms_usd.furniture.joinery.wall_board import mitred
 from openrooms_usd.furniture.record import (
-    ANY,
     METAL,
     WIDE,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
@@ -119,11 +118,11 @@ CATEGORY: Final = BuiltCategory(
     words="wall_mirror bathroom_mirror mirror_cabinet medicine_cabinet looking_glass vanity_mirror",
     classes=Classes(nyu40="mirror", ade20k="mirror"),
     schemes=(
-        Scheme({ANY: "wood"}, weight=2.0),
-        Scheme({ANY: METAL}, weight=2.0),
-        Scheme({ANY: "white"}),
-        Scheme({ANY: "white"}, needs="shelf", weight=1000.0),
-        Scheme({ANY: "wood"}, needs="shelf", weight=500.0),
+        scheme("wood", weight=2.0),
+        scheme(METAL, weight=2.0),
+        scheme("white"),
+        scheme("white", needs="shelf", weight=1000.0),
+        scheme("wood", needs="shelf", weight=500.0),
     ),
     construction=(
         row("back", filled(200), "common"),

@@ -11,10 +11,10 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 
 
@@ -40,8 +40,8 @@ CATEGORY: Final = BuiltCategory(
     words="cell_phone cellphone smartphone cellular_telephone iphone",
     classes=Classes(openrooms45="telephone", coco="cell_phone"),
     schemes=(
-        Scheme({ANY: "black_plastic", "lens": "screen"}, weight=2.0),
-        Scheme({ANY: "phone_back", "lens": "screen"}),
+        scheme("black_plastic", lens="screen", weight=2.0),
+        scheme("phone_back", lens="screen"),
     ),
     construction=(row(ANY, filled(2100), "weight"),),
     placements=(

@@ -11,10 +11,10 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.solids import cylinder
@@ -88,8 +88,8 @@ CATEGORY: Final = BuiltCategory(
     words="computer_mouse",
     classes=Classes(coco="mouse"),
     schemes=(
-        Scheme({ANY: "black_plastic", "wheel": "membrane", "groove": "cavity"}, weight=2.0),
-        Scheme({ANY: "plastic", "wheel": "grey", "groove": "grey"}),
+        scheme("black_plastic", wheel="membrane", groove="cavity", weight=2.0),
+        scheme("plastic", wheel="grey", groove="grey"),
     ),
     construction=(row(ANY, filled(650), "weight"),),
     placements=(on("desk", weight=0.9, cluster="computer", max_groups=1),),

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, on, row, scheme, solid
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.sweeps import extrude, tube
 
@@ -43,7 +43,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.03, 1.2),
     words="mousepad desk_mat",
-    schemes=(Scheme({ANY: "pad_cloth", "seam": "membrane"}),),
+    schemes=(scheme("pad_cloth", seam="membrane"),),
     construction=(row(ANY, solid(400), "common"),),
     placements=(on("desk", styles="small", weight=0.4, cluster="computer", max_groups=1),),
 )

@@ -11,10 +11,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.curves import filleted
@@ -167,17 +167,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(coco="cup"),
     synsets=("03797390",),
     schemes=(
-        Scheme({ANY: "mug_glaze", "drink": "coffee", "handle": "mug_glaze"}),
-        Scheme(
-            {ANY: "porcelain", "drink": "coffee", "handle": "porcelain"},
-            needs="saucer",
-            weight=100.0,
-        ),
-        Scheme(
-            {ANY: "white_paper", "seal": "cardboard", "lid": "tinted_plastic"},
-            needs="seal",
-            weight=100.0,
-        ),
+        scheme("mug_glaze", drink="coffee", handle="mug_glaze"),
+        scheme("porcelain", drink="coffee", handle="porcelain", needs="saucer", weight=100.0),
+        scheme("white_paper", seal="cardboard", lid="tinted_plastic", needs="seal", weight=100.0),
     ),
     construction=(
         row("drink", solid(1000), "common"),

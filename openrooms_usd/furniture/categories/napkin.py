@@ -8,7 +8,7 @@ import numpy as np
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import folded_pile, rolled
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, METAL, BuiltCategory, Scheme, filled, on, row, solid
+from openrooms_usd.furniture.record import ANY, METAL, BuiltCategory, filled, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import lathe
@@ -58,7 +58,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.005, 0.15),
     words="napkins serviette",
-    schemes=(Scheme({ANY: "table_linen", "ring": METAL}),),
+    schemes=(scheme("table_linen", ring=METAL),),
     construction=(row("ring", solid(), "common", "metal"), row(ANY, filled(180), "common")),
     placements=(
         on("dining_table", cluster="setting", weight=0.6),

@@ -21,9 +21,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.curves import filleted, rectangle
@@ -324,9 +324,9 @@ CATEGORY: Final = BuiltCategory(
     words="swivel_chair desk_chair task_chair computer_chair rolling_chair",
     classes=Classes("chair", "chair", "swivel_chair", "chair"),
     schemes=(
-        Scheme({ANY: "black"}, weight=2.0),
-        Scheme({ANY: "black", "leg": "steel", "arm_support": "steel"}),
-        Scheme({ANY: "white", "back": "black", "arm": "black"}),
+        scheme("black", weight=2.0),
+        scheme("black", leg="steel", arm_support="steel"),
+        scheme("white", back="black", arm="black"),
     ),
     construction=(
         row("seat_cushion seat", filled(150), "weight"),

@@ -13,7 +13,7 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     round_leg,
 )
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, row
+from openrooms_usd.furniture.record import BuiltCategory, Classes, filled, row, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.solids import cushion
 
@@ -69,8 +69,8 @@ CATEGORY: Final = BuiltCategory(
     words="pouffe pouf pouff hassock footstool foot_stool footrest",
     classes=Classes("chair", "chair", "ottoman"),
     schemes=(
-        Scheme({ANY: "upholstery", "leg": "wood"}, weight=3.0),
-        Scheme({ANY: "hide", "leg": "wood", "seat_cushion": "hide"}),
+        scheme("upholstery", leg="wood", weight=3.0),
+        scheme("hide", leg="wood", seat_cushion="hide"),
     ),
     construction=(row("frame", filled(110), "weight"), row("seat_cushion", filled(60), "foam")),
     collision_softness=0.03,

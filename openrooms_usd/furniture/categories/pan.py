@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row, solid
+from openrooms_usd.furniture.record import BuiltCategory, filled, on, row, scheme, solid
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
@@ -136,13 +136,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.4, 3.5),
     words="frying_pan saucepan pots pans cooking_pot skillet wok cookware",
     schemes=(
-        Scheme(
-            {ANY: "cookware_steel", "handle": "black_plastic", "knob": "black_plastic"}, weight=2.0
-        ),
-        Scheme(
-            {ANY: "cookware_black", "handle": "black_plastic", "knob": "black_plastic"}, weight=2.0
-        ),
-        Scheme({ANY: "cookware_enamel", "handle": "cookware_enamel", "knob": "cookware_steel"}),
+        scheme("cookware_steel", handle="black_plastic", knob="black_plastic", weight=2.0),
+        scheme("cookware_black", handle="black_plastic", knob="black_plastic", weight=2.0),
+        scheme("cookware_enamel", handle="cookware_enamel", knob="cookware_steel"),
     ),
     construction=(
         row("pan lid", solid(3000), "weight"),

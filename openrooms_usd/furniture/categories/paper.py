@@ -13,10 +13,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -138,15 +138,13 @@ CATEGORY: Final = BuiltCategory(
     words="papers envelope envelopes letter letters document documents notepad sheet_of_paper",
     classes=Classes(nyu40="paper"),
     schemes=(
-        Scheme(
-            {
-                ANY: "white_paper",
-                "envelope": "envelope",
-                "field": "white_paper",
-                "title": "package",
-                "text": "print",
-                "wire": "steel",
-            }
+        scheme(
+            "white_paper",
+            envelope="envelope",
+            field="white_paper",
+            title="package",
+            text="print",
+            wire="steel",
         ),
     ),
     construction=(

@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 
@@ -63,11 +63,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.003, 0.04),
     words="pencil ballpoint pens pencils marker",
     schemes=(
-        Scheme({ANY: "toy_plastic", "tip": "steel"}),
-        Scheme(
-            {ANY: "toy_plastic", "wood": "wood", "tip": "cavity", "eraser": "eraser"},
-            needs="wood",
-            weight=100.0,
+        scheme("toy_plastic", tip="steel"),
+        scheme(
+            "toy_plastic", wood="wood", tip="cavity", eraser="eraser", needs="wood", weight=100.0
         ),
     ),
     construction=(row(ANY, solid(1000), "common"),),

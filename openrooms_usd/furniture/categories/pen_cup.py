@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, filled, on, row, scheme, solid
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, frustum, lathe
@@ -77,9 +77,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.05, 0.6),
     words="pen_holder pencil_cup pencil_holder",
     schemes=(
-        Scheme({ANY: "glaze", "pen": "toy_plastic", "tip": "cavity"}),
-        Scheme({ANY: "wood", "pen": "toy_plastic", "tip": "cavity"}),
-        Scheme({ANY: "black", "pen": "toy_plastic", "tip": "cavity"}),
+        scheme("glaze", pen="toy_plastic", tip="cavity"),
+        scheme("wood", pen="toy_plastic", tip="cavity"),
+        scheme("black", pen="toy_plastic", tip="cavity"),
     ),
     construction=(row("container", filled(1000), "common"), row(ANY, solid(900), "common")),
     placements=(

@@ -23,9 +23,9 @@ from openrooms_usd.furniture.record import (
     WIDE,
     BuiltCategory,
     Classes,
-    Scheme,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.furniture.schemes import TONES
@@ -79,13 +79,11 @@ CATEGORY: Final = BuiltCategory(
     words="photo_frames standing_frame framed_photo",
     classes=Classes(nyu40="picture", ade20k="painting"),
     schemes=tuple(
-        Scheme(
-            {
-                ANY: frame,
-                "mat": "white_paper",
-                "canvas": f"{name}_sky",
-                **{tone: f"{name}_{tone}" for tone in TONES if tone != "sky"},
-            }
+        scheme(
+            frame,
+            {tone: f"{name}_{tone}" for tone in TONES if tone != "sky"},
+            mat="white_paper",
+            canvas=f"{name}_sky",
         )
         for name, frame in (
             ("dawn", "wood"),

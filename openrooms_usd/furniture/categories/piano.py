@@ -11,9 +11,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box
@@ -117,11 +117,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="piano", nyu40="otherfurniture"),
     synsets=("03928116",),
     schemes=(
-        Scheme(
-            {ANY: "piano_lacquer", "keys": "ivory", "sharps": "black_plastic", "pedal": "brass"},
-            weight=2.0,
-        ),
-        Scheme({ANY: "wood", "keys": "ivory", "sharps": "black_plastic", "pedal": "brass"}),
+        scheme("piano_lacquer", keys="ivory", sharps="black_plastic", pedal="brass", weight=2.0),
+        scheme("wood", keys="ivory", sharps="black_plastic", pedal="brass"),
     ),
     construction=(
         row("keys sharps", filled(500), "common"),

@@ -7,7 +7,6 @@ from openrooms_usd.furniture.joinery.paintings import any_of, botanical, landsca
 from openrooms_usd.furniture.joinery.posters import brushed_circle, line_drawing, poster, street_map
 from openrooms_usd.furniture.joinery.wall_board import canvas, framed, framed_as, triptych
 from openrooms_usd.furniture.record import (
-    ANY,
     METAL,
     WIDE,
     BuiltCategory,
@@ -16,6 +15,7 @@ from openrooms_usd.furniture.record import (
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.furniture.schemes import TONES
 
@@ -23,10 +23,8 @@ from openrooms_usd.furniture.schemes import TONES
 def _palette(name: str, frame: str) -> Scheme:
     """The scheme of a landscape in tones that fit together."""
     tones = {tone: f"{name}_{tone}" for tone in TONES if tone != "sky"}
-    return Scheme(
-        {ANY: frame, "mat": "white_paper", "canvas": f"{name}_sky", **tones},
-        needs="ground",
-        weight=100.0,
+    return scheme(
+        frame, tones, mat="white_paper", canvas=f"{name}_sky", needs="ground", weight=100.0
     )
 
 
@@ -68,24 +66,22 @@ CATEGORY: Final = BuiltCategory(
     "wall_hanging",
     classes=Classes(nyu40="picture", ade20k="painting"),
     schemes=(
-        Scheme({ANY: "wood", "mat": "white_paper"}, weight=2.0),
-        Scheme({ANY: "black", "mat": "white_paper"}),
-        Scheme({ANY: "white", "mat": "white_paper"}),
+        scheme("wood", mat="white_paper", weight=2.0),
+        scheme("black", mat="white_paper"),
+        scheme("white", mat="white_paper"),
         _palette("dawn", "wood"),
         _palette("meadow", "white"),
         _palette("silver", "black"),
         _palette("ochre", "wood"),
-        Scheme({ANY: METAL, "mat": "white_paper"}),
+        scheme(METAL, mat="white_paper"),
         *(
-            Scheme(
-                {
-                    ANY: frame,
-                    "mat": "white_paper",
-                    "canvas": ground,
-                    "ink": "picture_ink",
-                    "street": street,
-                    "river": river,
-                },
+            scheme(
+                frame,
+                mat="white_paper",
+                canvas=ground,
+                ink="picture_ink",
+                street=street,
+                river=river,
                 needs=needs,
                 weight=100.0,
             )
@@ -96,12 +92,8 @@ CATEGORY: Final = BuiltCategory(
             )
             for needs in ("ink", "river")
         ),
-        Scheme({ANY: "wood", "mat": "white_paper", "canvas": "paper"}, needs="stem", weight=100.0),
-        Scheme(
-            {ANY: "black", "mat": "white_paper", "canvas": "white_paper"},
-            needs="stem",
-            weight=100.0,
-        ),
+        scheme("wood", mat="white_paper", canvas="paper", needs="stem", weight=100.0),
+        scheme("black", mat="white_paper", canvas="white_paper", needs="stem", weight=100.0),
     ),
     construction=(row("canvas", filled(200), "common"),),
     placements=(on("wall", max_groups=5, max_variants=5),),

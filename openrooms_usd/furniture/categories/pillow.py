@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, on
+from openrooms_usd.furniture.record import BuiltCategory, Classes, on, scheme
 from openrooms_usd.geometry.cloth import pillow as filled
 from openrooms_usd.geometry.solids import lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
@@ -136,7 +136,7 @@ CATEGORY: Final = BuiltCategory(
     words="cushion pillows",
     classes=Classes("pillow", "pillow", "pillow"),
     synsets=("03938244",),
-    schemes=(Scheme({ANY: "linen"}),),
+    schemes=(scheme("linen"),),
     placements=(
         on("sofa_seat", styles="square round", pose="leaning", max_groups=4, max_variants=3),
         on("armchair_seat", styles="square", pose="leaning"),

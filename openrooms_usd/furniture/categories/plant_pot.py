@@ -15,10 +15,10 @@ from openrooms_usd.furniture.record import (
     WIDE,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -199,10 +199,7 @@ CATEGORY: Final = BuiltCategory(
     words="plant plants flowerpot flower_pot potted_plant houseplant flower flowers tree",
     classes=Classes("flowerpot", "otherprop", "plant", "potted_plant"),
     synsets=("03991062",),
-    schemes=(
-        Scheme({ANY: "glaze", "stone": "pebble"}, weight=2.0),
-        Scheme({ANY: "terracotta", "stone": "pebble"}),
-    ),
+    schemes=(scheme("glaze", stone="pebble", weight=2.0), scheme("terracotta", stone="pebble")),
     construction=(
         row(f"pot {ANY}", filled(900), "weight"),
         row("soil", solid(1200), "common"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, on, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, on, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
 
@@ -83,7 +83,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.2, 1.4),
     words="dish plates dinner_plate saucer crockery",
     classes=Classes(ade20k="plate"),
-    schemes=(Scheme({ANY: "porcelain"}),),
+    schemes=(scheme("porcelain"),),
     construction=(row(ANY, solid(), "common", "specular_stone"),),
     placements=(
         on(

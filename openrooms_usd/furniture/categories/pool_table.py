@@ -23,9 +23,9 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -240,29 +240,25 @@ CATEGORY: Final = BuiltCategory(
     words="billiard_table snooker_table",
     classes=Classes("pool_table", "otherfurniture", "pool_table"),
     schemes=(
-        Scheme(
-            {
-                ANY: "wood",
-                "tabletop": "felt",
-                "cushion": "felt",
-                "pocket": "black",
-                "pocket_rim": "black",
-                "ball": "billiard",
-                "cue_ball": "sanitary",
-                "foot": "steel",
-            },
+        scheme(
+            "wood",
+            tabletop="felt",
+            cushion="felt",
+            pocket="black",
+            pocket_rim="black",
+            ball="billiard",
+            cue_ball="sanitary",
+            foot="steel",
             weight=2.0,
         ),
-        Scheme(
-            {
-                ANY: "black",
-                "tabletop": "felt",
-                "cushion": "felt",
-                "cue": "wood",
-                "ball": "billiard",
-                "cue_ball": "sanitary",
-                "foot": "steel",
-            }
+        scheme(
+            "black",
+            tabletop="felt",
+            cushion="felt",
+            cue="wood",
+            ball="billiard",
+            cue_ball="sanitary",
+            foot="steel",
         ),
     ),
     construction=(

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, on, row, scheme
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
@@ -75,11 +75,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.2, 1.2),
     words="socket_strip multi_socket extension_lead surge_protector",
     schemes=(
-        Scheme(
-            {ANY: "plastic", "well": "grey", "switch": "toy_plastic", "plug": "black_plastic"},
-            weight=2.0,
-        ),
-        Scheme({ANY: "black_plastic", "well": "cavity", "switch": "toy_plastic"}),
+        scheme("plastic", well="grey", switch="toy_plastic", plug="black_plastic", weight=2.0),
+        scheme("black_plastic", well="cavity", switch="toy_plastic"),
     ),
     construction=(row(ANY, filled(700), "common"),),
     placements=(

@@ -16,7 +16,7 @@ from openrooms_usd.furniture.joinery.boards import (
     profiled,
 )
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, cylinder
 from openrooms_usd.geometry.sweeps import tube
@@ -315,27 +315,18 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="printer"),
     synsets=("04004475",),
     schemes=(
-        Scheme(
-            {
-                ANY: "pale_plastic",
-                "panel": "black_plastic",
-                "button": "pale_plastic",
-                "handle": "black_plastic",
-                "frame": "dark_plastic",
-                "tray": "dark_plastic",
-                "base": "black_plastic",
-                "paper": "white_paper",
-            },
+        scheme(
+            "pale_plastic",
+            panel="black_plastic",
+            button="pale_plastic",
+            handle="black_plastic",
+            frame="dark_plastic",
+            tray="dark_plastic",
+            base="black_plastic",
+            paper="white_paper",
             weight=2.0,
         ),
-        Scheme(
-            {
-                ANY: "dark_plastic",
-                "button": "pale_plastic",
-                "handle": "pale_plastic",
-                "paper": "white_paper",
-            }
-        ),
+        scheme("dark_plastic", button="pale_plastic", handle="pale_plastic", paper="white_paper"),
     ),
     construction=(row("paper", solid(750), "common"), row(ANY, filled(330), "weight")),
 )

@@ -6,16 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import (
-    ANY,
-    METAL,
-    BuiltCategory,
-    Classes,
-    Scheme,
-    filled,
-    row,
-    walls,
-)
+from openrooms_usd.furniture.record import METAL, BuiltCategory, Classes, filled, row, scheme, walls
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import lathe
@@ -127,9 +118,9 @@ CATEGORY: Final = BuiltCategory(
     words="shoe_rack clothes_rack garment_rack wine_rack clothing_rack drying_rack luggage_rack",
     classes=Classes("bookshelf", "shelves", "shelf"),
     schemes=(
-        Scheme({ANY: "wood", "bottle": "bottle_glass"}, weight=2.0),
-        Scheme({ANY: METAL, "shelf": "wood", "bottle": "bottle_glass"}, needs="tube", weight=5.0),
-        Scheme({ANY: "white", "bottle": "bottle_glass"}),
+        scheme("wood", bottle="bottle_glass", weight=2.0),
+        scheme(METAL, shelf="wood", bottle="bottle_glass", needs="tube", weight=5.0),
+        scheme("white", bottle="bottle_glass"),
     ),
     construction=(
         row("bottle", filled(1200), "common"),

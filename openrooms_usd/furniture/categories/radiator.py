@@ -12,8 +12,8 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -147,11 +147,8 @@ CATEGORY: Final = BuiltCategory(
     words="heater heating_radiator convector_heater",
     classes=Classes(nyu40="otherstructure", ade20k="radiator"),
     schemes=(
-        Scheme(
-            {ANY: "white", "slot": "soot", "base": "soot", "pipe": "chrome", "knob": "plastic"},
-            weight=4.0,
-        ),
-        Scheme({ANY: "black", "slot": "soot", "base": "soot", "pipe": "steel", "knob": "plastic"}),
+        scheme("white", slot="soot", base="soot", pipe="chrome", knob="plastic", weight=4.0),
+        scheme("black", slot="soot", base="soot", pipe="steel", knob="plastic"),
     ),
     construction=(row(ANY, walls(1.0, STEEL), "sheet"),),
 )

@@ -35,9 +35,9 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.furniture.schemes import PANELLED
@@ -271,8 +271,8 @@ CATEGORY: Final = BuiltCategory(
     words="fridge freezer refridgerator mini_fridge deep_freeze electric_refrigerator icebox",
     classes=Classes(nyu40="refridgerator", ade20k="refrigerator", coco="refrigerator"),
     schemes=(
-        Scheme({ANY: "enamel", **_COLD, "handle": "steel"}),
-        Scheme({ANY: "steel", **_COLD, "frame": "grey", "handle": "steel"}),
+        scheme("enamel", _COLD, handle="steel"),
+        scheme("steel", _COLD, frame="grey", handle="steel"),
         *PANELLED,
     ),
     construction=(

@@ -11,10 +11,10 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 
 
@@ -41,10 +41,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(coco="remote"),
     synsets=("04074963",),
     schemes=(
-        Scheme(
-            {ANY: "black_plastic", "button": "dark_plastic", "switch": "toy_plastic"}, weight=3.0
-        ),
-        Scheme({ANY: "plastic", "button": "grey", "switch": "toy_plastic"}),
+        scheme("black_plastic", button="dark_plastic", switch="toy_plastic", weight=3.0),
+        scheme("plastic", button="grey", switch="toy_plastic"),
     ),
     construction=(row(ANY, filled(750), "weight"),),
     placements=(

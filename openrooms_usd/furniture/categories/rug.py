@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.record import ANY, WIDE, BuiltCategory, Classes, Scheme, filled, row
+from openrooms_usd.furniture.record import ANY, WIDE, BuiltCategory, Classes, filled, row, scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, superellipse
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -150,11 +150,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(3, 12),
     words="carpet floor_mat bathmat bath_mat mat door_mat doormat",
     classes=Classes(ade20k="rug"),
-    schemes=(
-        Scheme(
-            {ANY: "carpet", "border": "carpet_border", "trim": "carpet_border", "fringe": "linen"}
-        ),
-    ),
+    schemes=(scheme("carpet", border="carpet_border", trim="carpet_border", fringe="linen"),),
     construction=(row(ANY, filled(220), "common"),),
     view_importance=0.0,
 )

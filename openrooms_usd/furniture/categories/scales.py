@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, filled, on, row, scheme, solid
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude
@@ -59,16 +59,12 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.8, 4),
     words="scale bathroom_scale weighing_scale bathroom_scales",
     schemes=(
-        Scheme(
-            {
-                ANY: "back_painted_glass",
-                "field": "dark_plastic",
-                "contact": "chrome",
-                "foot": "black_plastic",
-            }
-        ),
-        Scheme(
-            {ANY: "white", "mat": "tyre", "field": "white_paper", "foot": "black_plastic"},
+        scheme("back_painted_glass", field="dark_plastic", contact="chrome", foot="black_plastic"),
+        scheme(
+            "white",
+            mat="tyre",
+            field="white_paper",
+            foot="black_plastic",
             needs="mat",
             weight=100.0,
         ),

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.lofts import loft, ring
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
@@ -155,8 +155,8 @@ CATEGORY: Final = BuiltCategory(
     words="shoe pair_of_shoes sneakers slippers boots boot trainers flops",
     classes=Classes(nyu40="clothes", ade20k="apparel"),
     schemes=(
-        Scheme({ANY: "shoe_upper", "sole": "white_sole", "lace": "white_sole"}, weight=2.0),
-        Scheme({ANY: "shoe_leather", "sole": "membrane", "lace": "membrane"}),
+        scheme("shoe_upper", sole="white_sole", lace="white_sole", weight=2.0),
+        scheme("shoe_leather", sole="membrane", lace="membrane"),
     ),
     construction=(row("sole", filled(500), "common"), row(ANY, filled(140), "weight")),
     placements=(

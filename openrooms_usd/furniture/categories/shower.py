@@ -14,9 +14,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -168,17 +168,10 @@ CATEGORY: Final = BuiltCategory(
     words="shower_cabin shower_cubicle shower_stall shower_enclosure shower_tray walk_in_shower",
     classes=Classes(nyu40="otherstructure", ade20k="shower"),
     schemes=(
-        Scheme({ANY: "chrome", "tray": "sanitary"}, weight=3.0),
-        Scheme({ANY: "chrome", "tray": "sanitary", "pane": "tinted_glass"}),
-        Scheme(
-            {
-                ANY: "black",
-                "tray": "sanitary",
-                "spout": "black",
-                "switch": "black",
-                "handle": "black",
-                "bracket": "black",
-            }
+        scheme("chrome", tray="sanitary", weight=3.0),
+        scheme("chrome", tray="sanitary", pane="tinted_glass"),
+        scheme(
+            "black", tray="sanitary", spout="black", switch="black", handle="black", bracket="black"
         ),
     ),
     construction=(

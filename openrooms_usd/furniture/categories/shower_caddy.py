@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.record import ANY, STEEL, BuiltCategory, Classes, Scheme, row, walls
+from openrooms_usd.furniture.record import ANY, STEEL, BuiltCategory, Classes, row, scheme, walls
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.sweeps import tube
 
@@ -48,7 +48,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 3),
     words="shower_shelf shower_basket shower_rack",
     classes=Classes(nyu40="shelves", ade20k="shelf"),
-    schemes=(Scheme({ANY: "chrome"}, weight=2.0), Scheme({ANY: "black"})),
+    schemes=(scheme("chrome", weight=2.0), scheme("black")),
     construction=(row(ANY, walls(0.8, STEEL), "sheet", "metal"),),
     offers_surfaces=("shelf",),
 )

@@ -11,8 +11,8 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -47,9 +47,9 @@ CATEGORY: Final = BuiltCategory(
     words="bath_screen bathtub_screen shower_door shower_doors glass_partition",
     classes=Classes(nyu40="otherstructure", ade20k="screen_door"),
     schemes=(
-        Scheme({ANY: "chrome", "seal": "plastic"}, weight=3.0),
-        Scheme({ANY: "chrome", "pane": "tinted_glass", "seal": "plastic"}),
-        Scheme({ANY: "black", "seal": "plastic"}),
+        scheme("chrome", seal="plastic", weight=3.0),
+        scheme("chrome", pane="tinted_glass", seal="plastic"),
+        scheme("black", seal="plastic"),
     ),
     construction=(row("pane", solid(2500), "common"), row(ANY, walls(1.5), "common")),
 )

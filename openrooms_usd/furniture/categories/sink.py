@@ -30,8 +30,8 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.furniture.schemes import DARK_TAP, TAP
@@ -258,21 +258,25 @@ CATEGORY: Final = BuiltCategory(
     words="washbasin wash_basin bathroom_sink kitchen_sink basin washstand",
     classes=Classes(nyu40="sink", ade20k="sink", coco="sink"),
     schemes=(
-        Scheme({ANY: "sanitary", **TAP}),
-        Scheme({ANY: "wood", **TAP, "basin": "sanitary"}, needs="frame", weight=100.0),
-        Scheme({ANY: "white", **DARK_TAP, "basin": "sanitary"}, needs="frame", weight=100.0),
-        Scheme(
-            {ANY: "wood", **DARK_TAP, "leg": METAL, "basin": "sanitary"},
-            needs="countertop",
-            weight=100.0,
-        ),
-        Scheme(
-            {ANY: "white", **TAP, "bowl": "steel", "countertop": "stone", "base": "black"},
+        scheme("sanitary", TAP),
+        scheme("wood", TAP, basin="sanitary", needs="frame", weight=100.0),
+        scheme("white", DARK_TAP, basin="sanitary", needs="frame", weight=100.0),
+        scheme("wood", DARK_TAP, leg=METAL, basin="sanitary", needs="countertop", weight=100.0),
+        scheme(
+            "white",
+            TAP,
+            bowl="steel",
+            countertop="stone",
+            base="black",
             needs="bowl",
             weight=50000.0,
         ),
-        Scheme(
-            {ANY: "white", **TAP, "bowl": "steel", "countertop": "wood", "base": "black"},
+        scheme(
+            "white",
+            TAP,
+            bowl="steel",
+            countertop="wood",
+            base="black",
             needs="bowl",
             weight=10000.0,
         ),

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, filled, row
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
 from openrooms_usd.geometry.solids import lathe
 
 
@@ -44,6 +44,6 @@ CATEGORY: Final = BuiltCategory(
     support="ceiling",
     fixed=True,
     words="smoke_alarm fire_alarm",
-    schemes=(Scheme({ANY: "plastic"}),),
+    schemes=(scheme("plastic"),),
     construction=(row(ANY, filled(900), "common"),),
 )

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row, solid
+from openrooms_usd.furniture.record import BuiltCategory, filled, on, row, scheme, solid
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
@@ -75,8 +75,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.005, 0.4),
     words="soap_dish sponge soap_bar",
     schemes=(
-        Scheme({ANY: "soap", "dish": "porcelain"}),
-        Scheme({ANY: "sponge", "pad": "scourer"}, needs="sponge", weight=100.0),
+        scheme("soap", dish="porcelain"),
+        scheme("sponge", pad="scourer", needs="sponge", weight=100.0),
     ),
     construction=(
         row("soap", solid(1000), "common"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import facing
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, filled, row
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 
@@ -86,6 +86,6 @@ CATEGORY: Final = BuiltCategory(
     mount_height=0.26,
     fixed=True,
     words="outlet power_outlet electrical_outlet wall_socket power_socket receptacle",
-    schemes=(Scheme({ANY: "plastic", "hole": "dark_plastic"}),),
+    schemes=(scheme("plastic", hole="dark_plastic"),),
     construction=(row(ANY, filled(900), "common"),),
 )

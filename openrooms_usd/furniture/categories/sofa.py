@@ -17,7 +17,7 @@ from openrooms_usd.furniture.joinery.boards import (
     splayed,
     square_leg,
 )
-from openrooms_usd.furniture.record import ANY, METAL, SEAT_ROWS, BuiltCategory, Classes, Scheme
+from openrooms_usd.furniture.record import METAL, SEAT_ROWS, BuiltCategory, Classes, scheme
 from openrooms_usd.furniture.schemes import HIDE
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
@@ -268,11 +268,11 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("sofa", "sofa", "sofa", "couch"),
     synsets=("04256520",),
     schemes=(
-        Scheme({ANY: "upholstery", "leg": "wood"}, weight=2.0),
-        Scheme({ANY: "upholstery", "leg": METAL}),
-        Scheme({ANY: "hide", **HIDE, "leg": "wood"}, weight=0.7),
-        Scheme({ANY: "hide", **HIDE, "leg": METAL}, weight=0.5),
-        Scheme({ANY: "wood"}, needs="rail", weight=100.0),
+        scheme("upholstery", leg="wood", weight=2.0),
+        scheme("upholstery", leg=METAL),
+        scheme("hide", HIDE, leg="wood", weight=0.7),
+        scheme("hide", HIDE, leg=METAL, weight=0.5),
+        scheme("wood", needs="rail", weight=100.0),
     ),
     construction=SEAT_ROWS,
     offers_surfaces=("sofa_seat", "sofa_arm"),

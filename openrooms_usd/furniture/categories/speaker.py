@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
 from openrooms_usd.furniture.joinery.posing import facing
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
@@ -229,17 +229,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="speaker"),
     synsets=("03691459",),
     schemes=(
-        Scheme({ANY: "black", "badge": "steel", "foot": "steel"}),
-        Scheme(
-            {
-                ANY: "wood",
-                "rim": "black_plastic",
-                "badge": "steel",
-                "base": "black",
-                "foot": "steel",
-            }
-        ),
-        Scheme({ANY: "black_plastic", "grille": "upholstery"}, needs="grille", weight=100.0),
+        scheme("black", badge="steel", foot="steel"),
+        scheme("wood", rim="black_plastic", badge="steel", base="black", foot="steel"),
+        scheme("black_plastic", grille="upholstery", needs="grille", weight=100.0),
     ),
     construction=(
         row("grille", filled(350), "weight"),

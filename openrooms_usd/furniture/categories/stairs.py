@@ -13,7 +13,7 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     profiled,
 )
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme
+from openrooms_usd.furniture.record import BuiltCategory, Classes, scheme
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
 
@@ -136,9 +136,9 @@ CATEGORY: Final = BuiltCategory(
     words="stairway staircase stair",
     classes=Classes(nyu40="otherstructure", ade20k="stairs"),
     schemes=(
-        Scheme({ANY: "wood"}, weight=3.0),
-        Scheme({ANY: "white", "step": "wood", "handrail": "wood"}, weight=2.0),
-        Scheme({ANY: "black", "step": "wood"}),
+        scheme("wood", weight=3.0),
+        scheme("white", step="wood", handrail="wood", weight=2.0),
+        scheme("black", step="wood"),
     ),
     view_importance=3.0,
 )

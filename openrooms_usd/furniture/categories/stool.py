@@ -16,15 +16,14 @@ from openrooms_usd.furniture.joinery.boards import (
     square_leg,
 )
 from openrooms_usd.furniture.record import (
-    ANY,
     METAL,
     SEAT_ROWS,
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.furniture.schemes import CHAIRS
@@ -215,7 +214,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(2, 9),
     words="bar_stool barstool",
     classes=Classes("chair", "otherprop", "stool", "chair"),
-    schemes=(*CHAIRS, Scheme({ANY: METAL}, needs="column", weight=100.0)),
+    schemes=(*CHAIRS, scheme(METAL, needs="column", weight=100.0)),
     construction=(
         row("seat_cushion", filled(100), "foam"),
         row("cushion", filled(90), "weight"),

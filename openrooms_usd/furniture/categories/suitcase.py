@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -82,13 +82,8 @@ CATEGORY: Final = BuiltCategory(
     words="luggage travel_bag trolley_case baggage carry_on",
     classes=Classes("bag", "bag", "bag", "suitcase"),
     schemes=(
-        Scheme(
-            {
-                ANY: "luggage_shell",
-                "bracket": "black_plastic",
-                "handle": "black_plastic",
-                "zipper": "black_plastic",
-            }
+        scheme(
+            "luggage_shell", bracket="black_plastic", handle="black_plastic", zipper="black_plastic"
         ),
     ),
     construction=(

@@ -12,10 +12,10 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.mesh import joined
 
@@ -58,8 +58,8 @@ CATEGORY: Final = BuiltCategory(
     words="ipad tablet_computer e_reader",
     classes=Classes(ade20k="computer"),
     schemes=(
-        Scheme({ANY: "aluminium", "cover": "membrane"}, weight=2.0),
-        Scheme({ANY: "black_plastic", "cover": "hide"}),
+        scheme("aluminium", cover="membrane", weight=2.0),
+        scheme("black_plastic", cover="hide"),
     ),
     construction=(row("cover", filled(700), "weight"), row(ANY, filled(1400), "weight")),
     placements=(

@@ -21,10 +21,10 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -222,9 +222,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="telephone"),
     synsets=("02992529", "04401088"),
     schemes=(
-        Scheme({ANY: "dark_plastic", "button": "pale_plastic"}, weight=2.0),
-        Scheme({ANY: "pale_plastic"}),
-        Scheme({ANY: "black_plastic", "dial": "steel"}, needs="dial", weight=100.0),
+        scheme("dark_plastic", button="pale_plastic", weight=2.0),
+        scheme("pale_plastic"),
+        scheme("black_plastic", dial="steel", needs="dial", weight=100.0),
     ),
     construction=(row(ANY, filled(400), "weight"),),
     joint_damping=JointDamping(0.01, 0.02),

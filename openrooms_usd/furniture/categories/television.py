@@ -10,7 +10,7 @@ from openrooms_usd.furniture.joinery.screen import (
     television_pedestal,
     television_tube,
 )
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, row, scheme, solid
 from openrooms_usd.furniture.schemes import SCREENS
 
 CATEGORY: Final = BuiltCategory(
@@ -31,11 +31,7 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("monitor", "television", "television_receiver", "tv"),
     schemes=(
         *SCREENS,
-        Scheme(
-            {ANY: "black_plastic", "frame": "wood", "antenna": "steel"},
-            needs="antenna",
-            weight=200.0,
-        ),
+        scheme("black_plastic", frame="wood", antenna="steel", needs="antenna", weight=200.0),
     ),
     construction=(row(ANY, filled(350), "weight"), row("screen", solid(2500), "common")),
     view_importance=1.0,

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import facing
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Scheme, filled, row
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
 from openrooms_usd.geometry.solids import cylinder
 
 
@@ -52,8 +52,8 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="thermostat_control",
     schemes=(
-        Scheme({ANY: "plastic", "screen": "screen", "button": "plastic"}, weight=2.0),
-        Scheme({ANY: "steel", "screen": "screen", "button": "plastic"}),
+        scheme("plastic", screen="screen", button="plastic", weight=2.0),
+        scheme("steel", screen="screen", button="plastic"),
     ),
     construction=(row(ANY, filled(900), "common"),),
 )

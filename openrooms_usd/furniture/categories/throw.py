@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import between, folded_pile, over_bar
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.cloth import ripples
 
 
@@ -48,7 +48,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.4, 3),
     words="blanket throws throw_blanket plaid quilt afghan comforter",
     classes=Classes(ade20k="blanket"),
-    schemes=(Scheme({ANY: "throw"}),),
+    schemes=(scheme("throw"),),
     construction=(row(ANY, filled(130), "common"),),
     placements=(
         on("sofa_arm", styles="draped", pose="draped", weight=0.7, max_groups=1),

@@ -10,10 +10,10 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.lofts import superellipse
 from openrooms_usd.geometry.mesh import Mesh
@@ -69,8 +69,8 @@ CATEGORY: Final = BuiltCategory(
     words="tissue tissues kleenex kleenex_box",
     classes=Classes(nyu40="box", ade20k="box"),
     schemes=(
-        Scheme({ANY: "package_field", "paper": "tissue", "slot": "cavity"}, weight=2.0),
-        Scheme({ANY: "wood", "paper": "tissue", "slot": "cavity"}),
+        scheme("package_field", paper="tissue", slot="cavity", weight=2.0),
+        scheme("wood", paper="tissue", slot="cavity"),
     ),
     construction=(row("box", filled(130), "weight"), row(ANY, filled(200), "common")),
     placements=(

@@ -22,9 +22,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
@@ -222,11 +222,9 @@ CATEGORY: Final = BuiltCategory(
     on_worktop_probability=0.2,
     classes=Classes(coco="toaster"),
     schemes=(
-        Scheme(
-            {ANY: "steel", **_DARK, "lever": "black_plastic", "knob": "black_plastic"}, weight=2.0
-        ),
-        Scheme({ANY: "enamel", **_DARK, "side": "enamel", "knob": "chrome"}),
-        Scheme({ANY: "black_plastic", **_DARK, "knob": "steel", "lever": "steel"}),
+        scheme("steel", _DARK, lever="black_plastic", knob="black_plastic", weight=2.0),
+        scheme("enamel", _DARK, side="enamel", knob="chrome"),
+        scheme("black_plastic", _DARK, knob="steel", lever="steel"),
     ),
     construction=(row(ANY, filled(300), "weight"),),
 )

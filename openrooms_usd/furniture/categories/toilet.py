@@ -14,9 +14,9 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
@@ -227,7 +227,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(25, 50),
     words="lavatory",
     classes=Classes(nyu40="toilet", ade20k="toilet", coco="toilet"),
-    schemes=(Scheme({ANY: "sanitary", "button": "chrome", "panel": "white"}),),
+    schemes=(scheme("sanitary", button="chrome", panel="white"),),
     construction=(
         row("seat lid", filled(900), "weight"),
         row(ANY, walls(10, CHINA), "china", "specular_stone"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
-from openrooms_usd.furniture.record import ANY, METAL, BuiltCategory, Scheme, filled, row, walls
+from openrooms_usd.furniture.record import ANY, METAL, BuiltCategory, filled, row, scheme, walls
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe, sphere
 
@@ -78,9 +78,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.2, 1.5),
     words="toilet_brushes toilet_brush_holder",
     schemes=(
-        Scheme({ANY: METAL, "bristle": "pale_plastic"}, weight=2.0),
-        Scheme({ANY: "porcelain", "handle": METAL, "lid": METAL, "bristle": "pale_plastic"}),
-        Scheme({ANY: "pale_plastic", "bristle": "pale_plastic", "handle": "pale_plastic"}),
+        scheme(METAL, bristle="pale_plastic", weight=2.0),
+        scheme("porcelain", handle=METAL, lid=METAL, bristle="pale_plastic"),
+        scheme("pale_plastic", bristle="pale_plastic", handle="pale_plastic"),
     ),
     construction=(
         row("container", walls(2.0), "common", "specular_stone"),

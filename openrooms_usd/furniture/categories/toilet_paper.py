@@ -6,14 +6,13 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.record import (
-    ANY,
     METAL,
     STANDARD,
     BuiltCategory,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -77,8 +76,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.06, 1.6),
     words="toilet_paper_roll paper_towel paper_towel_roll paper_roll kitchen_roll toilet_roll",
     schemes=(
-        Scheme({ANY: "tissue", "core": "cardboard", "stand": METAL}, weight=2.0),
-        Scheme({ANY: "tissue", "core": "cardboard", "stand": "wood"}),
+        scheme("tissue", core="cardboard", stand=METAL, weight=2.0),
+        scheme("tissue", core="cardboard", stand="wood"),
     ),
     construction=(
         row("paper", filled(160), "weight"),

@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     METAL,
     STANDARD,
     BuiltCategory,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.curves import filleted
@@ -60,8 +60,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.15, 1.5),
     words="toilet_paper_dispenser toilet_roll_holder paper_holder",
     schemes=(
-        Scheme({ANY: "chrome", "bracket": "chrome", "roll": "white_paper", "sheet": "white_paper"}),
-        Scheme({ANY: METAL, "roll": "white_paper", "sheet": "white_paper"}),
+        scheme("chrome", bracket="chrome", roll="white_paper", sheet="white_paper"),
+        scheme(METAL, roll="white_paper", sheet="white_paper"),
     ),
     construction=(
         row("roll", filled(200), "common"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, filled, on, row, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe
@@ -130,7 +130,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.02, 0.8),
     words="toiletry shampoo shampoo_bottle lotion cosmetics deodorant toothpaste hair_spray",
-    schemes=(Scheme({ANY: "toiletry", "cap": "toiletry_cap", "label": "package_field"}),),
+    schemes=(scheme("toiletry", cap="toiletry_cap", label="package_field"),),
     construction=(row(ANY, filled(900), "common"),),
     placements=(
         on(

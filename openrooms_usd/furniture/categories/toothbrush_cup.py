@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Scheme, filled, on, row, solid
+from openrooms_usd.furniture.record import ANY, BuiltCategory, filled, on, row, scheme, solid
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
@@ -87,15 +87,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.08, 0.6),
     words="toothbrush toothbrush_holder toothbrushes",
     schemes=(
-        Scheme(
-            {
-                ANY: "porcelain",
-                "brush": "toy_plastic",
-                "bristle": "plastic",
-                "tube": "package",
-                "cap": "plastic",
-            }
-        ),
+        scheme("porcelain", brush="toy_plastic", bristle="plastic", tube="package", cap="plastic"),
     ),
     construction=(
         row("container", solid(), "common", "specular_stone"),

@@ -12,7 +12,7 @@ from openrooms_usd.furniture.joinery.linens import (
     rolled,
     with_loop,
 )
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme, filled, on, row
+from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 
 
 def folded(size: Size, rng: np.random.Generator) -> Parts:
@@ -53,7 +53,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.15, 1.6),
     words="towels hand_towel bath_towel",
     classes=Classes(nyu40="towel", ade20k="towel"),
-    schemes=(Scheme({ANY: "terry"}),),
+    schemes=(scheme("terry"),),
     construction=(row(ANY, filled(190), "common"),),
     placements=(
         on("towel_rail", styles="draped", pose="draped"),

@@ -11,8 +11,8 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     STEEL,
     BuiltCategory,
-    Scheme,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.solids import lathe
@@ -71,9 +71,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 3),
     words="towel_rack towel_bar towel_holder towel_warmer heated_towel_rail towel_hanger",
     schemes=(
-        Scheme({ANY: "chrome", "bracket": "chrome"}, weight=2.0),
-        Scheme({ANY: METAL}),
-        Scheme({ANY: "white", "bracket": "white"}, needs="pipe", weight=2.0),
+        scheme("chrome", bracket="chrome", weight=2.0),
+        scheme(METAL),
+        scheme("white", bracket="white", needs="pipe", weight=2.0),
     ),
     construction=(row(ANY, walls(1.2, STEEL), "sheet"),),
     offers_surfaces=("towel_rail",),

@@ -18,10 +18,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -143,8 +143,8 @@ CATEGORY: Final = BuiltCategory(
     words="toys teddy_bear teddy stuffed_animal doll ball toy_car lego plush blocks",
     classes=Classes(ade20k="plaything"),
     schemes=(
-        Scheme({ANY: "toy_plastic", "wheel": "membrane", "window": "cavity"}),
-        Scheme({ANY: "plush", "pad": "plush_pad", "eye": "cavity"}, needs="eye", weight=100.0),
+        scheme("toy_plastic", wheel="membrane", window="cavity"),
+        scheme("plush", pad="plush_pad", eye="cavity", needs="eye", weight=100.0),
     ),
     construction=(
         row("block car", filled(500), "common"),

@@ -23,8 +23,8 @@ from openrooms_usd.furniture.record import (
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -213,15 +213,13 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("trash_bin", "otherfurniture", "ashcan"),
     synsets=("02747177",),
     schemes=(
-        Scheme({ANY: "steel", "bag": "black_plastic", "base": "black_plastic"}),
-        Scheme({ANY: "tinted_plastic", "bag": "pale_plastic", "lid": "pale_plastic"}, weight=2.0),
-        Scheme(
-            {
-                ANY: "steel",
-                "container": "black_plastic",
-                "base": "black_plastic",
-                "hinge": "black_plastic",
-            },
+        scheme("steel", bag="black_plastic", base="black_plastic"),
+        scheme("tinted_plastic", bag="pale_plastic", lid="pale_plastic", weight=2.0),
+        scheme(
+            "steel",
+            container="black_plastic",
+            base="black_plastic",
+            hinge="black_plastic",
             needs="pedal",
             weight=100.0,
         ),

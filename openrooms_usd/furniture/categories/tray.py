@@ -11,9 +11,9 @@ from openrooms_usd.furniture.record import (
     METAL,
     BuiltCategory,
     Classes,
-    Scheme,
     on,
     row,
+    scheme,
     solid,
 )
 from openrooms_usd.geometry.curves import filleted
@@ -77,9 +77,9 @@ CATEGORY: Final = BuiltCategory(
     words="trays serving_tray",
     classes=Classes(ade20k="tray"),
     schemes=(
-        Scheme({ANY: "wood", "handle": METAL}, weight=2.0),
-        Scheme({ANY: METAL, "handle": METAL}, weight=0.7),
-        Scheme({ANY: "lacquer", "handle": METAL}),
+        scheme("wood", handle=METAL, weight=2.0),
+        scheme(METAL, handle=METAL, weight=0.7),
+        scheme("lacquer", handle=METAL),
     ),
     construction=(
         row(ANY, solid(1400), "weight", "metal", "paint"),

@@ -19,9 +19,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.curves import filleted
@@ -111,8 +111,8 @@ CATEGORY: Final = BuiltCategory(
     words="running_machine exercise_machine elliptical",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        Scheme({ANY: "dark_plastic", "frame": "grey", "belt": "tyre", "rail": "grey"}),
-        Scheme({ANY: "dark_plastic", "frame": "black", "belt": "tyre"}),
+        scheme("dark_plastic", frame="grey", belt="tyre", rail="grey"),
+        scheme("dark_plastic", frame="black", belt="tyre"),
     ),
     construction=(
         row("base", filled(700), "weight"),

@@ -9,10 +9,10 @@ from openrooms_usd.furniture.record import (
     ANY,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -77,7 +77,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 1.2),
     words="umbrellas parasol",
     classes=Classes(coco="umbrella"),
-    schemes=(Scheme({ANY: "coat_cloth", "stick": "steel", "handle": "wood"}),),
+    schemes=(scheme("coat_cloth", stick="steel", handle="wood"),),
     construction=(
         row("canopy", filled(160), "weight"),
         row("stick", walls(1.0), "sheet", "metal"),

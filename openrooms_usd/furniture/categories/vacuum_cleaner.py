@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, STEEL, BuiltCategory, Scheme, filled, on, row, walls
+from openrooms_usd.furniture.record import ANY, STEEL, BuiltCategory, filled, on, row, scheme, walls
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cushion, cylinder
@@ -84,15 +84,13 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(3, 11),
     words="vacuum hoover vacuum_cleaners floor_cleaner",
     schemes=(
-        Scheme(
-            {
-                ANY: "black_plastic",
-                "body": "toiletry",
-                "pipe": "chrome",
-                "wheel": "tyre",
-                "button": "dark_plastic",
-                "grip": "black_plastic",
-            }
+        scheme(
+            "black_plastic",
+            body="toiletry",
+            pipe="chrome",
+            wheel="tyre",
+            button="dark_plastic",
+            grip="black_plastic",
         ),
     ),
     construction=(

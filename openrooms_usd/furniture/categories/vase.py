@@ -14,10 +14,10 @@ from openrooms_usd.furniture.record import (
     WIDE,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     on,
     row,
+    scheme,
     walls,
 )
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -160,13 +160,8 @@ CATEGORY: Final = BuiltCategory(
     words="vases flower_vase bouquet flower_arrangement",
     classes=Classes("jar", "otherprop", "vase", "vase"),
     schemes=(
-        Scheme(
-            {ANY: "glaze", "petal": "petal", "stalk": "dried_grass", "plume": "dried_grass"},
-            weight=2.0,
-        ),
-        Scheme(
-            {ANY: "terracotta", "petal": "petal", "stalk": "dried_grass", "plume": "dried_grass"}
-        ),
+        scheme("glaze", petal="petal", stalk="dried_grass", plume="dried_grass", weight=2.0),
+        scheme("terracotta", petal="petal", stalk="dried_grass", plume="dried_grass"),
     ),
     construction=(
         row("vase", walls(3.5), "common", "specular_stone", "rough_stone"),

@@ -12,9 +12,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     solid,
     walls,
 )
@@ -117,10 +117,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.8, 12),
     words="wall_shelves floating_shelf ledge bathroom_shelf hanging_shelf",
     classes=Classes("bookshelf", "shelves", "shelf"),
-    schemes=(
-        Scheme({ANY: "wood", "bracket": METAL}, weight=3.0),
-        Scheme({ANY: "white", "bracket": METAL}),
-    ),
+    schemes=(scheme("wood", bracket=METAL, weight=3.0), scheme("white", bracket=METAL)),
     construction=(
         row("bracket", walls(2.0, STEEL), "sheet", "metal"),
         row("pane", solid(2500), "common"),

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Classes, Scheme, row, walls
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Classes, row, scheme, walls
 from openrooms_usd.geometry.mesh import joined
 
 _RIM_M: Final = 0.018
@@ -54,9 +54,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="vent air_vent air_register ventilation_grille duct_vent",
     classes=Classes(nyu40="otherstructure"),
-    schemes=(
-        Scheme({ANY: "white", "cavity": "soot"}, weight=3.0),
-        Scheme({ANY: "steel", "cavity": "soot"}),
-    ),
+    schemes=(scheme("white", cavity="soot", weight=3.0), scheme("steel", cavity="soot")),
     construction=(row(ANY, walls(1.0), "sheet"),),
 )

@@ -22,13 +22,12 @@ from openrooms_usd.furniture.joinery.fronts import (
     rows,
 )
 from openrooms_usd.furniture.record import (
-    ANY,
     MADE_TO_MEASURE,
     STORAGE_ROWS,
     BuiltCategory,
     Classes,
     JointDamping,
-    Scheme,
+    scheme,
 )
 from openrooms_usd.furniture.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
@@ -223,9 +222,9 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         *STORAGE,
         # Built in, most are painted.
-        Scheme({ANY: "white"}, needs="kickboard", weight=300.0),
-        Scheme({ANY: "kitchen_lacquer", "shelf": "white"}, needs="kickboard", weight=100.0),
-        Scheme({ANY: "wood"}, needs="kickboard", weight=60.0),
+        scheme("white", needs="kickboard", weight=300.0),
+        scheme("kitchen_lacquer", shelf="white", needs="kickboard", weight=100.0),
+        scheme("wood", needs="kickboard", weight=60.0),
     ),
     construction=STORAGE_ROWS,
     joint_damping=JointDamping(0.3, 0.2),

@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 
 CATEGORY: Final = BuiltCategory(
@@ -34,11 +34,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("washing_machine", "otherfurniture", "washer"),
     synsets=("04554684",),
     schemes=(
-        Scheme({ANY: "enamel", "handle": "chrome", "base": "black"}, weight=2.0),
-        Scheme(
-            {ANY: "enamel", "handle": "chrome", "base": "black", "door": "chrome", "panel": "grey"}
-        ),
-        Scheme({ANY: "grey", "handle": "chrome", "base": "black", "knob": "chrome"}),
+        scheme("enamel", handle="chrome", base="black", weight=2.0),
+        scheme("enamel", handle="chrome", base="black", door="chrome", panel="grey"),
+        scheme("grey", handle="chrome", base="black", knob="chrome"),
     ),
     construction=(
         row("drum", filled(8000), "weight"),

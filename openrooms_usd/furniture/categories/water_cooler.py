@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     STANDARD,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
 )
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -87,14 +87,7 @@ CATEGORY: Final = BuiltCategory(
     words="water_dispenser water_fountain",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        Scheme(
-            {
-                ANY: "plastic",
-                "tray": "dark_plastic",
-                "spout": "tinted_plastic",
-                "bottle": "water_bottle",
-            }
-        ),
+        scheme("plastic", tray="dark_plastic", spout="tinted_plastic", bottle="water_bottle"),
     ),
     construction=(row("bottle", filled(900), "common"), row(ANY, filled(180), "weight")),
 )

@@ -10,9 +10,9 @@ from openrooms_usd.furniture.record import (
     STEEL,
     BuiltCategory,
     Classes,
-    Scheme,
     filled,
     row,
+    scheme,
     walls,
 )
 
@@ -33,14 +33,8 @@ CATEGORY: Final = BuiltCategory(
     "projection_screen projector_screen",
     classes=Classes(openrooms45="whiteboard", nyu40="whiteboard"),
     schemes=(
-        Scheme(
-            {
-                ANY: "aluminium",
-                "board": "enamel",
-                "corner": "black_plastic",
-                "pen": "felt_pen",
-                "eraser": "membrane",
-            }
+        scheme(
+            "aluminium", board="enamel", corner="black_plastic", pen="felt_pen", eraser="membrane"
         ),
     ),
     construction=(

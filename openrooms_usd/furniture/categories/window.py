@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Joint, Size, Style
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, Scheme
+from openrooms_usd.furniture.record import BuiltCategory, Classes, scheme
 from openrooms_usd.geometry import windows
 
 # The sill board stands out on both sides and into the room.
@@ -52,6 +52,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="windows",
     classes=Classes("window", "window", "windowpane"),
-    schemes=(Scheme({ANY: "white"}),),
+    schemes=(scheme("white"),),
     view_importance=0.0,
 )

@@ -13,7 +13,7 @@ from openrooms_usd.furniture.joinery.boards import (
     Size,
     Style,
 )
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Classes, Scheme, row, solid
+from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Classes, row, scheme, solid
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.uv import cube_projection
@@ -93,7 +93,7 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="kitchen_worktop",
     classes=Classes("counter", "counter", "countertop"),
-    schemes=(Scheme({ANY: "stone"}, weight=2.0), Scheme({ANY: "wood"})),
+    schemes=(scheme("stone", weight=2.0), scheme("wood")),
     construction=(row(ANY, solid(), "common"),),
     offers_surfaces=("worktop",),
 )
