@@ -4,17 +4,11 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, wall_plate
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
-from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder
-
-
-def _plate(size: Size, thick: float) -> Mesh:
-    """A cover with eased edges, flat on the wall."""
-    x, y, height = 0.5 * size[0], 0.5 * size[1], size[2]
-    return board((-x, y - thick, 0.0), (x, y, height), 0.002)
 
 
 def coaxial(size: Size, rng: np.random.Generator) -> Parts:
@@ -28,7 +22,11 @@ def coaxial(size: Size, rng: np.random.Generator) -> Parts:
         facing(cylinder(0.0035, 0.0004, segments=10), (x, front + 0.0002, middle))
         for x in (-0.013, 0.013)
     ]
-    return {"cover": _plate(size, size[1] - 0.003), "ring": joined(rings), "hole": joined(holes)}
+    return {
+        "cover": wall_plate(size, size[1] - 0.003),
+        "ring": joined(rings),
+        "hole": joined(holes),
+    }
 
 
 def network(size: Size, rng: np.random.Generator) -> Parts:
@@ -43,7 +41,7 @@ def network(size: Size, rng: np.random.Generator) -> Parts:
         )
         for x in (-0.0115, 0.0115)
     ]
-    return {"cover": _plate(size, size[1] - 0.003), "insert": lip, "hole": joined(holes)}
+    return {"cover": wall_plate(size, size[1] - 0.003), "insert": lip, "hole": joined(holes)}
 
 
 STYLES: Final = {"coaxial": Style(coaxial), "network": Style(network)}

@@ -4,16 +4,10 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, wall_plate
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
-
-
-def _plate(size: Size, thick: float) -> Mesh:
-    """A cover with eased edges, flat on the wall."""
-    x, y, height = 0.5 * size[0], 0.5 * size[1], size[2]
-    return board((-x, y - thick, 0.0), (x, y, height), 0.002)
 
 
 def _rocker(size: Size, x: float, width: float, rng: np.random.Generator) -> Mesh:
@@ -31,14 +25,14 @@ def _rocker(size: Size, x: float, width: float, rng: np.random.Generator) -> Mes
 
 def rocker(size: Size, rng: np.random.Generator) -> Parts:
     """One wide key."""
-    return {"cover": _plate(size, 0.008), "switch": _rocker(size, 0.0, 0.68 * size[0], rng)}
+    return {"cover": wall_plate(size, 0.008), "switch": _rocker(size, 0.0, 0.68 * size[0], rng)}
 
 
 def twin(size: Size, rng: np.random.Generator) -> Parts:
     """Two narrow keys."""
     wide = 0.33 * size[0]
     keys = [_rocker(size, s * 0.52 * wide, wide, rng) for s in (-1.0, 1.0)]
-    return {"cover": _plate(size, 0.008), "switch": joined(keys)}
+    return {"cover": wall_plate(size, 0.008), "switch": joined(keys)}
 
 
 def toggle(size: Size, rng: np.random.Generator) -> Parts:
@@ -47,7 +41,7 @@ def toggle(size: Size, rng: np.random.Generator) -> Parts:
     lever = board((-0.004, -y + 0.0005, middle - 0.005), (0.004, y - 0.004, middle + 0.005), 0.001)
     tip = float(rng.choice([-1.0, 1.0])) * 20.0
     return {
-        "cover": _plate(size, 0.006),
+        "cover": wall_plate(size, 0.006),
         "switch": turned(lever, "x", tip, (0.0, y - 0.005, middle)),
     }
 

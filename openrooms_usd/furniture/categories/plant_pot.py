@@ -1,4 +1,4 @@
-"""Plants in pots: broad leaves, swords, a palm, a cactus, and those of `houseplants`."""
+"""Plants in pots: broad leaves, swords, a palm, a cactus, succulents, a fern, an ivy."""
 
 from dataclasses import replace
 from typing import Final
@@ -7,8 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
-from openrooms_usd.furniture.joinery.foliage import grown_over, held, pointed_leaf, potted
-from openrooms_usd.furniture.joinery.houseplants import fern, ivy, monstera, succulent
+from openrooms_usd.furniture.joinery.foliage import (
+    fern,
+    grown_over,
+    held,
+    ivy,
+    monstera,
+    pointed_leaf,
+    potted,
+    succulent,
+)
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import (
     ANY,

@@ -4,17 +4,11 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, wall_plate
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
-from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder
-
-
-def _plate(size: Size, thick: float) -> Mesh:
-    """A cover with eased edges, flat on the wall."""
-    x, y, height = 0.5 * size[0], 0.5 * size[1], size[2]
-    return board((-x, y - thick, 0.0), (x, y, height), 0.002)
 
 
 def _round(size: Size, count: int) -> Parts:
@@ -30,7 +24,7 @@ def _round(size: Size, count: int) -> Parts:
             hole = cylinder(0.0026, 0.0004, segments=8)
             holes.append(facing(hole, (x + aside, front + 0.0003, middle)))
     return {
-        "cover": _plate(size, size[1] - 0.003),
+        "cover": wall_plate(size, size[1] - 0.003),
         "insert": joined(inserts),
         "hole": joined(holes),
     }
@@ -61,7 +55,7 @@ def duplex(size: Size, rng: np.random.Generator) -> Parts:
             )
             slots.append(board(low, high, 0.0))
     return {
-        "cover": _plate(size, size[1] - 0.002),
+        "cover": wall_plate(size, size[1] - 0.002),
         "insert": joined(inserts),
         "hole": joined(slots),
     }

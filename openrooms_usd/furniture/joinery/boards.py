@@ -122,6 +122,12 @@ def board(low: ArrayLike, high: ArrayLike, edge: float = 0.002) -> Mesh:
     return rounded_box(b - a, edge, center=0.5 * (a + b))
 
 
+def wall_plate(size: Size, thick: float) -> Mesh:
+    """A cover with eased edges, ``thick`` metres, flat on the wall behind the box."""
+    x, y, height = 0.5 * size[0], 0.5 * size[1], size[2]
+    return board((-x, y - thick, 0.0), (x, y, height), 0.002)
+
+
 def profiled(polygon: ArrayLike, width: float, frame: NDArray[np.float64], bevel: float) -> Mesh:
     """A board of a given outline, drawn in `SIDE` or `FRONT` view, centred in its width."""
     return extrude(polygon, width, bevel=bevel, base=-0.5 * width).transformed(frame)
