@@ -185,21 +185,18 @@ def bentwood(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "modern": Style(modern),
-    "wooden": Style(wooden),
-    "wing": Style(wing, lambda size: size[2] > 0.9, (0.78, 0.84, 1.06)),
-    "tub": Style(tub, lambda size: size[2] < 0.95, (0.76, 0.74, 0.76)),
-    "bentwood": Style(bentwood, lambda size: size[2] > 0.8, (0.68, 0.8, 0.98)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a padded seat for one, with arms",
     size=(0.85, 0.86, 0.82),
     min_size=(0.55, 0.55, 0.55),
     max_size=(1.35, 1.25, 1.3),
-    styles=STYLES,
+    styles={
+        "modern": Style(modern),
+        "wooden": Style(wooden),
+        "wing": Style(wing, lambda size: size[2] > 0.9, (0.78, 0.84, 1.06)),
+        "tub": Style(tub, lambda size: size[2] < 0.95, (0.76, 0.74, 0.76)),
+        "bentwood": Style(bentwood, lambda size: size[2] > 0.8, (0.68, 0.8, 0.98)),
+    },
     mass_range=(7, 35),
     words="arm_chair recliner club_chair lounge_chair easy_chair sofa_chair poltrone massage_chair",
     classes=Classes("chair", "chair", "armchair", "chair"),

@@ -146,19 +146,16 @@ def basket_crate(size: Size, rng: np.random.Generator) -> Parts:
     return {"container": joined(slats), "frame": joined(posts), "base": joined(floor)}
 
 
-STYLES: Final = {
-    "rope": Style(basket_rope, size=(0.38, 0.38, 0.34)),
-    "woven": Style(basket_woven),
-    "crate": Style(basket_crate),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a basket to put things in",
     size=(0.42, 0.3, 0.24),
     min_size=(0.16, 0.14, 0.1),
     max_size=(1.0, 0.8, 0.9),
-    styles=STYLES,
+    styles={
+        "rope": Style(basket_rope, size=(0.38, 0.38, 0.34)),
+        "woven": Style(basket_woven),
+        "crate": Style(basket_crate),
+    },
     size_variation=WIDE,
     alternative_supports=("surface",),
     mass_range=(0.4, 3),

@@ -340,23 +340,20 @@ def _low(size: Size) -> bool:
     return size[2] < 1.4
 
 
-STYLES: Final = {
-    "platform": Style(platform, _low),
-    "slatted": Style(slatted, _low),
-    "upholstered": Style(upholstered, _low, (1.65, 2.1, 1.1)),
-    "four_poster": Style(
-        four_poster, lambda size: not _low(size) and size[0] > 1.15, (1.7, 2.1, 2.05)
-    ),
-    "bunk": Style(bunk, lambda size: not _low(size) and size[0] < 1.5, (1.03, 2.04, 1.65)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a bed with its head at the back",
     size=(1.6, 2.05, 1.0),
     min_size=(0.7, 1.3, 0.4),
     max_size=(2.4, 2.5, 2.4),
-    styles=STYLES,
+    styles={
+        "platform": Style(platform, _low),
+        "slatted": Style(slatted, _low),
+        "upholstered": Style(upholstered, _low, (1.65, 2.1, 1.1)),
+        "four_poster": Style(
+            four_poster, lambda size: not _low(size) and size[0] > 1.15, (1.7, 2.1, 2.05)
+        ),
+        "bunk": Style(bunk, lambda size: not _low(size) and size[0] < 1.5, (1.03, 2.04, 1.65)),
+    },
     mass_range=(55, 150),
     words="bunk_bed double_bed single_bed mattress bedframe bed_frame bedstead matress",
     classes=Classes("bed", "bed", "bed", "bed"),

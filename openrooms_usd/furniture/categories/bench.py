@@ -165,21 +165,18 @@ def chest(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-STYLES: Final = {
-    "plank": Style(plank),
-    "slatted": Style(slatted, lambda size: size[0] > 0.8),
-    "padded": Style(padded),
-    "hoop": Style(hoop),
-    "chest": Style(chest, lambda size: size[2] < 0.6 and size[1] > 0.32),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a long seat without a back",
     size=(1.2, 0.38, 0.46),
     min_size=(0.5, 0.22, 0.3),
     max_size=(3.0, 0.7, 0.75),
-    styles=STYLES,
+    styles={
+        "plank": Style(plank),
+        "slatted": Style(slatted, lambda size: size[0] > 0.8),
+        "padded": Style(padded),
+        "hoop": Style(hoop),
+        "chest": Style(chest, lambda size: size[2] < 0.6 and size[1] > 0.32),
+    },
     one_variant_per_room=True,
     mass_range=(4, 35),
     words="piano_bench",

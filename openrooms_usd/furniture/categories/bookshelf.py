@@ -112,20 +112,19 @@ def over_doors(size: Size, rng: np.random.Generator) -> Furniture:
     return _stock(top.made, cells, top.front + 0.006, 0.5 * depth - BACK - top.front - 0.006, rng)
 
 
-STYLES: Final = {
-    "case": Style(case),
-    "cubes": Style(cubes, lambda size: size[1] > 0.25, (1.12, 0.36, 1.46)),
-    "ladder": Style(ladder, lambda size: size[0] < 1.3 and size[2] > 1.2, (0.8, 0.38, 1.8)),
-    "over_doors": Style(over_doors, lambda size: size[2] > 1.5 and size[1] > 0.3, (0.9, 0.4, 2.0)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="shelves with books",
     size=(0.8, 0.3, 1.9),
     min_size=(0.25, 0.16, 0.35),
     max_size=(4.0, 0.7, 3.2),
-    styles=STYLES,
+    styles={
+        "case": Style(case),
+        "cubes": Style(cubes, lambda size: size[1] > 0.25, (1.12, 0.36, 1.46)),
+        "ladder": Style(ladder, lambda size: size[0] < 1.3 and size[2] > 1.2, (0.8, 0.38, 1.8)),
+        "over_doors": Style(
+            over_doors, lambda size: size[2] > 1.5 and size[1] > 0.3, (0.9, 0.4, 2.0)
+        ),
+    },
     size_variation=MADE_TO_MEASURE,
     one_variant_per_room=True,
     mass_range=(40, 140),

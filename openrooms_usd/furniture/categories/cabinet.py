@@ -109,20 +109,19 @@ def sideboard(size: Size, rng: np.random.Generator) -> Furniture:
     return cabinet.made.furniture()
 
 
-STYLES: Final = {
-    "doors": Style(with_doors),
-    "drawers": Style(chest, lambda size: size[2] < 1.35),
-    "shelves": Style(open_case, lambda size: size[1] < 0.5, (0.8, 0.3, 1.8)),
-    "sideboard": Style(sideboard, lambda size: size[0] > 0.8 and size[2] < 1.1, (1.5, 0.42, 0.75)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="doors, drawers or open shelves",
     size=(0.9, 0.42, 0.9),
     min_size=(0.25, 0.2, 0.25),
     max_size=(6.0, 1.2, 3.2),
-    styles=STYLES,
+    styles={
+        "doors": Style(with_doors),
+        "drawers": Style(chest, lambda size: size[2] < 1.35),
+        "shelves": Style(open_case, lambda size: size[1] < 0.5, (0.8, 0.3, 1.8)),
+        "sideboard": Style(
+            sideboard, lambda size: size[0] > 0.8 and size[2] < 1.1, (1.5, 0.42, 0.75)
+        ),
+    },
     size_variation=MADE_TO_MEASURE,
     alternative_supports=("wall",),
     mass_range=(20, 60),

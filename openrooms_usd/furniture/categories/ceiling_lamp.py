@@ -236,27 +236,26 @@ def _short(size: Size) -> bool:
     return size[0] < 2.0 * size[1]
 
 
-STYLES: Final = {
-    "pendant": Style(ceiling_pendant, lambda size: _hanging(size) and _short(size)),
-    "flush": Style(
-        ceiling_flush, lambda size: not _hanging(size) and _short(size), (0.42, 0.42, 0.1)
-    ),
-    "drum": Style(ceiling_drum, lambda size: _hanging(size) and _short(size)),
-    "globe": Style(ceiling_globe, lambda size: _hanging(size) and _short(size), (0.3, 0.3, 0.45)),
-    "chandelier": Style(
-        chandelier, lambda size: _hanging(size) and 0.5 < size[0] < 2 * size[1], (0.7, 0.7, 0.6)
-    ),
-    "cluster": Style(cluster, lambda size: size[2] > 0.6 and _short(size), (0.5, 0.5, 0.9)),
-    "spots": Style(spots, lambda size: not _short(size), (1.0, 0.14, 0.2)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a lamp at the ceiling",
     size=(0.45, 0.45, 0.35),
     min_size=(0.1, 0.1, 0.05),
     max_size=(2.4, 1.6, 2.5),
-    styles=STYLES,
+    styles={
+        "pendant": Style(ceiling_pendant, lambda size: _hanging(size) and _short(size)),
+        "flush": Style(
+            ceiling_flush, lambda size: not _hanging(size) and _short(size), (0.42, 0.42, 0.1)
+        ),
+        "drum": Style(ceiling_drum, lambda size: _hanging(size) and _short(size)),
+        "globe": Style(
+            ceiling_globe, lambda size: _hanging(size) and _short(size), (0.3, 0.3, 0.45)
+        ),
+        "chandelier": Style(
+            chandelier, lambda size: _hanging(size) and 0.5 < size[0] < 2 * size[1], (0.7, 0.7, 0.6)
+        ),
+        "cluster": Style(cluster, lambda size: size[2] > 0.6 and _short(size), (0.5, 0.5, 0.9)),
+        "spots": Style(spots, lambda size: not _short(size), (1.0, 0.14, 0.2)),
+    },
     size_variation=(0.25, 0.25, 0.1),
     round=True,
     support="ceiling",

@@ -287,21 +287,18 @@ def _slim(size: Size) -> bool:
     return size[0] < ARMCHAIR_WIDTH
 
 
-STYLES: Final = {
-    "slat": Style(slat, _slim),
-    "shell": Style(shell, _slim),
-    "upholstered": Style(upholstered, _slim),
-    "sled": Style(sled, _slim),
-    "armchair": Style(_armchair, lambda size: not _slim(size)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a seat for one, with a back",
     size=(0.46, 0.53, 0.84),
     min_size=(0.34, 0.36, 0.55),
     max_size=(1.1, 1.1, 1.4),
-    styles=STYLES,
+    styles={
+        "slat": Style(slat, _slim),
+        "shell": Style(shell, _slim),
+        "upholstered": Style(upholstered, _slim),
+        "sled": Style(sled, _slim),
+        "armchair": Style(_armchair, lambda size: not _slim(size)),
+    },
     one_variant_per_room=True,
     mass_range=(2.3, 10),
     words="dining_chair folding_chair chairs high_chair highchair wheelchair",

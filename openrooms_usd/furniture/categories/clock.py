@@ -189,20 +189,17 @@ def _flat(size: Size) -> bool:
     return size[1] < 0.35 * size[2]
 
 
-STYLES: Final = {
-    "round": Style(round_, _flat),
-    "square": Style(square, _flat, (0.28, 0.045, 0.28)),
-    "sunburst": Style(sunburst, lambda size: _flat(size) and size[2] > 0.35, (0.6, 0.05, 0.6)),
-    "mantel": Style(mantel, lambda size: not _flat(size), (0.24, 0.12, 0.28)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a clock, for a wall or a shelf",
     size=(0.3, 0.05, 0.3),
     min_size=(0.12, 0.025, 0.12),
     max_size=(1.0, 0.35, 1.0),
-    styles=STYLES,
+    styles={
+        "round": Style(round_, _flat),
+        "square": Style(square, _flat, (0.28, 0.045, 0.28)),
+        "sunburst": Style(sunburst, lambda size: _flat(size) and size[2] > 0.35, (0.6, 0.05, 0.6)),
+        "mantel": Style(mantel, lambda size: not _flat(size), (0.24, 0.12, 0.28)),
+    },
     support="wall",
     mount_height=1.9,
     mass_range=(0.3, 3.5),

@@ -220,23 +220,20 @@ def _thin(size: Size) -> bool:
     return size[1] < 0.12
 
 
-STYLES: Final = {
-    "drapes": Style(drapes, lambda size: not _thin(size)),
-    "drawn": Style(partial(drapes, apart=_DRAWN), lambda size: not _thin(size)),
-    "sheers": Style(sheers, lambda size: size[1] > 0.06),
-    "sheer": Style(sheer, lambda size: size[1] > 0.06),
-    "layered": Style(layered, lambda size: size[1] > 0.15 and size[0] > 1.2),
-    "roller": Style(roller, _thin),
-    "venetian": Style(venetian, _thin),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a curtain or a blind before a window",
     size=(2.0, 0.16, 2.3),
     min_size=(0.4, 0.05, 0.4),
     max_size=(8.0, 0.4, 5.0),
-    styles=STYLES,
+    styles={
+        "drapes": Style(drapes, lambda size: not _thin(size)),
+        "drawn": Style(partial(drapes, apart=_DRAWN), lambda size: not _thin(size)),
+        "sheers": Style(sheers, lambda size: size[1] > 0.06),
+        "sheer": Style(sheer, lambda size: size[1] > 0.06),
+        "layered": Style(layered, lambda size: size[1] > 0.15 and size[0] > 1.2),
+        "roller": Style(roller, _thin),
+        "venetian": Style(venetian, _thin),
+    },
     support="wall",
     mount_height=0.05,
     fixed=True,

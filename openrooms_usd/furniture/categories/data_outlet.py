@@ -44,15 +44,12 @@ def network(size: Size, rng: np.random.Generator) -> Parts:
     return {"cover": wall_plate(size, size[1] - 0.003), "insert": lip, "hole": joined(holes)}
 
 
-STYLES: Final = {"coaxial": Style(coaxial), "network": Style(network)}
-
-
 CATEGORY: Final = BuiltCategory(
     description="an outlet for aerial or network cables",
     size=(0.082, 0.012, 0.082),
     min_size=(0.05, 0.01, 0.05),
     max_size=(0.3, 0.03, 0.2),
-    styles=STYLES,
+    styles={"coaxial": Style(coaxial), "network": Style(network)},
     size_variation=STANDARD,
     one_variant_per_room=True,
     support="wall",

@@ -259,21 +259,18 @@ def _sitting(size: Size) -> bool:
     return size[2] < 0.9
 
 
-STYLES: Final = {
-    "pedestal": Style(pedestal, lambda size: size[0] > 1.0 and _sitting(size)),
-    "writing": Style(writing, lambda size: _sitting(size) and size[0] > 0.7, (1.2, 0.6, 0.76)),
-    "standing": Style(standing, lambda size: size[0] > 0.95),
-    "trestle": Style(trestle, lambda size: size[0] > 1.1 and _sitting(size), (1.6, 0.75, 0.74)),
-    "framed": Style(framed, lambda size: size[0] > 0.7 and _sitting(size), (1.2, 0.6, 0.75)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a table to work at",
     size=(1.4, 0.7, 0.74),
     min_size=(0.6, 0.4, 0.5),
     max_size=(2.8, 1.3, 1.35),
-    styles=STYLES,
+    styles={
+        "pedestal": Style(pedestal, lambda size: size[0] > 1.0 and _sitting(size)),
+        "writing": Style(writing, lambda size: _sitting(size) and size[0] > 0.7, (1.2, 0.6, 0.76)),
+        "standing": Style(standing, lambda size: size[0] > 0.95),
+        "trestle": Style(trestle, lambda size: size[0] > 1.1 and _sitting(size), (1.6, 0.75, 0.74)),
+        "framed": Style(framed, lambda size: size[0] > 0.7 and _sitting(size), (1.2, 0.6, 0.75)),
+    },
     mass_range=(14, 75),
     words="writing_desk office_desk computer_desk workbench dressing_table workstation",
     classes=Classes("desk", "desk", "desk"),

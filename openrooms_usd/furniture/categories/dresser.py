@@ -106,20 +106,19 @@ def mirrored(size: Size, rng: np.random.Generator) -> Furniture:
     return cabinet.made.furniture()
 
 
-STYLES: Final = {
-    "double": Style(double, lambda size: size[0] > 0.7 and size[2] < 1.15),
-    "tallboy": Style(tallboy, lambda size: size[0] < 1.0, (0.6, 0.48, 1.2)),
-    "combined": Style(combined, lambda size: size[0] > 0.75 and size[2] < 1.3),
-    "mirrored": Style(mirrored, lambda size: size[2] > 1.2 and size[0] > 0.7, (1.1, 0.48, 1.65)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a chest of drawers for a bedroom",
     size=(1.1, 0.48, 0.85),
     min_size=(0.35, 0.3, 0.45),
     max_size=(2.6, 0.8, 2.2),
-    styles=STYLES,
+    styles={
+        "double": Style(double, lambda size: size[0] > 0.7 and size[2] < 1.15),
+        "tallboy": Style(tallboy, lambda size: size[0] < 1.0, (0.6, 0.48, 1.2)),
+        "combined": Style(combined, lambda size: size[0] > 0.75 and size[2] < 1.3),
+        "mirrored": Style(
+            mirrored, lambda size: size[2] > 1.2 and size[0] > 0.7, (1.1, 0.48, 1.65)
+        ),
+    },
     mass_range=(35, 95),
     words="chest_of_drawers commode drawers drawer bureau",
     classes=Classes("cabinet", "dresser", "chest_of_drawers"),

@@ -100,19 +100,18 @@ def pedestal(size: Size, rng: np.random.Generator) -> Furniture:
     return case.made.furniture()
 
 
-STYLES: Final = {
-    "upright": Style(upright, lambda size: size[0] < 0.7 and size[2] > 0.6),
-    "lateral": Style(lateral, lambda size: size[0] >= 0.7, (0.9, 0.48, 1.05)),
-    "pedestal": Style(pedestal, lambda size: size[0] < 0.6 and size[2] <= 0.75, (0.42, 0.56, 0.58)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="steel drawers for files",
     size=(0.46, 0.6, 1.3),
     min_size=(0.3, 0.3, 0.4),
     max_size=(2.4, 0.9, 2.0),
-    styles=STYLES,
+    styles={
+        "upright": Style(upright, lambda size: size[0] < 0.7 and size[2] > 0.6),
+        "lateral": Style(lateral, lambda size: size[0] >= 0.7, (0.9, 0.48, 1.05)),
+        "pedestal": Style(
+            pedestal, lambda size: size[0] < 0.6 and size[2] <= 0.75, (0.42, 0.56, 0.58)
+        ),
+    },
     one_variant_per_room=True,
     mass_range=(15, 60),
     words="filing_cabinet file_cabinets",

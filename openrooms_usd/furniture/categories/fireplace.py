@@ -231,19 +231,16 @@ def stove(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-STYLES: Final = {
-    "mantel": Style(mantel, lambda size: size[0] > 0.8 * size[2]),
-    "breast": Style(breast, lambda size: size[2] > 1.2, (1.6, 0.45, 2.4)),
-    "stove": Style(stove, lambda size: size[0] < 0.9 and size[2] > 1.0, (0.6, 0.62, 1.7)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a place for a fire",
     size=(1.3, 0.4, 1.1),
     min_size=(0.45, 0.25, 0.6),
     max_size=(3.5, 1.2, 4.0),
-    styles=STYLES,
+    styles={
+        "mantel": Style(mantel, lambda size: size[0] > 0.8 * size[2]),
+        "breast": Style(breast, lambda size: size[2] > 1.2, (1.6, 0.45, 2.4)),
+        "stove": Style(stove, lambda size: size[0] < 0.9 and size[2] > 1.0, (0.6, 0.62, 1.7)),
+    },
     alternative_supports=("wall",),
     fixed=True,
     classes=Classes(nyu40="otherstructure", ade20k="fireplace"),

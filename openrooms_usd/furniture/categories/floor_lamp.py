@@ -142,23 +142,20 @@ def arc(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "drum": Style(floor_drum, lambda size: size[0] < 0.8),
-    "tripod": Style(floor_tripod, lambda size: size[0] < 0.8, (0.46, 0.46, 1.5)),
-    "globe": Style(floor_globe, lambda size: size[0] < 0.8, (0.3, 0.3, 1.5)),
-    "uplight": Style(
-        floor_uplight, lambda size: size[2] > 1.4 and size[0] < 0.8, (0.34, 0.34, 1.8)
-    ),
-    "arc": Style(arc, lambda size: size[0] >= 0.8, (1.3, 0.36, 1.9), mass_range=(12, 35)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a lamp that stands on the floor",
     size=(0.42, 0.42, 1.55),
     min_size=(0.16, 0.16, 0.8),
     max_size=(1.8, 0.9, 2.4),
-    styles=STYLES,
+    styles={
+        "drum": Style(floor_drum, lambda size: size[0] < 0.8),
+        "tripod": Style(floor_tripod, lambda size: size[0] < 0.8, (0.46, 0.46, 1.5)),
+        "globe": Style(floor_globe, lambda size: size[0] < 0.8, (0.3, 0.3, 1.5)),
+        "uplight": Style(
+            floor_uplight, lambda size: size[2] > 1.4 and size[0] < 0.8, (0.34, 0.34, 1.8)
+        ),
+        "arc": Style(arc, lambda size: size[0] >= 0.8, (1.3, 0.36, 1.9), mass_range=(12, 35)),
+    },
     round=True,
     one_variant_per_room=True,
     lumen=1500.0,

@@ -46,19 +46,16 @@ def toggle(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "rocker": Style(rocker, lambda size: size[2] < 1.3 * size[0]),
-    "twin": Style(twin, lambda size: size[2] < 1.3 * size[0]),
-    "toggle": Style(toggle, lambda size: size[2] > 1.3 * size[0], (0.07, 0.024, 0.115)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a switch for lamps beside a door",
     size=(0.082, 0.014, 0.082),
     min_size=(0.05, 0.01, 0.05),
     max_size=(0.3, 0.04, 0.2),
-    styles=STYLES,
+    styles={
+        "rocker": Style(rocker, lambda size: size[2] < 1.3 * size[0]),
+        "twin": Style(twin, lambda size: size[2] < 1.3 * size[0]),
+        "toggle": Style(toggle, lambda size: size[2] > 1.3 * size[0], (0.07, 0.024, 0.115)),
+    },
     size_variation=STANDARD,
     one_variant_per_room=True,
     support="wall",

@@ -305,19 +305,16 @@ def clerk(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "task": Style(task, lambda size: size[0] > 0.55),
-    "executive": Style(executive, lambda size: size[0] > 0.58, (0.68, 0.72, 1.15)),
-    "clerk": Style(clerk, lambda size: size[2] < 1.05, (0.6, 0.6, 0.92)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a swivel chair on castors",
     size=(0.66, 0.66, 1.05),
     min_size=(0.45, 0.45, 0.7),
     max_size=(0.9, 0.95, 1.5),
-    styles=STYLES,
+    styles={
+        "task": Style(task, lambda size: size[0] > 0.55),
+        "executive": Style(executive, lambda size: size[0] > 0.58, (0.68, 0.72, 1.15)),
+        "clerk": Style(clerk, lambda size: size[2] < 1.05, (0.6, 0.6, 0.92)),
+    },
     round=True,
     one_variant_per_room=True,
     mass_range=(8, 22),

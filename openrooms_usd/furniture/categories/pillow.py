@@ -118,19 +118,18 @@ def _rolled(size: Size) -> bool:
     return size[0] > 2.0 * max(size[1:]) and max(size[1:]) < 1.5 * min(size[1:])
 
 
-STYLES: Final = {
-    "square": Style(square, lambda size: not _rolled(size)),
-    "bolster": Style(bolster, _rolled, (0.55, 0.2, 0.2)),
-    "round": Style(round_, lambda size: not _rolled(size) and size[0] < 0.6, (0.42, 0.15, 0.42)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a cushion to lean on",
     size=(0.45, 0.16, 0.4),
     min_size=(0.15, 0.06, 0.06),
     max_size=(1.2, 0.9, 0.7),
-    styles=STYLES,
+    styles={
+        "square": Style(square, lambda size: not _rolled(size)),
+        "bolster": Style(bolster, _rolled, (0.55, 0.2, 0.2)),
+        "round": Style(
+            round_, lambda size: not _rolled(size) and size[0] < 0.6, (0.42, 0.15, 0.42)
+        ),
+    },
     support="surface",
     mass_range=(0.3, 1.5),
     words="cushion pillows",

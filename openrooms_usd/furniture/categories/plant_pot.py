@@ -175,32 +175,29 @@ def _ribbed(radius: float, height: float, ribs: int) -> Mesh:
     return with_normals(replace(plain, points=points), crease=50.0)
 
 
-STYLES: Final = {
-    "leafy": Style(leafy),
-    "swords": Style(swords, size=(0.34, 0.34, 0.72)),
-    "palm": Style(palm, lambda size: size[2] > 0.6, (0.9, 0.9, 1.4)),
-    "cactus": Style(cactus, lambda size: size[2] < 0.7, (0.15, 0.15, 0.28)),
-    "succulent": Style(
-        succulent, lambda size: size[2] < 0.25, (0.13, 0.13, 0.115), mass_range=(0.1, 2)
-    ),
-    "monstera": Style(monstera, lambda size: size[2] > 0.4, (0.75, 0.75, 0.85)),
-    "fern": Style(fern, lambda size: size[2] < 0.9, (0.55, 0.55, 0.45)),
-    "ivy": Style(ivy, lambda size: size[2] < 0.4, (0.3, 0.3, 0.17), mass_range=(0.3, 6)),
-    "small_cactus": Style(
-        cactus, lambda size: size[0] < 0.13, (0.085, 0.085, 0.15), mass_range=(0.1, 2)
-    ),
-    "small_succulent": Style(
-        succulent, lambda size: size[0] < 0.13, (0.09, 0.09, 0.085), mass_range=(0.1, 2)
-    ),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a plant in a pot",
     size=(0.5, 0.5, 0.9),
     min_size=(0.06, 0.06, 0.06),
     max_size=(1.6, 1.6, 2.6),
-    styles=STYLES,
+    styles={
+        "leafy": Style(leafy),
+        "swords": Style(swords, size=(0.34, 0.34, 0.72)),
+        "palm": Style(palm, lambda size: size[2] > 0.6, (0.9, 0.9, 1.4)),
+        "cactus": Style(cactus, lambda size: size[2] < 0.7, (0.15, 0.15, 0.28)),
+        "succulent": Style(
+            succulent, lambda size: size[2] < 0.25, (0.13, 0.13, 0.115), mass_range=(0.1, 2)
+        ),
+        "monstera": Style(monstera, lambda size: size[2] > 0.4, (0.75, 0.75, 0.85)),
+        "fern": Style(fern, lambda size: size[2] < 0.9, (0.55, 0.55, 0.45)),
+        "ivy": Style(ivy, lambda size: size[2] < 0.4, (0.3, 0.3, 0.17), mass_range=(0.3, 6)),
+        "small_cactus": Style(
+            cactus, lambda size: size[0] < 0.13, (0.085, 0.085, 0.15), mass_range=(0.1, 2)
+        ),
+        "small_succulent": Style(
+            succulent, lambda size: size[0] < 0.13, (0.09, 0.09, 0.085), mass_range=(0.1, 2)
+        ),
+    },
     size_variation=WIDE,
     round=True,
     mass_range=(0.5, 60),

@@ -227,15 +227,12 @@ def steel(size: Size, rng: np.random.Generator) -> Parts:
     return {**top, **numbered("leg", legs), **numbered("foot", feet), "base": joined(bars)}
 
 
-STYLES: Final = {"classic": Style(classic), "pedestal": Style(pedestal), "steel": Style(steel)}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a pool table with its balls",
     size=(2.54, 1.42, 0.82),
     min_size=(1.4, 0.9, 0.6),
     max_size=(3.7, 2.1, 1.0),
-    styles=STYLES,
+    styles={"classic": Style(classic), "pedestal": Style(pedestal), "steel": Style(steel)},
     mass_range=(280, 450),
     words="billiard_table snooker_table",
     classes=Classes("pool_table", "otherfurniture", "pool_table"),

@@ -295,19 +295,18 @@ def copier(size: Size, rng: np.random.Generator) -> Furniture:
     return Furniture(parts, tuple(joints))
 
 
-STYLES: Final = {
-    "inkjet": Style(inkjet, lambda size: size[2] < 0.5),
-    "laser": Style(laser, lambda size: 0.2 < size[2] < 0.6, (0.4, 0.4, 0.32)),
-    "copier": Style(copier, lambda size: size[2] > 0.8, (0.62, 0.66, 1.15), mass_range=(35, 90)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a printer; a copier where it is tall",
     size=(0.45, 0.4, 0.24),
     min_size=(0.32, 0.28, 0.19),
     max_size=(1.2, 0.9, 1.4),
-    styles=STYLES,
+    styles={
+        "inkjet": Style(inkjet, lambda size: size[2] < 0.5),
+        "laser": Style(laser, lambda size: 0.2 < size[2] < 0.6, (0.4, 0.4, 0.32)),
+        "copier": Style(
+            copier, lambda size: size[2] > 0.8, (0.62, 0.66, 1.15), mass_range=(35, 90)
+        ),
+    },
     one_variant_per_room=True,
     support="surface",
     mass_range=(4, 18),

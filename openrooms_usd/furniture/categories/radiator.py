@@ -125,19 +125,16 @@ def convector(size: Size, rng: np.random.Generator) -> Parts:
     return {**_beside_valve(parts), **_fixings(size)}
 
 
-STYLES: Final = {
-    "panel": Style(panel),
-    "column": Style(column),
-    "convector": Style(convector, size=(1.0, 0.12, 0.42)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a radiator on a wall",
     size=(1.0, 0.11, 0.6),
     min_size=(0.4, 0.07, 0.2),
     max_size=(3.0, 0.3, 2.0),
-    styles=STYLES,
+    styles={
+        "panel": Style(panel),
+        "column": Style(column),
+        "convector": Style(convector, size=(1.0, 0.12, 0.42)),
+    },
     size_variation=STANDARD,
     one_variant_per_room=True,
     support="wall",

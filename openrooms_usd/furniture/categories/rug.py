@@ -131,20 +131,19 @@ def _longish(size: Size) -> bool:
     return max(size[:2]) > 1.3 * min(size[:2])
 
 
-STYLES: Final = {
-    "bordered": Style(bordered),
-    "fringed": Style(fringed, _longish),
-    "round": Style(round_, lambda size: not _longish(size), (1.6, 1.6, 0.012)),
-    "runner": Style(striped, lambda size: max(size[:2]) > 2.2 * min(size[:2]), (2.4, 0.8, 0.012)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a carpet that lies on the floor",
     size=(2.0, 1.4, 0.012),
     min_size=(0.3, 0.3, 0.005),
     max_size=(8.0, 8.0, 0.05),
-    styles=STYLES,
+    styles={
+        "bordered": Style(bordered),
+        "fringed": Style(fringed, _longish),
+        "round": Style(round_, lambda size: not _longish(size), (1.6, 1.6, 0.012)),
+        "runner": Style(
+            striped, lambda size: max(size[:2]) > 2.2 * min(size[:2]), (2.4, 0.8, 0.012)
+        ),
+    },
     size_variation=WIDE,
     alternative_supports=("wall",),
     mass_range=(3, 12),

@@ -29,15 +29,12 @@ def disc(size: Size, rng: np.random.Generator) -> Parts:
     return {"body": lathe(body, segments=32), "button": lathe(key, segments=16)}
 
 
-STYLES: Final = {"disc": Style(disc)}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a smoke detector at the ceiling",
     size=(0.115, 0.115, 0.042),
     min_size=(0.05, 0.05, 0.02),
     max_size=(0.3, 0.3, 0.15),
-    styles=STYLES,
+    styles={"disc": Style(disc)},
     size_variation=STANDARD,
     round=True,
     one_variant_per_room=True,

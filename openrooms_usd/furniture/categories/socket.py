@@ -61,19 +61,16 @@ def duplex(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "double": Style(double, lambda size: size[0] > 1.5 * size[2]),
-    "single": Style(single, lambda size: abs(size[0] - size[2]) < 0.01, (0.082, 0.012, 0.082)),
-    "duplex": Style(duplex, lambda size: size[2] > 1.3 * size[0], (0.07, 0.012, 0.115)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="sockets for plugs in a wall",
     size=(0.152, 0.012, 0.082),
     min_size=(0.05, 0.01, 0.05),
     max_size=(0.4, 0.03, 0.2),
-    styles=STYLES,
+    styles={
+        "double": Style(double, lambda size: size[0] > 1.5 * size[2]),
+        "single": Style(single, lambda size: abs(size[0] - size[2]) < 0.01, (0.082, 0.012, 0.082)),
+        "duplex": Style(duplex, lambda size: size[2] > 1.3 * size[0], (0.07, 0.012, 0.115)),
+    },
     size_variation=STANDARD,
     one_variant_per_room=True,
     support="wall",

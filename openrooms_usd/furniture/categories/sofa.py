@@ -249,20 +249,17 @@ def _straight(size: Size) -> bool:
     return size[1] < CORNER_DEPTH
 
 
-STYLES: Final = {
-    "modern": Style(modern, _straight),
-    "rolled": Style(rolled, _straight),
-    "wooden": Style(wooden, _straight),
-    "chaise": Style(chaise, lambda size: not _straight(size)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a padded seat for several",
     size=(2.0, 0.92, 0.82),
     min_size=(0.6, 0.6, 0.55),
     max_size=(4.5, 2.6, 1.3),
-    styles=STYLES,
+    styles={
+        "modern": Style(modern, _straight),
+        "rolled": Style(rolled, _straight),
+        "wooden": Style(wooden, _straight),
+        "chaise": Style(chaise, lambda size: not _straight(size)),
+    },
     mass_range=(30, 90),
     words="couch loveseat love_seat settee futon sectional sofa_bed sofa_set",
     classes=Classes("sofa", "sofa", "sofa", "couch"),

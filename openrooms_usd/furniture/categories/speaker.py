@@ -201,26 +201,25 @@ def wrapped(size: Size, rng: np.random.Generator) -> Parts:
     return {"grille": cloth, "body": top, "base": base, "button": joined(dots)}
 
 
-STYLES: Final = {
-    "bookshelf": Style(bookshelf, lambda size: size[0] < 1.2 * size[2] < 0.9),
-    "covered": Style(covered, lambda size: size[0] < 1.2 * size[2] < 0.9),
-    "tower": Style(tower, lambda size: size[2] > 0.7, (0.26, 0.32, 1.05), mass_range=(12, 35)),
-    "bar": Style(bar, lambda size: size[0] > 3.0 * size[2], (0.9, 0.1, 0.065), mass_range=(1.2, 5)),
-    "wrapped": Style(
-        wrapped,
-        lambda size: size[2] < 0.3 and size[0] < 0.3,
-        (0.11, 0.11, 0.16),
-        mass_range=(0.3, 5),
-    ),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a loudspeaker",
     size=(0.2, 0.26, 0.34),
     min_size=(0.06, 0.05, 0.04),
     max_size=(1.6, 0.6, 1.6),
-    styles=STYLES,
+    styles={
+        "bookshelf": Style(bookshelf, lambda size: size[0] < 1.2 * size[2] < 0.9),
+        "covered": Style(covered, lambda size: size[0] < 1.2 * size[2] < 0.9),
+        "tower": Style(tower, lambda size: size[2] > 0.7, (0.26, 0.32, 1.05), mass_range=(12, 35)),
+        "bar": Style(
+            bar, lambda size: size[0] > 3.0 * size[2], (0.9, 0.1, 0.065), mass_range=(1.2, 5)
+        ),
+        "wrapped": Style(
+            wrapped,
+            lambda size: size[2] < 0.3 and size[0] < 0.3,
+            (0.11, 0.11, 0.16),
+            mass_range=(0.3, 5),
+        ),
+    },
     one_variant_per_room=True,
     support="surface",
     alternative_supports=("wall",),

@@ -119,19 +119,16 @@ def railed(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "solid": Style(solid, lambda size: size[2] < 3.3),
-    "open_treads": Style(open_treads, lambda size: size[2] > 0.5),
-    "railed": Style(railed, lambda size: size[2] > 2.0, (1.0, 2.6, 3.1)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="stairs up to the back",
     size=(1.0, 2.5, 2.2),
     min_size=(0.3, 0.3, 0.2),
     max_size=(4.0, 8.0, 5.0),
-    styles=STYLES,
+    styles={
+        "solid": Style(solid, lambda size: size[2] < 3.3),
+        "open_treads": Style(open_treads, lambda size: size[2] > 0.5),
+        "railed": Style(railed, lambda size: size[2] > 2.0, (1.0, 2.6, 3.1)),
+    },
     fixed=True,
     words="stairway staircase stair",
     classes=Classes(nyu40="otherstructure", ade20k="stairs"),

@@ -194,21 +194,18 @@ def _rounded(size: Size) -> bool:
     return max(size[:2]) < 1.25 * min(size[:2])
 
 
-STYLES: Final = {
-    "turned": Style(turned, _rounded),
-    "tripod": Style(tripod, lambda size: _low(size) and _rounded(size)),
-    "column": Style(column, lambda size: not _low(size) and _rounded(size), (0.4, 0.4, 0.76)),
-    "padded": Style(padded, _low, (0.45, 0.45, 0.44)),
-    "square": Style(square),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a seat for one without a back",
     size=(0.38, 0.38, 0.46),
     min_size=(0.22, 0.22, 0.2),
     max_size=(0.9, 0.9, 0.95),
-    styles=STYLES,
+    styles={
+        "turned": Style(turned, _rounded),
+        "tripod": Style(tripod, lambda size: _low(size) and _rounded(size)),
+        "column": Style(column, lambda size: not _low(size) and _rounded(size), (0.4, 0.4, 0.76)),
+        "padded": Style(padded, _low, (0.45, 0.45, 0.44)),
+        "square": Style(square),
+    },
     round=True,
     one_variant_per_room=True,
     mass_range=(2, 9),

@@ -186,23 +186,20 @@ def _nearly_square(size: Size) -> bool:
     return max(size[:2]) < 1.25 * min(size[:2])
 
 
-STYLES: Final = {
-    "four_legs": Style(four_legs),
-    "shelf": Style(shelf, _low),
-    "pedestal": Style(
-        pedestal, lambda size: _nearly_square(size) and not _small(size) and not _low(size)
-    ),
-    "trestle": Style(trestle, lambda size: size[0] > 1.3 and size[1] > 0.6 and not _low(size)),
-    "disc": Style(tulip_side, lambda size: _small(size) and _nearly_square(size)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a top on legs, dining or low",
     size=(1.4, 0.8, 0.74),
     min_size=(0.3, 0.3, 0.3),
     max_size=(5.0, 2.5, 1.2),
-    styles=STYLES,
+    styles={
+        "four_legs": Style(four_legs),
+        "shelf": Style(shelf, _low),
+        "pedestal": Style(
+            pedestal, lambda size: _nearly_square(size) and not _small(size) and not _low(size)
+        ),
+        "trestle": Style(trestle, lambda size: size[0] > 1.3 and size[1] > 0.6 and not _low(size)),
+        "disc": Style(tulip_side, lambda size: _small(size) and _nearly_square(size)),
+    },
     size_variation=MADE_TO_MEASURE,
     mass_range=(11, 50),
     words="dining_table conference_table kitchen_table round_table tables",

@@ -131,20 +131,17 @@ def task(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "urn": Style(table_urn, lambda size: size[1] < 1.3 * size[0]),
-    "stick": Style(table_stick, lambda size: size[1] < 1.3 * size[0]),
-    "globe": Style(table_globe, lambda size: size[1] < 1.3 * size[0], (0.24, 0.24, 0.32)),
-    "task": Style(task, lambda size: size[1] >= 1.3 * size[0], (0.2, 0.46, 0.5)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a lamp that stands on a table",
     size=(0.3, 0.3, 0.48),
     min_size=(0.12, 0.12, 0.2),
     max_size=(0.6, 0.9, 0.9),
-    styles=STYLES,
+    styles={
+        "urn": Style(table_urn, lambda size: size[1] < 1.3 * size[0]),
+        "stick": Style(table_stick, lambda size: size[1] < 1.3 * size[0]),
+        "globe": Style(table_globe, lambda size: size[1] < 1.3 * size[0], (0.24, 0.24, 0.32)),
+        "task": Style(task, lambda size: size[1] >= 1.3 * size[0], (0.2, 0.46, 0.5)),
+    },
     round=True,
     one_variant_per_room=True,
     support="surface",

@@ -201,19 +201,16 @@ def cordless(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "desk": Style(desk, lambda size: size[2] < 0.8 * size[0]),
-    "dial": Style(dial, lambda size: size[2] < 0.8 * size[0], (0.23, 0.19, 0.15)),
-    "cordless": Style(cordless, lambda size: size[2] >= 0.8 * size[0], (0.08, 0.1, 0.19)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a telephone",
     size=(0.2, 0.2, 0.1),
     min_size=(0.05, 0.06, 0.05),
     max_size=(0.4, 0.4, 0.35),
-    styles=STYLES,
+    styles={
+        "desk": Style(desk, lambda size: size[2] < 0.8 * size[0]),
+        "dial": Style(dial, lambda size: size[2] < 0.8 * size[0], (0.23, 0.19, 0.15)),
+        "cordless": Style(cordless, lambda size: size[2] >= 0.8 * size[0], (0.08, 0.1, 0.19)),
+    },
     size_variation=STANDARD,
     one_variant_per_room=True,
     support="surface",

@@ -33,18 +33,15 @@ def box(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "dial": Style(dial, lambda size: abs(size[0] - size[2]) < 0.01, (0.084, 0.03, 0.084)),
-    "box": Style(box),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a thermostat on a wall",
     size=(0.09, 0.026, 0.12),
     min_size=(0.05, 0.015, 0.05),
     max_size=(0.2, 0.08, 0.2),
-    styles=STYLES,
+    styles={
+        "dial": Style(dial, lambda size: abs(size[0] - size[2]) < 0.01, (0.084, 0.03, 0.084)),
+        "box": Style(box),
+    },
     size_variation=STANDARD,
     one_variant_per_room=True,
     support="wall",

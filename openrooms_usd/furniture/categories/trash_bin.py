@@ -191,20 +191,17 @@ def bin_swing(size: Size, rng: np.random.Generator) -> Furniture:
     )
 
 
-STYLES: Final = {
-    "open": Style(bin_open),
-    "pedal": Style(bin_pedal, lambda size: size[2] > 0.22, (0.26, 0.29, 0.42)),
-    "wire": Style(bin_wire),
-    "swing": Style(bin_swing, lambda size: size[2] > 0.4, (0.32, 0.26, 0.62)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a bin for waste",
     size=(0.28, 0.28, 0.32),
     min_size=(0.14, 0.14, 0.16),
     max_size=(0.8, 0.8, 1.2),
-    styles=STYLES,
+    styles={
+        "open": Style(bin_open),
+        "pedal": Style(bin_pedal, lambda size: size[2] > 0.22, (0.26, 0.29, 0.42)),
+        "wire": Style(bin_wire),
+        "swing": Style(bin_swing, lambda size: size[2] > 0.4, (0.32, 0.26, 0.62)),
+    },
     round=True,
     one_variant_per_room=True,
     mass_range=(0.2, 6),

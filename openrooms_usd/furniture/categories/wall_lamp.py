@@ -99,19 +99,16 @@ def swing(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-STYLES: Final = {
-    "sconce": Style(sconce),
-    "globe": Style(globe, size=(0.18, 0.24, 0.3)),
-    "swing": Style(swing, lambda size: size[1] > 0.2, (0.24, 0.36, 0.32)),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a lamp on a wall",
     size=(0.2, 0.14, 0.26),
     min_size=(0.1, 0.08, 0.14),
     max_size=(0.6, 0.7, 0.8),
-    styles=STYLES,
+    styles={
+        "sconce": Style(sconce),
+        "globe": Style(globe, size=(0.18, 0.24, 0.3)),
+        "swing": Style(swing, lambda size: size[1] > 0.2, (0.24, 0.36, 0.32)),
+    },
     one_variant_per_room=True,
     support="wall",
     mount_height=1.6,

@@ -38,15 +38,12 @@ def louvred(size: Size, rng: np.random.Generator) -> Parts:
     return {"frame": joined(frame), "slat": joined(slats), "cavity": back}
 
 
-STYLES: Final = {"louvred": Style(louvred)}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a grille of heating or ventilation in a wall",
     size=(0.35, 0.014, 0.16),
     min_size=(0.1, 0.008, 0.08),
     max_size=(1.2, 0.06, 1.0),
-    styles=STYLES,
+    styles={"louvred": Style(louvred)},
     size_variation=STANDARD,
     one_variant_per_room=True,
     support="wall",

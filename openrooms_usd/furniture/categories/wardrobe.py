@@ -196,25 +196,22 @@ def open_frame(size: Size, rng: np.random.Generator) -> Furniture:
     return cabinet.made.furniture()
 
 
-STYLES: Final = {
-    "hinged": Style(hinged),
-    "sliding": Style(sliding, lambda size: size[0] > 1.2 and size[1] > 0.45, (1.8, 0.62, 2.15)),
-    "built_in": Style(
-        built_in,
-        lambda size: size[0] > 1.4 and size[2] > 2.25,
-        (2.4, 0.62, 2.45),
-        mass_range=(100, 320),
-    ),
-    "open": Style(open_frame, lambda size: size[0] > 0.7),
-}
-
-
 CATEGORY: Final = BuiltCategory(
     description="a tall cabinet for clothes",
     size=(1.5, 0.6, 2.1),
     min_size=(0.4, 0.35, 0.9),
     max_size=(5.0, 1.0, 3.0),
-    styles=STYLES,
+    styles={
+        "hinged": Style(hinged),
+        "sliding": Style(sliding, lambda size: size[0] > 1.2 and size[1] > 0.45, (1.8, 0.62, 2.15)),
+        "built_in": Style(
+            built_in,
+            lambda size: size[0] > 1.4 and size[2] > 2.25,
+            (2.4, 0.62, 2.45),
+            mass_range=(100, 320),
+        ),
+        "open": Style(open_frame, lambda size: size[0] > 0.7),
+    },
     size_variation=MADE_TO_MEASURE,
     mass_range=(70, 190),
     words="closet armoire wardrobe_closet wardrobe_cabinet",
