@@ -30,8 +30,7 @@ def modules() -> tuple[str, ...]:
 
 def built(name: str) -> BuiltCategory:
     """The record of a category that the library builds, one of `BUILT`."""
-    found: BuiltCategory = import_module(module_of(name)).CATEGORY
-    return found
+    return _load(name)
 
 
 def record(word: str) -> Category | None:
@@ -42,5 +41,10 @@ def record(word: str) -> Category | None:
 def records() -> Iterator[tuple[str, Category]]:
     """All categories, those that the library builds first."""
     for name in BUILT:
-        yield name, built(name)
+        yield name, _load(name)
     yield from OTHERS.items()
+
+
+def _load(name: str) -> BuiltCategory:
+    found: BuiltCategory = import_module(module_of(name)).CATEGORY
+    return found

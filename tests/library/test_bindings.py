@@ -6,7 +6,7 @@ import pytest
 from openrooms_usd.furniture import CATEGORIES, part_of
 from openrooms_usd.furniture.registry import records
 from openrooms_usd.library.finishes import FINISHES, METALS, PARTS, finishes_of
-from tests.library.pieces import piece
+from tests.furniture.pieces import piece
 
 
 @pytest.mark.one_in(3)

@@ -22,7 +22,7 @@ from openrooms_usd.library.construction import (
 from openrooms_usd.library.finishes import FINISHES, finishes_of
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.physics.mass import MassProperties, combined
-from tests.library.pieces import piece
+from tests.furniture.pieces import piece
 
 Array = NDArray[np.float64]
 

@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.cloth import pillow, ripples
 from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M
 from openrooms_usd.furniture.record import (
     ANY,
@@ -16,7 +17,6 @@ from openrooms_usd.furniture.record import (
     scheme,
     walls,
 )
-from openrooms_usd.geometry.cloth import pillow, ripples
 from openrooms_usd.geometry.lofts import loft, ring, superellipse, vessel
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube

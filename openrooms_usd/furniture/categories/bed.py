@@ -14,6 +14,7 @@ from openrooms_usd.furniture.joinery.boards import (
     round_leg,
     square_leg,
 )
+from openrooms_usd.furniture.joinery.cloth import cover, pillow
 from openrooms_usd.furniture.record import (
     SEAT_ROWS,
     BuiltCategory,
@@ -23,7 +24,6 @@ from openrooms_usd.furniture.record import (
     scheme,
     walls,
 )
-from openrooms_usd.geometry.cloth import cover, pillow
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion, rounded_box
 from openrooms_usd.geometry.sweeps import tube

@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.cloth import ripples
 from openrooms_usd.furniture.joinery.linens import between, folded_pile, over_bar
 from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
-from openrooms_usd.geometry.cloth import ripples
 
 
 def folded(size: Size, rng: np.random.Generator) -> Parts:

@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.cloth import pillow as filled
 from openrooms_usd.furniture.record import BuiltCategory, Classes, on, scheme
-from openrooms_usd.geometry.cloth import pillow as filled
 from openrooms_usd.geometry.solids import lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric

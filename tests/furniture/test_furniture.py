@@ -23,7 +23,7 @@ from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.topology import is_closed
-from tests.library.pieces import STYLES, piece, planned, usual
+from tests.furniture.pieces import STYLES, piece, planned, usual
 
 LAMPS = [(name, style) for name, style in STYLES if category(name).emits]
 # The shell of a chair is cut in two along a seam: seat and back are open there.

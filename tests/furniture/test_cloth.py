@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.geometry.cloth import cover, folded, pillow, ripples
+from openrooms_usd.furniture.joinery.cloth import cover, folded, pillow, ripples
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.topology import is_closed
 

@@ -5,7 +5,7 @@ import pytest
 
 from openrooms_usd.furniture import CATEGORIES, make
 from openrooms_usd.geometry.uvquality import uv_quality
-from tests.library.pieces import piece
+from tests.furniture.pieces import piece
 
 
 @pytest.mark.one_in(3)

@@ -10,7 +10,7 @@ from openrooms_usd.furniture import Furniture, Joint, Size, make, part_of
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.solids import box
-from tests.library.pieces import STYLES, piece, usual
+from tests.furniture.pieces import STYLES, piece, usual
 
 # What may overlap, metres: seals, and handles let into their doors.
 ALLOWED = 0.002
