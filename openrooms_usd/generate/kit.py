@@ -309,8 +309,8 @@ def _on_floors(name: str) -> tuple[str, ...]:
     if known.support != "floor":
         return tuple(known.styles)
     said = {
-        style: {place for lies in known.placements if style in (lies.styles or (style,))
-                for place in lies.on}
+        style: {place for placement in known.placements if style in (placement.styles or (style,))
+                for place in placement.on}
         for style in known.styles
     }  # fmt: skip
     found = tuple(

@@ -1,12 +1,10 @@
 """Furniture fills its box exactly, keeps real thicknesses, and lets its light out."""
 
-import typing
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from openrooms_usd.description.alignment import LibraryCategory
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import (
     CATEGORIES,
@@ -162,10 +160,6 @@ def test_light_leaves_the_lamp(name: str, style: str) -> None:
     # Past itself too: bulbs are convex, so only other parts block.
     hits = caster.first_hit(origins + 1e-4 * normal, directions)
     assert np.isinf(hits.distance).mean() > 0.3
-
-
-def test_the_description_knows_the_same_categories() -> None:
-    assert set(typing.get_args(LibraryCategory)) == set(CATEGORIES)
 
 
 def test_every_category_has_styles_that_suit_their_own_size() -> None:

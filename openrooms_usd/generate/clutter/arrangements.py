@@ -136,8 +136,8 @@ def put_beside(scatter: Scatter, spot: Spot, other: Item, part: Part) -> None:
 def _part(scatter: Scatter, part: Part) -> PosedObject | None:
     if part.category not in CATEGORIES:
         return None
-    lies = SurfacePlacement(on=("dining_table",), styles=part.styles, max_variants=1)
-    make = scatter.makes.draw(part.category, lies)
+    placement = SurfacePlacement(on=("dining_table",), styles=part.styles, max_variants=1)
+    make = scatter.variants.draw(part.category, placement)
     return posed_object(scatter.surfaces, part.category, make) if make else None
 
 

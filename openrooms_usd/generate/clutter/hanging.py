@@ -20,7 +20,7 @@ def drape(scatter: Scatter, number: int, edge: Edge, level: int) -> None:
     """
     drawn = scatter.drawn(number, edge.place, level)
     wanted = scatter.rng.random() < DRAPED[edge.place][level - 1]
-    make = scatter.makes.draw(*drawn) if drawn and wanted else None
+    make = scatter.variants.draw(*drawn) if drawn and wanted else None
     if drawn is None or make is None:
         return
     (width, _, height), style = make
@@ -52,7 +52,7 @@ def hang(scatter: Scatter, number: int, peg: Peg, ground: Ground, level: int) ->
     """
     drawn = scatter.drawn(number, peg.place, level)
     wanted = scatter.rng.random() < HUNG[peg.place][level - 1]
-    make = scatter.makes.draw(*drawn) if drawn and wanted else None
+    make = scatter.variants.draw(*drawn) if drawn and wanted else None
     if drawn is None or make is None:
         return
     thing, carrier = posed_object(scatter.surfaces, drawn[0], make), peg.carrier

@@ -13,7 +13,7 @@ from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.hanging import drape, hang
 from openrooms_usd.generate.clutter.hooks import pegs
 from openrooms_usd.generate.clutter.laying import taken_by
-from openrooms_usd.generate.clutter.making import Makes
+from openrooms_usd.generate.clutter.making import ProductVariants
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.clutter.settling import Vessel, fill_vessel, vessels
 from openrooms_usd.generate.clutter.sills import CARRIER, sills
@@ -59,7 +59,7 @@ def lived_in(
     items = [item for _, group in groups for item in group]
     rng = generator(seed, "generate", room_type, "clutter")
     scatter = Scatter(
-        rng, surfaces, Makes(rng), taken_by(items, surfaces), room_type, room.shell.height
+        rng, surfaces, ProductVariants(rng), taken_by(items, surfaces), room_type, room.shell.height
     )
     kept = room.shell.kept
     # What stands out at windows, and the ways of doors.
@@ -78,7 +78,7 @@ def lived_in(
     ground = Ground(room, items, scatter.taken, rng)
     for step in range(1, level + 1):
         drawn = generator(seed, "generate", room_type, "clutter", step)
-        scatter.rng = scatter.makes.rng = ground.rng = drawn
+        scatter.rng = scatter.variants.rng = ground.rng = drawn
         if step == 1:
             _put_mice(scatter, [spot for _, spot in tops], items)
         for number, spot in tops:

@@ -85,7 +85,7 @@ def fill_vessel(scatter: Scatter, number: int, vessel: Vessel, level: int) -> No
     width, depth, height = vessel.carrier.size
     for _ in range(scatter.count(vessel.place, vessel.area, level)):
         drawn = scatter.drawn(number, vessel.place, level)
-        make = scatter.makes.draw(*drawn, (0.8 * width, 0.8 * depth, height)) if drawn else None
+        make = scatter.variants.draw(*drawn, (0.8 * width, 0.8 * depth, height)) if drawn else None
         if drawn is None or make is None:
             continue
         thing = posed_object(scatter.surfaces, drawn[0], make)
