@@ -8,6 +8,7 @@ from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, nu
 from openrooms_usd.furniture.joinery.posing import tapered
 from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
 from openrooms_usd.geometry.curves import filleted
+from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
 
@@ -15,6 +16,27 @@ _DRY: Final = (
     "living_room bedroom office hallway apartment classroom library hotel computer_cluster "
     "game_room gym lounge conference_room closet"
 )
+
+
+def _straps(width: float, height: float, back: float, strap: float) -> list[Mesh]:
+    """The two straps over the shoulders."""
+    return [
+        tube(
+            filleted(
+                [
+                    (s * 0.3 * width, back - strap, 0.08 * height),
+                    (s * 0.34 * width, back - 0.006, 0.4 * height),
+                    (s * 0.16 * width, back - 0.006, 0.8 * height),
+                    (s * 0.12 * width, back - strap - 0.04, 0.9 * height),
+                ],
+                0.04,
+                segments=4,
+            ),
+            0.006,
+            segments=8,
+        )
+        for s in (-1.0, 1.0)
+    ]
 
 
 def day(size: Size, rng: np.random.Generator) -> Parts:
@@ -39,23 +61,7 @@ def day(size: Size, rng: np.random.Generator) -> Parts:
         crown=(0.006, 0.012, 0.008),
         center=(0.0, -back + 0.2 * depth, 0.06 + 0.21 * height),
     )
-    straps = [
-        tube(
-            filleted(
-                [
-                    (s * 0.3 * width, back - strap, 0.08 * height),
-                    (s * 0.34 * width, back - 0.006, 0.4 * height),
-                    (s * 0.16 * width, back - 0.006, 0.8 * height),
-                    (s * 0.12 * width, back - strap - 0.04, 0.9 * height),
-                ],
-                0.04,
-                segments=4,
-            ),
-            0.006,
-            segments=8,
-        )
-        for s in (-1.0, 1.0)
-    ]
+    straps = _straps(width, height, back, strap)
     y = back - strap - 0.3 * deep
     loop = tube(
         filleted(

@@ -261,38 +261,14 @@ def four_poster(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-def bunk(size: Size, rng: np.random.Generator) -> Furniture:
-    """Two beds above each other with a ladder and a guard rail."""
-    width, depth, height = size
-    made = Assembly()
-    t, thick = 0.06, 0.14
-    ladder = 0.06
-    half, y = 0.5 * (width - ladder - t), 0.5 * (depth - t)
-    side = 1.0 if rng.integers(2) else -1.0
-    shift = -0.5 * side * ladder
-    post = square_leg(t, t, height, 0.008)
-    made.add("leg", *(post.moved((*p, 0.0)) for p in corners(half, y)))
-    decks = (max(0.2, 0.19 * height), 0.74 * height)
-    for deck in decks:
-        made.add(
-            "rail",
-            *(
-                board((s * half - 0.013, -y, deck), (s * half + 0.013, y, deck + 0.12))
-                for s in (-1, 1)
-            ),
-            *(
-                board((-half, s * y - 0.013, deck), (half, s * y + 0.013, deck + 0.12))
-                for s in (-1, 1)
-            ),
-        )
-        for p in np.linspace(0.08 - y, y - 0.08, max(6, round(depth / 0.2))).tolist():
-            made.add(
-                "slat",
-                board((-half, p - 0.035, deck + 0.02), (half, p + 0.035, deck + 0.036), 0.002),
-            )
-        bedding(
-            made, half - 0.028, (0.03 - y, y - 0.03), deck + 0.036 + thick, thick, (0.0, 0.0), rng
-        )
+# How deep a ladder is, metres.
+_LADDER_M: Final = 0.06
+
+
+def _guards(
+    made: Assembly, half: float, y: float, side: float, height: float, decks: tuple[float, float]
+) -> None:
+    """The rails of the upper bunk, open where the ladder is, and the ends of both."""
     for a in (height - 0.07, 0.5 * (decks[1] + 0.12 + height - 0.07)):
         made.add(
             "rail",
@@ -316,21 +292,59 @@ def bunk(size: Size, rng: np.random.Generator) -> Furniture:
             for s in (-1, 1)
         ),
     )
-    x = side * (half + 0.5 * t)
-    rungs = max(3, round(decks[1] / 0.27))
+
+
+def _ladder(made: Assembly, x: float, y: float, side: float, height: float, deck: float) -> None:
+    """Two beams beside the posts at ``x``, and rungs up to a deck."""
+    rungs = max(3, round(deck / 0.27))
     rail = filleted([(x + side * 0.03, 0.0, 0.0), (x + side * 0.03, 0.0, height)], 0.0)
     for p in (-y + 0.06, -y + 0.36):
         made.add(
             "ladder",
             board(
-                (min(x, x + side * ladder), p - 0.012, 0.0),
-                (max(x, x + side * ladder), p + 0.012, height),
+                (min(x, x + side * _LADDER_M), p - 0.012, 0.0),
+                (max(x, x + side * _LADDER_M), p + 0.012, height),
             ),
         )
     for k in range(rungs):
-        z = decks[1] * (k + 0.7) / rungs
+        z = deck * (k + 0.7) / rungs
         path = rail[:1] * [1.0, 0.0, 0.0] + [[0.0, 0.06 - y, z], [0.0, 0.36 - y, z]]
         made.add("ladder", tube(path, 0.014, segments=10))
+
+
+def bunk(size: Size, rng: np.random.Generator) -> Furniture:
+    """Two beds above each other with a ladder and a guard rail."""
+    width, depth, height = size
+    made = Assembly()
+    t, thick = 0.06, 0.14
+    half, y = 0.5 * (width - _LADDER_M - t), 0.5 * (depth - t)
+    side = 1.0 if rng.integers(2) else -1.0
+    shift = -0.5 * side * _LADDER_M
+    post = square_leg(t, t, height, 0.008)
+    made.add("leg", *(post.moved((*p, 0.0)) for p in corners(half, y)))
+    decks = (max(0.2, 0.19 * height), 0.74 * height)
+    for deck in decks:
+        made.add(
+            "rail",
+            *(
+                board((s * half - 0.013, -y, deck), (s * half + 0.013, y, deck + 0.12))
+                for s in (-1, 1)
+            ),
+            *(
+                board((-half, s * y - 0.013, deck), (half, s * y + 0.013, deck + 0.12))
+                for s in (-1, 1)
+            ),
+        )
+        for p in np.linspace(0.08 - y, y - 0.08, max(6, round(depth / 0.2))).tolist():
+            made.add(
+                "slat",
+                board((-half, p - 0.035, deck + 0.02), (half, p + 0.035, deck + 0.036), 0.002),
+            )
+        bedding(
+            made, half - 0.028, (0.03 - y, y - 0.03), deck + 0.036 + thick, thick, (0.0, 0.0), rng
+        )
+    _guards(made, half, y, side, height, decks)
+    _ladder(made, side * (half + 0.5 * t), y, side, height, decks[1])
     whole = made.furniture()
     moved = {name: mesh.moved((shift, 0.0, 0.0)) for name, mesh in whole.parts.items()}
     return Furniture(moved, whole.joints)

@@ -56,6 +56,33 @@ def _firebox(width: float, front: float, back: float, low: float, high: float) -
     ]
 
 
+def _pillar(
+    edges: list[float], depth: tuple[float, float], heights: tuple[float, float, float], wide: float
+) -> list[Mesh]:
+    """A pillar with a foot, a head beside the opening, and a panel between them."""
+    (front, back), (hearth, opening, top) = depth, heights
+    frames = [board((edges[0], front, hearth), (edges[1], back, top), 0.006)]
+    for low, high, out in ((hearth, hearth + 0.11, 0.018), (opening, opening + 0.05, 0.012)):
+        frames.append(
+            board(
+                (edges[0] - 0.4 * out, front - out, low),
+                (edges[1] + 0.4 * out, front + 0.02, high),
+                0.006,
+            )
+        )
+    panel = 0.2 * wide
+    if opening - hearth > 0.3:
+        low, high = hearth + 0.16, opening - 0.05
+        frames.append(
+            board(
+                (edges[0] + panel, front - 0.009, low),
+                (edges[1] - panel, front + 0.01, high),
+                0.006,
+            )
+        )
+    return frames
+
+
 def mantel(size: Size, rng: np.random.Generator) -> Parts:
     """Two pillars with feet and heads, a lintel, a moulded shelf, and a hearthstone."""
     width, depth, height = size
@@ -69,25 +96,7 @@ def mantel(size: Size, rng: np.random.Generator) -> Parts:
     frames = []
     for s in (-1.0, 1.0):
         edges = sorted((s * inner, s * outer))
-        frames.append(board((edges[0], front, hearth), (edges[1], back, top - 0.05), 0.006))
-        for low, high, out in ((hearth, hearth + 0.11, 0.018), (opening, opening + 0.05, 0.012)):
-            frames.append(
-                board(
-                    (edges[0] - 0.4 * out, front - out, low),
-                    (edges[1] + 0.4 * out, front + 0.02, high),
-                    0.006,
-                )
-            )
-        panel = 0.2 * pillar
-        if opening - hearth > 0.3:
-            low, high = hearth + 0.16, opening - 0.05
-            frames.append(
-                board(
-                    (edges[0] + panel, front - 0.009, low),
-                    (edges[1] - panel, front + 0.01, high),
-                    0.006,
-                )
-            )
+        frames += _pillar(edges, (front, back), (hearth, opening, top - 0.05), pillar)
     frames.append(board((-inner, front + 0.012, opening), (inner, back, top - 0.05), 0.004))
     if top - opening > 0.2:
         frames.append(
@@ -164,6 +173,31 @@ def breast(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
+def _stove_door(
+    made: Assembly, x: float, span: tuple[float, float], front: float, side: float
+) -> None:
+    """A door with a window between ``-x`` and ``x``, its hinge away from ``side``."""
+    door_low, door_high = span
+    rim = 0.06
+    y = front - 0.004
+    frame = [
+        (-x, door_low, x, door_low + rim),
+        (-x, door_high - rim, x, door_high),
+        (-x, door_low + rim, rim - x, door_high - rim),
+        (x - rim, door_low + rim, x, door_high - rim),
+    ]
+    names = made.add("door", *(board((a, y - 0.022, b), (c, y, d), 0.003) for a, b, c, d in frame))
+    names += made.add(
+        "glass",
+        board((rim - x, y - 0.014, door_low + rim), (x - rim, y - 0.008, door_high - rim), 0.001),
+    )
+    z = 0.5 * (door_low + door_high)
+    bow = [(y - 0.02, z - 0.05), (y - 0.05, z - 0.05), (y - 0.05, z + 0.05), (y - 0.02, z + 0.05)]
+    grip = filleted([(side * (x - 0.03), *point) for point in bow], 0.015)
+    names += made.add("handle", tube(grip, 0.006, segments=8))
+    made.hinge("door", names, (-side * x, y - 0.022, door_low), "left" if side > 0 else "right")
+
+
 def stove(size: Size, rng: np.random.Generator) -> Furniture:
     """An iron stove on legs: a hollow body, a door with a window, and a pipe to the top."""
     width, depth, height = size
@@ -200,25 +234,8 @@ def stove(size: Size, rng: np.random.Generator) -> Furniture:
         ),
     )
     door_low, door_high, x = low + 0.05, high - 0.035, half - 0.02
-    rim = 0.06
-    y = front - 0.004
-    frame = [
-        (-x, door_low, x, door_low + rim),
-        (-x, door_high - rim, x, door_high),
-        (-x, door_low + rim, rim - x, door_high - rim),
-        (x - rim, door_low + rim, x, door_high - rim),
-    ]
-    names = made.add("door", *(board((a, y - 0.022, b), (c, y, d), 0.003) for a, b, c, d in frame))
-    names += made.add(
-        "glass",
-        board((rim - x, y - 0.014, door_low + rim), (x - rim, y - 0.008, door_high - rim), 0.001),
-    )
     side = 1.0 if rng.integers(2) else -1.0
-    z = 0.5 * (door_low + door_high)
-    bow = [(y - 0.02, z - 0.05), (y - 0.05, z - 0.05), (y - 0.05, z + 0.05), (y - 0.02, z + 0.05)]
-    grip = filleted([(side * (x - 0.03), *point) for point in bow], 0.015)
-    names += made.add("handle", tube(grip, 0.006, segments=8))
-    made.hinge("door", names, (-side * x, y - 0.022, door_low), "left" if side > 0 else "right")
+    _stove_door(made, x, (door_low, door_high), front, side)
     pipe = min(0.075, 0.16 * width)
     at = (0.0, rear - pipe - 0.06, top - 0.002)
     made.add(

@@ -40,6 +40,36 @@ def _waisted(width: float, tall: float) -> NDArray[np.float64]:
     return np.concatenate([[(0.0, 0.0)], right, [(0.0, tall)], left])
 
 
+def _stand(back: float, thick: float, tall: float, seat: float) -> Parts:
+    """A stand of bent tube for a body of some thickness and height, its seat at a height."""
+    r, y = 0.009, 0.02
+    legs = [
+        tube(
+            filleted(
+                [
+                    (s * 0.14, -back + r, r),
+                    (s * 0.12, y - thick - 0.02, seat - 0.012),
+                    (0.0, 0.16, 0.55 * tall + seat),
+                ],
+                0.05,
+            ),
+            r,
+            segments=10,
+        )
+        for s in (-1.0, 1.0)
+    ]
+    # The end of the leg that leans is cut square: its lower edge stands on the floor.
+    rise, run = 0.55 * tall + seat, back - r - 0.16
+    foot = r * run / np.hypot(rise, run)
+    legs.append(tube([(0.0, back - r, foot), (0.0, 0.16, rise)], r, segments=10))
+    rest = tube(
+        [(-0.13, y - 0.5 * thick, seat - 0.012), (0.13, y - 0.5 * thick, seat - 0.012)],
+        r,
+        segments=10,
+    )
+    return {**numbered("leg", legs), "support": rest}
+
+
 def on_stand(size: Size, rng: np.random.Generator, *, solid: bool) -> Parts:
     """A guitar that leans in a stand of bent tube."""
     width, depth, height = size
@@ -89,36 +119,10 @@ def on_stand(size: Size, rng: np.random.Generator, *, solid: bool) -> Parts:
     if not solid:
         rose = cylinder(0.05, 0.002, segments=28)
         made["rosette"] = turned(rose, "x", 90.0).moved((0.0, -thick + 0.0005, 0.6 * tall))
-    back = 0.5 * depth
     leaning = {
         name: turned(mesh, "x", -_LEAN_DEG).moved((0.0, 0.02, seat)) for name, mesh in made.items()
     }
-    r, y = 0.009, 0.02
-    legs = [
-        tube(
-            filleted(
-                [
-                    (s * 0.14, -back + r, r),
-                    (s * 0.12, y - thick - 0.02, seat - 0.012),
-                    (0.0, 0.16, 0.55 * tall + seat),
-                ],
-                0.05,
-            ),
-            r,
-            segments=10,
-        )
-        for s in (-1.0, 1.0)
-    ]
-    # The end of the leg that leans is cut square: its lower edge stands on the floor.
-    rise, run = 0.55 * tall + seat, back - r - 0.16
-    foot = r * run / np.hypot(rise, run)
-    legs.append(tube([(0.0, back - r, foot), (0.0, 0.16, rise)], r, segments=10))
-    rest = tube(
-        [(-0.13, y - 0.5 * thick, seat - 0.012), (0.13, y - 0.5 * thick, seat - 0.012)],
-        r,
-        segments=10,
-    )
-    return {**leaning, **numbered("leg", legs), "support": rest}
+    return {**leaning, **_stand(0.5 * depth, thick, tall, seat)}
 
 
 CATEGORY: Final = BuiltCategory(

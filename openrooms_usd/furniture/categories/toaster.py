@@ -110,13 +110,8 @@ def build(size: Size, rng: np.random.Generator, slots: int, levers: int) -> Furn
     ]
     made.add("base", *floors)
     foot = cylinder(0.011, FOOT + 0.001, bevel=0.002, segments=12)
-    made.add(
-        "foot",
-        *(
-            foot.moved((center + x, y, 0.0))
-            for x, y in corners(0.5 * (right - left) - 0.02, half - 0.02)
-        ),
-    )
+    places = corners(0.5 * (right - left) - 0.02, half - 0.02)
+    made.add("foot", *(foot.moved((center + x, y, 0.0)) for x, y in places))
     made.add("wire", *(_guards(inside, y, slot, height) for y in middles))
     racks = [
         board(
