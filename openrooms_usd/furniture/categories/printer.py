@@ -1,6 +1,6 @@
 """Printers: a flat one with a scanner, a laser printer, a copier for an office."""
 
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
@@ -8,6 +8,7 @@ from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Furniture,
     Joint,
+    Parts,
     Size,
     Style,
     board,
@@ -51,6 +52,17 @@ def _sheets(
     normal = np.array([a[1] - b[1], b[0] - a[0]]) / np.linalg.norm(b - a)
     strip = [a, b, b + thick * normal, a + thick * normal]
     return profiled(strip, width, SIDE, 0.0004)
+
+
+_Point: TypeAlias = tuple[float, float, float]
+
+
+def _lid(origin: _Point, degrees: float) -> Joint:
+    return Joint("lid_0", "hinge", ("lid",), origin, (-1.0, 0.0, 0.0), (0.0, degrees))
+
+
+def _drawer(name: str, meshes: tuple[str, ...], origin: _Point, travel: float) -> Joint:
+    return Joint(name, "rail", meshes, origin, (0.0, -1.0, 0.0), (0.0, travel))
 
 
 def inkjet(size: Size, rng: np.random.Generator) -> Furniture:
@@ -105,17 +117,25 @@ def inkjet(size: Size, rng: np.random.Generator) -> Furniture:
             "paper_1": lip,
             **knob,
         },
-        (
-            Joint(
-                "lid_0",
-                "hinge",
-                ("lid",),
-                (0.0, back - 0.024, body + 0.026),
-                (-1.0, 0.0, 0.0),
-                (0.0, 75.0),
-            ),
-        ),
+        (_lid((0.0, back - 0.024, body + 0.026), 75.0),),
     )
+
+
+def _paper_drawer(half: float, span: tuple[float, float], tray: float, wide: float) -> Parts:
+    """A front with a box behind it, and a ream of paper in the box."""
+    front, rear = span
+    face = board((-half + 0.021, front, 0.009), (half - 0.021, front + 0.02, tray - 0.003), 0.004)
+    inner = (wide + 0.01) / 2
+    walls = [
+        board((-inner, front + 0.018, 0.009), (inner, rear - 0.06, 0.013), 0.001),
+        board((-inner, front + 0.018, 0.012), (-inner + 0.004, rear - 0.06, 0.6 * tray), 0.001),
+        board((inner - 0.004, front + 0.018, 0.012), (inner, rear - 0.06, 0.6 * tray), 0.001),
+        board((-inner, rear - 0.064, 0.012), (inner, rear - 0.06, 0.6 * tray), 0.001),
+    ]
+    ream = board(
+        (-inner + 0.006, front + 0.03, 0.0125), (inner - 0.006, rear - 0.07, 0.45 * tray), 0.0004
+    )
+    return {"drawer_front_0": face, "drawer_box_0": joined(walls), "paper_0": ream}
 
 
 def laser(size: Size, rng: np.random.Generator) -> Furniture:
@@ -150,17 +170,7 @@ def laser(size: Size, rng: np.random.Generator) -> Furniture:
         board((-half, rear - 0.02, 0.0), (half, rear, tray + 0.004), 0.003),
         board((-half + 0.01, front + 0.02, 0.0), (half - 0.01, rear, 0.006), 0.002),
     ]
-    face = board((-half + 0.021, front, 0.009), (half - 0.021, front + 0.02, tray - 0.003), 0.004)
-    inner = (wide + 0.01) / 2
-    box_ = [
-        board((-inner, front + 0.018, 0.009), (inner, rear - 0.06, 0.013), 0.001),
-        board((-inner, front + 0.018, 0.012), (-inner + 0.004, rear - 0.06, 0.6 * tray), 0.001),
-        board((inner - 0.004, front + 0.018, 0.012), (inner, rear - 0.06, 0.6 * tray), 0.001),
-        board((-inner, rear - 0.064, 0.012), (inner, rear - 0.06, 0.6 * tray), 0.001),
-    ]
-    ream = board(
-        (-inner + 0.006, front + 0.03, 0.0125), (inner - 0.006, rear - 0.07, 0.45 * tray), 0.0004
-    )
+    paper = _paper_drawer(half, (front, rear), tray, wide)
     out = _sheets(
         wide - 0.03,
         (rear - 0.15 * depth, height - hollow + 0.001),
@@ -174,29 +184,43 @@ def laser(size: Size, rng: np.random.Generator) -> Furniture:
         height - 0.016,
         int(rng.integers(2, 4)),
     )
-    drawer = ("drawer_front_0", "drawer_box_0", "paper_0")
     return Furniture(
         {
             "body": joined(
                 [flank.moved((-offset, 0, 0)), flank.moved((offset, 0, 0)), middle, *base]
             ),
-            "drawer_front_0": face,
-            "drawer_box_0": joined(box_),
-            "paper_0": ream,
+            **paper,
             "paper_1": out,
             **panel,
         },
-        (
-            Joint(
-                "drawer_0",
-                "rail",
-                drawer,
-                (0.0, front + 0.01, 0.5 * tray),
-                (0.0, -1.0, 0.0),
-                (0.0, 0.6 * depth),
-            ),
-        ),
+        (_drawer("drawer_0", tuple(paper), (0.0, front + 0.01, 0.5 * tray), 0.6 * depth),),
     )
+
+
+def _copier_drawer(
+    half: float, depth: tuple[float, float], height: tuple[float, float], step: float
+) -> tuple[Mesh, Mesh, Mesh]:
+    """The front of a drawer of paper, its handle, and the box behind them."""
+    (front, rear), (a, b) = depth, height
+    inner, deep = half - 0.03, rear - 0.04
+    walls = [
+        box((2 * inner, deep - front - 0.02, 0.006), (0.0, 0.5 * (deep + front + 0.02), a + 0.004)),
+        *(
+            box(
+                (0.006, deep - front - 0.02, 0.5 * step),
+                (x, 0.5 * (deep + front + 0.02), a + 0.25 * step),
+            )
+            for x in (-inner + 0.003, inner - 0.003)
+        ),
+        box((2 * inner, 0.006, 0.5 * step), (0.0, deep - 0.003, a + 0.25 * step)),
+    ]
+    face = board((-half + 0.002, front + 0.004, a), (half - 0.002, front + 0.022, b), 0.003)
+    grip = board(
+        (-0.4 * half, front, 0.5 * (a + b) - 0.012),
+        (0.4 * half, front + 0.006, 0.5 * (a + b) + 0.012),
+        0.002,
+    )
+    return face, grip, joined(walls)
 
 
 def copier(size: Size, rng: np.random.Generator) -> Furniture:
@@ -223,39 +247,10 @@ def copier(size: Size, rng: np.random.Generator) -> Furniture:
     for i in range(count):
         a, b = foot + 0.022 + i * step, foot + 0.022 + (i + 1) * step - 0.004
         names = (f"drawer_front_{i}", f"handle_{i}", f"drawer_box_{i}")
-        inner, deep = half - 0.03, rear - 0.04
-        walls = [
-            box(
-                (2 * inner, deep - front - 0.02, 0.006),
-                (0.0, 0.5 * (deep + front + 0.02), a + 0.004),
-            ),
-            *(
-                box(
-                    (0.006, deep - front - 0.02, 0.5 * step),
-                    (x, 0.5 * (deep + front + 0.02), a + 0.25 * step),
-                )
-                for x in (-inner + 0.003, inner - 0.003)
-            ),
-            box((2 * inner, 0.006, 0.5 * step), (0.0, deep - 0.003, a + 0.25 * step)),
-        ]
-        parts[names[0]] = board(
-            (-half + 0.002, front + 0.004, a), (half - 0.002, front + 0.022, b), 0.003
-        )
-        parts[names[1]] = board(
-            (-0.2 * width, front, 0.5 * (a + b) - 0.012),
-            (0.2 * width, front + 0.006, 0.5 * (a + b) + 0.012),
-            0.002,
-        )
-        parts[names[2]] = joined(walls)
+        drawer = _copier_drawer(half, (front, rear), (a, b), step)
+        parts |= zip(names, drawer, strict=True)
         joints.append(
-            Joint(
-                f"drawer_{i}",
-                "rail",
-                names,
-                (0.0, front + 0.012, 0.5 * (a + b)),
-                (0.0, -1.0, 0.0),
-                (0.0, 0.7 * depth),
-            )
+            _drawer(f"drawer_{i}", names, (0.0, front + 0.012, 0.5 * (a + b)), 0.7 * depth)
         )
     lid = [
         board(
@@ -272,16 +267,7 @@ def copier(size: Size, rng: np.random.Generator) -> Furniture:
     )
     # Drawn along the depth; the feeder's tray runs along the width.
     parts["lid"] = joined([*lid, turned(ramp, "z", -90.0).moved((0.0, 0.03, 0.0))])
-    joints.append(
-        Joint(
-            "lid_0",
-            "hinge",
-            ("lid",),
-            (0.0, rear - 0.01, scanner + 0.002),
-            (-1.0, 0.0, 0.0),
-            (0.0, 60.0),
-        )
-    )
+    joints.append(_lid((0.0, rear - 0.01, scanner + 0.002), 60.0))
     parts |= _panel(0.22 * width, 0.4 * width, front, scanner - 0.02, 5)
     wheel = tube([(-0.011, 0.0, 0.0), (0.011, 0.0, 0.0)], 0.026, segments=18)
     forks = corners(half - 0.05, 0.5 * depth - 0.07)
