@@ -82,7 +82,7 @@ def tolerance_of(category: str, usual: float) -> float:
     return max(usual, known.collision_softness) if known else usual
 
 
-def losses(category: str, kind: Literal["hinge", "rail"]) -> JointDamping:
+def joint_damping_of(category: str, kind: Literal["hinge", "rail"]) -> JointDamping:
     """What resists the hinges or the rails of a category, where nobody says more."""
     known = record(kind_of(category))
     return _RAIL if kind == "rail" else (known and known.joint_damping) or _HINGE

@@ -15,7 +15,7 @@ from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.library.construction import (
     construction_of,
     density_of,
-    losses,
+    joint_damping_of,
     mass_of_part,
     movable,
 )
@@ -166,7 +166,7 @@ def test_what_is_built_in_stays_where_it_is():
 def test_joints_take_a_hand_and_not_a_crowbar():
     widths = {"door": 0.8, "refrigerator": 0.6, "oven": 0.45, "stove": 0.45, "dishwasher": 0.6}
     for category in CATEGORIES:
-        assert losses(category, "rail").friction < 22
+        assert joint_damping_of(category, "rail").friction < 22
         # At the handle, one hinge away.
-        assert losses(category, "hinge").friction / widths.get(category, 0.2) < 22
-        assert losses(category, "hinge").damping > 0
+        assert joint_damping_of(category, "hinge").friction / widths.get(category, 0.2) < 22
+        assert joint_damping_of(category, "hinge").damping > 0
