@@ -19,12 +19,12 @@ import click
 from benchmarks.report import publish, table
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import parse_room
+from openrooms_usd.furniture import category
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.programs import PROGRAMS
 from openrooms_usd.generate.rooms import USUAL_CLUTTER
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.statistics import RoomNumbers, numbers, summary
-from openrooms_usd.library.furniture import category
 
 
 @dataclass
@@ -79,7 +79,7 @@ def check(tally: Tally, room_type: str, seed: int, clutter: int, folder: Path) -
     tally.seconds.append(time.perf_counter() - began)
     rows = parse_room(text).alignment.objects
     supports = checks.described_supports(rows, lambda name: category(name).support)
-    hanging = checks.described_hanging(rows, lambda name: category(name).lies)
+    hanging = checks.described_hanging(rows, lambda name: category(name).placements)
     wrong = checks.violations(assembled(text, shapes, folder), supports, hanging)
     for sentence in wrong:
         tally.violations.append(f"{room_type} {seed}: {sentence}")

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd.library.furniture import make
+from openrooms_usd.furniture import make
 from openrooms_usd.physics.collision_error import collision_error, volumes
 from openrooms_usd.physics.components import Part, components
 from openrooms_usd.physics.decomposition import METHODS, Method, collision_shapes

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd import names, untrusted
 from openrooms_usd.capture import NO_OPTIONS, Capture, Packed
-from openrooms_usd.categories.words import category_of
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.usd.taxonomies import class_of, number_of
 from orusd_scans.formats.pointtext import read_text

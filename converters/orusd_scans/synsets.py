@@ -3,8 +3,7 @@
 from functools import cache
 from typing import Final
 
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import records
+from openrooms_usd.furniture.registry import records
 
 # What ShapeNetCore has besides our categories. WordNet 3.0 offsets of noun synsets, as ShapeNetCore
 # and Scan2CAD name their folders.
@@ -30,5 +29,5 @@ UNKNOWN: Final = "object"
 @cache
 def categories() -> dict[str, str]:
     """A category or a plain word by its synset."""
-    ours = {synset: name for name, told in records() for synset in given(told.synsets, ())}
+    ours = {synset: name for name, told in records() for synset in told.synsets}
     return {**_OTHERS, **ours}

@@ -18,19 +18,18 @@ def library() -> None:
 @json_option
 def list_(as_json: bool) -> None:
     """Print every category with its styles, usual size and support."""
-    from openrooms_usd.categories.record import given
-    from openrooms_usd.library.furniture import CATEGORIES
+    from openrooms_usd.furniture import CATEGORIES
 
     rows = {
         name: {
             "description": spec.description,
             "styles": list(spec.styles),
             "size": list(spec.size),
-            "least": list(spec.least),
-            "most": list(spec.most),
+            "min_size": list(spec.min_size),
+            "max_size": list(spec.max_size),
             "support": spec.support,
-            "level": given(spec.level, 0.0),
-            "lumen": given(spec.lumen, 0.0),
+            "mount_height": spec.mount_height,
+            "lumen": spec.lumen,
         }
         for name, spec in sorted(CATEGORIES.items())
     }

@@ -16,7 +16,6 @@ from pathlib import PurePosixPath
 from typing import Any, Final
 
 from openrooms_usd import adapters
-from openrooms_usd.categories import registry
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.dataset.inputs import capture_digest, file_digest, inputs_digest
 from openrooms_usd.description.dataset import (
@@ -28,6 +27,7 @@ from openrooms_usd.description.dataset import (
     Split,
 )
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import registry
 from openrooms_usd.names import STAGES
 
 # What makes the views of a job, but for what is loaded by name.

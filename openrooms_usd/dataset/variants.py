@@ -13,7 +13,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd.categories.record import given
 from openrooms_usd.dataset.captured import captured_room
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.description import Room, load_room, named_objects, parse_room, room_of
@@ -27,8 +26,8 @@ from openrooms_usd.description.lights import (
 )
 from openrooms_usd.description.moments import zone
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.generate import expanded, generate, write
-from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.lamplight import lamp_kelvin
 from openrooms_usd.library.solar import sun_position
 
@@ -217,7 +216,7 @@ def _usual_lumens(room: Room) -> dict[str, float | None]:
         for name, row in named_objects(room.alignment.objects):
             spec = CATEGORIES.get(row.category)
             if spec and spec.emits:
-                found[name] = given(spec.lumen, None)
+                found[name] = spec.lumen
     return found
 
 

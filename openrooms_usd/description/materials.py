@@ -1,11 +1,11 @@
 """The ``materials`` section: what things are made of."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, get_args
 
 from pydantic import BeforeValidator, Field
 
-from openrooms_usd.description.families import Family
+from openrooms_usd.description.families import FamilyName
 from openrooms_usd.description.model import CheckedModel, Found, Number, PrimName, Whole, peek
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.description.units import PositiveLength
@@ -13,8 +13,6 @@ from openrooms_usd.description.units import PositiveLength
 Unit = Annotated[Number, Field(ge=0, le=1)]
 Factor = Annotated[Number, Field(ge=0.1, le=10)]
 Size = Annotated[PositiveLength, Field(ge=1e-3, le=1e3)]
-
-FamilyName = Literal[Substance, Family]
 
 # What says of what kind a material is, and what it goes with.
 _KINDS: Final = ("family", "substance", "file", "color")

@@ -18,8 +18,8 @@ from openrooms_usd.edits.assigning import context_of
 from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES, category, styles
 from openrooms_usd.library.assets import publish
-from openrooms_usd.library.furniture import CATEGORIES, category, styles
 from openrooms_usd.stages.alignment import ASSETS
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.catalogue import Catalogue

@@ -6,12 +6,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture import Size, category
 from openrooms_usd.generate.boxes import overlap
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Side
-from openrooms_usd.library.furniture import Size, category
 
 # What hangs takes up so much below hooks, before the wall, and beyond both ends; metres.
 _DROP_M, _DEPTH_M, _BEYOND_M = 1.25, 0.24, 0.13

@@ -11,13 +11,13 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture import Size
 from openrooms_usd.generate.boxes import overlap
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Gap
 from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.furniture import Size
 
 Weights = Mapping[str, float]
 

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import category
 from openrooms_usd.generate.clutter.living import ABOUT
 from openrooms_usd.generate.finishlooks import shell_looks
 from openrooms_usd.generate.items import Item, placed, wrapped
@@ -18,7 +19,6 @@ from openrooms_usd.generate.rooms import (
 )
 from openrooms_usd.library.assignment.rooms import surface_of
 from openrooms_usd.library.ensembles import ensemble_of
-from openrooms_usd.library.furniture import category
 from openrooms_usd.library.interior import Color
 
 # What hangs is placed so far before its wall, whose face is rounded to the millimetre, metres.

@@ -10,13 +10,13 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture import Size
 from openrooms_usd.generate.boxes import Array, overlap
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Gap, Side
 from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.furniture import Size
 from openrooms_usd.library.shellstyles import ShellStyle
 
 # Rooms without heating, and those with sockets beside basins alone.

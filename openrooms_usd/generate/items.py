@@ -6,8 +6,8 @@ from typing import Final, Literal
 
 import numpy as np
 
+from openrooms_usd.furniture import NOTHING_ORDERED, Order, Size
 from openrooms_usd.generate.boxes import NONE, Array, Pose, box
-from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size
 
 # People walk and stand between these heights: a rug is no obstacle, nor is a high shelf; metres.
 STEP_M: Final = 0.06

@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture import NOTHING_ORDERED, Order, Size, category, styles
 from openrooms_usd.generate.boxes import Array, overlap, posed
 from openrooms_usd.generate.items import Group, Item, with_dependants
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.sizes import drawn_size
 from openrooms_usd.generate.standing import above_foot, level_top
-from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size, category, styles
 from openrooms_usd.library.interiors import Interior
 from openrooms_usd.names import ROOM_HEIGHT
 
@@ -105,7 +105,7 @@ class Kit:
         size = self.size(name, style=style)
         if style not in styles(name, size):
             style = self.style(name, size)
-        if category(name).alike:
+        if category(name).one_variant_per_room:
             self._makes[name] = size, style
         return size, style
 
@@ -309,8 +309,8 @@ def _on_floors(name: str) -> tuple[str, ...]:
     if known.support != "floor":
         return tuple(known.styles)
     said = {
-        style: {place for lies in known.lies if style in (lies.styles or (style,))
-                for place in lies.on}
+        style: {place for placement in known.placements if style in (placement.styles or (style,))
+                for place in placement.on}
         for style in known.styles
     }  # fmt: skip
     found = tuple(

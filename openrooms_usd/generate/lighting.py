@@ -10,12 +10,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd.categories.record import given
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import category
 from openrooms_usd.generate.moments import MOMENTS, Moment, moment_of
 from openrooms_usd.generate.rooms import Generated, named, program_of
 from openrooms_usd.library.beams import BeamName
-from openrooms_usd.library.furniture import category
 from openrooms_usd.library.lamplight import HOME_KELVIN, WORK_ROOMS, lamp_kelvin
 
 Section = dict[str, Any]
@@ -69,7 +68,7 @@ def lamps(room: Generated, *, seen: bool = True) -> dict[str, Section]:
     for name, kind in rows:
         spec = category(kind)
         if spec.emits and name not in found:
-            lumen = round(given(spec.lumen, 0.0) * float(rng.uniform(*_SHARE)), -1)
+            lumen = round(spec.lumen * float(rng.uniform(*_SHARE)), -1)
             found[name] = {"lumen": lumen, "kelvin": warm}
     for name, section in _profiles(room).items():
         found[name] |= section

@@ -9,9 +9,9 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import NOTHING_ORDERED, Order, Size, make
 from openrooms_usd.generate.boxes import Array
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size, make
 
 Foot: TypeAlias = tuple[float, float, float, float]
 """Least x and y and greatest x and y, metres."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from openrooms_usd.library.furniture import MIN_SIDE, Size, category
+from openrooms_usd.furniture import MIN_SIDE, Size, category
 
 
 def drawn_size(
@@ -22,7 +22,7 @@ def drawn_size(
         modesty: 1 draws no side larger than usual.
     """
     known, sides = category(name), []
-    for side, share, wanted in zip(usual, known.spread, given, strict=True):
+    for side, share, wanted in zip(usual, known.size_variation, given, strict=True):
         drawn = side * (1.0 + float(rng.uniform(-share, share * (1.0 - modesty))))
         sides.append(
             max(MIN_SIDE, round(drawn if wanted is None else wanted, 3 if side < 0.1 else 2))

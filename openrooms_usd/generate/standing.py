@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from openrooms_usd.furniture import Size
 from openrooms_usd.generate.boxes import Array, Pose, box
 from openrooms_usd.generate.shapes import Foot, Shape
-from openrooms_usd.library.furniture import Size
 
 # What rises less than this above a top is no obstacle on it, metres.
 _ROUNDING = 1e-4

@@ -5,14 +5,13 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.categories.record import given
+from openrooms_usd.furniture import Size, category, styles
 from openrooms_usd.generate.boxes import overlap
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Shell
 from openrooms_usd.geometry.floorplan import room_centre
-from openrooms_usd.library.furniture import Size, category, styles
 
 # Between what hangs and anything else, metres.
 _HANGING_GAP_M: Final = 0.08
@@ -48,8 +47,8 @@ def hang(
 
 def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
     spec = category(name)
-    size, style = kit.make(name) if spec.alike else (kit.size(name), "")
-    low = round(given(spec.level, 0.0) + float(kit.rng.uniform(-0.05, 0.1)), 2)
+    size, style = kit.make(name) if spec.one_variant_per_room else (kit.size(name), "")
+    low = round(spec.mount_height + float(kit.rng.uniform(-0.05, 0.1)), 2)
     if low + size[2] > min(room.shell.height - 0.1, room.shell.clear_height - 0.02):
         return None
     style = style or kit.style(name, size)

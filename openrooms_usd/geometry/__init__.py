@@ -6,7 +6,7 @@
 - `splines`, `strands`: curves of any kind as polygons;
 - `curves`, `polygons`, `joining`, `floorplan`, `pinhole`, `sights`, `looks`, `views`,
   `viewpoints`, `composition`, `focus`, `framing`: the plan, and cameras in it;
-- `faces`, `sweeps`, `lofts`, `solids`, `cloth`: building blocks; `walls`, `partitions`,
+- `faces`, `sweeps`, `lofts`, `solids`: building blocks; `walls`, `partitions`,
   `openings`, `shell`, `leaves`, `doors`, `windows`, `hallways`: a room of them;
   `wallruns`, `mouldings`, `panelling`, `claddings`, `ceilings`: what it wears;
 - `hemisphere`, `spherical_harmonics`: light by direction; `lobe_pursuit`, `lobe_refinement`,

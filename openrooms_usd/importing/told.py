@@ -55,7 +55,7 @@ def _objects(capture: Capture) -> "dict[str, Captured]":
 
 
 def _emits(name: str) -> bool:
-    from openrooms_usd.library.furniture import category
+    from openrooms_usd.furniture import category
 
     return category(name).emits
 

@@ -25,8 +25,8 @@ from openrooms_usd import names
 from openrooms_usd.atomic import appearing
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture.joinery.boards import Furniture, Joint, part_of
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.furniture.joinery import Furniture, Joint, part_of
 from openrooms_usd.library.timber import grained
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import category, make
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.assets import Model
-from openrooms_usd.library.furniture import category, make
 from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.scan.models.cad import Symmetry
 from openrooms_usd.scan.models.folder import INDEX, CadFile, cad_files

@@ -5,10 +5,10 @@ from typing import Final, Literal
 
 from numpy.typing import ArrayLike
 
-from openrooms_usd.categories.makes import ANY, BOARD, GENERAL, Construction, Row
-from openrooms_usd.categories.record import Losses, Support, given
-from openrooms_usd.categories.registry import record
 from openrooms_usd.description.substances import Substance
+from openrooms_usd.furniture.construction import ANY, BOARD, GENERAL, Construction, Row
+from openrooms_usd.furniture.record import JointDamping, Support
+from openrooms_usd.furniture.registry import record
 from openrooms_usd.library.assignment.kinds import kind_of, known_as
 from openrooms_usd.library.friction.references import density
 from openrooms_usd.physics.inertia import shell, solid
@@ -20,8 +20,8 @@ _HUNG: Final = frozenset({"ceiling", "wall"})
 # accessible doors, drawers and cupboards may (ADA Standards 2010, 309.4 and 404.2.9). A drawer with
 # 10 kg on rollers (rolling resistance 0.02 to 0.03) takes 2 to 3 N; lids of laptops stay where they
 # are put; lids of toilets fall slowly.
-_RAIL: Final = Losses(damping=10.0, friction=3.0)
-_HINGE: Final = Losses(damping=0.1, friction=0.1)
+_RAIL: Final = JointDamping(damping=10.0, friction=3.0)
+_HINGE: Final = JointDamping(damping=0.1, friction=0.1)
 
 
 def construction_of(category: str, part: str, substance: Substance | None) -> Construction:
@@ -79,19 +79,19 @@ def movable(category: str, mounting: Support | None = None) -> bool:
 def tolerance_of(category: str, usual: float) -> float:
     """How far the collision shapes of a category may be off, metres: leaves and drapes farther."""
     known = record(kind_of(category))
-    return max(usual, given(known.yields, 0.0)) if known else usual
+    return max(usual, known.collision_softness) if known else usual
 
 
-def losses(category: str, kind: Literal["hinge", "rail"]) -> Losses:
+def joint_damping_of(category: str, kind: Literal["hinge", "rail"]) -> JointDamping:
     """What resists the hinges or the rails of a category, where nobody says more."""
     known = record(kind_of(category))
-    return _RAIL if kind == "rail" else given(known.hinges, _HINGE) if known else _HINGE
+    return _RAIL if kind == "rail" else (known and known.joint_damping) or _HINGE
 
 
 @cache
 def _row(category: str, part: str, substance: Substance | None) -> Row:
     known = record(category)
-    rows = (*(given(known.makes, ()) if known else ()), *GENERAL)
+    rows = (*(known.construction if known else ()), *GENERAL)
     for name in (*known_as(part), ANY):
         for row in rows:
             if name in row.parts and (not row.substances or substance in row.substances):

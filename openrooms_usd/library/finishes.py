@@ -6,11 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.categories.makes import ANY
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import record
-from openrooms_usd.categories.schemes import METAL, METALS, Scheme
 from openrooms_usd.description.substances import Substance
+from openrooms_usd.furniture.construction import ANY
+from openrooms_usd.furniture.registry import record
+from openrooms_usd.furniture.schemes import METAL, METALS, Scheme
 from openrooms_usd.library.assignment.kinds import known_as
 from openrooms_usd.library.assignment.weights import Weights, families_for
 from openrooms_usd.library.finish import Finish
@@ -340,7 +339,7 @@ def finishes_of(
     """
     names = sorted(set(parts))
     known = record(category)
-    schemes = given(known.schemes, ()) if known else ()
+    schemes = known.schemes if known else ()
     fitting = [scheme for scheme in schemes if scheme.needs is None or scheme.needs in names]
     fitting = [scheme for scheme in fitting if scheme.suite] or fitting
     weights = np.cumsum([_weight(scheme, factors) for scheme in fitting] or [1.0])
@@ -355,7 +354,7 @@ def finishes_of(
 def suite_of(category: str, parts: Iterable[str]) -> str:
     """The suite that an object is of, by the kinds of its parts; empty for none."""
     known, names = record(category), set(parts)
-    schemes = given(known.schemes, ()) if known else ()
+    schemes = known.schemes if known else ()
     return next((s.suite for s in schemes if s.suite and (s.needs or "") in {"", *names}), "")
 
 

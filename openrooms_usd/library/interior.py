@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from openrooms_usd.furniture.joinery.boards import Fronts
 from openrooms_usd.library.assignment.rooms import Place
 from openrooms_usd.library.assignment.weights import Weights, drawn
-from openrooms_usd.library.furniture.joinery import Fronts
 from openrooms_usd.library.shellstyles import ShellStyle
 
 Color = tuple[float, float, float]

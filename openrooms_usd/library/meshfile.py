@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture.joinery.boards import Joint, Size
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.topology import is_closed
 from openrooms_usd.geometry.uv import cube_projection, metric
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import Model
-from openrooms_usd.library.furniture.joinery import Joint, Size
 from openrooms_usd.library.gltf import read_glb, read_ply, read_stl
 from openrooms_usd.library.pieces import (
     ForeignJoint,

@@ -6,7 +6,7 @@ What has no substance of its own among the nine is counted to the one that it fe
 
 from typing import Final
 
-from openrooms_usd.categories.schemes import TONES
+from openrooms_usd.furniture.schemes import TONES
 from openrooms_usd.library.finish import Finish
 
 _PALETTES: Final = {

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
-from openrooms_usd.categories.record import UNLABELED
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture.record import UNLABELED
 from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.render.manifest_schema import AGAIN
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render

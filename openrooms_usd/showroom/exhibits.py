@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from openrooms_usd.categories.record import Support, given
-from openrooms_usd.library.furniture import CATEGORIES, Size, category, styles
+from openrooms_usd.furniture import CATEGORIES, Size, category, styles
+from openrooms_usd.furniture.record import Support
 
 
 @dataclass(frozen=True)
@@ -54,4 +54,4 @@ def exhibits(categories: Sequence[str] = (), *, every_style: bool = False) -> li
 def _exhibit(name: str, style: str) -> Exhibit:
     spec = category(name)
     size = spec.styles[style].size or spec.size
-    return Exhibit(name, style, size, spec.support, given(spec.level, 0.0), spec.emits)
+    return Exhibit(name, style, size, spec.support, spec.mount_height, spec.emits)

@@ -12,9 +12,9 @@ from pxr import Gf, Sdf, UsdGeom, Vt
 from openrooms_usd import names
 from openrooms_usd.capture import Capture, CapturedBox, CapturedModel
 from openrooms_usd.description.alignment import FileObject
+from openrooms_usd.furniture import Size, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation
 from openrooms_usd.geometry.rotations import pose as rigid
-from openrooms_usd.library.furniture import Size, part_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captured import Captured
 from openrooms_usd.stages.catalogue import Catalogue

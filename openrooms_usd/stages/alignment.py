@@ -10,7 +10,6 @@ from typing import Final
 from pxr import Kind, Sdf, Vt
 
 from openrooms_usd import names
-from openrooms_usd.categories.record import given
 from openrooms_usd.description.alignment import (
     AlignedObject,
     CapturedAlignment,
@@ -24,8 +23,8 @@ from openrooms_usd.description.generate import GeneratedAlignment
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES, Order, Size, category, part_of
 from openrooms_usd.library.assets import Asset, publish
-from openrooms_usd.library.furniture import CATEGORIES, Order, Size, category, part_of
 from openrooms_usd.library.meshfile import dependencies
 from openrooms_usd.stages.aligned import (
     apply_schema,
@@ -176,7 +175,7 @@ def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -
         on,
         emits,
         relative_to=item.relative_to,
-        level=given(spec.level, 0.0) if spec else 0.0,
+        level=spec.mount_height if spec else 0.0,
         tilt=item.tilt,
     )
 

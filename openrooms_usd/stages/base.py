@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 
 from openrooms_usd import adapters, names
-from openrooms_usd.categories import registry
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import registry
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.untrusted import check_path, kind_of
 

@@ -7,10 +7,10 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.capture import Capture, CapturedBox
-from openrooms_usd.categories.words import category_of, plain
 from openrooms_usd.description.alignment import Placed, named_objects
 from openrooms_usd.description.naming import captured_names
-from openrooms_usd.library.furniture import MAX_SIDE, MIN_SIDE, Size
+from openrooms_usd.furniture import MAX_SIDE, MIN_SIDE, Size
+from openrooms_usd.furniture.words import category_of, plain
 from openrooms_usd.stages.substitutes import UNKNOWN, of_size, substitute
 
 # Captured heights are uncertain by some centimetres: boxes this near to the floor stand on it.

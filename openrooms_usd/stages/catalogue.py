@@ -10,8 +10,7 @@ import numpy as np
 
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.assets import Asset, Model, model_of, read_asset
-from openrooms_usd.library.furniture import (
+from openrooms_usd.furniture import (
     CATEGORIES,
     NOTHING_ORDERED,
     Order,
@@ -21,12 +20,13 @@ from openrooms_usd.library.furniture import (
     module_of,
     styles,
 )
+from openrooms_usd.library.assets import Asset, Model, model_of, read_asset
 from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.library.posture import Usual
 from openrooms_usd.stages.base import StageContext, file_digest
 
 # What every piece of furniture runs, beside its category's module.
-_MAKERS: Final = ("openrooms_usd.draws", "openrooms_usd.library.furniture")
+_MAKERS: Final = ("openrooms_usd.draws", "openrooms_usd.furniture")
 
 
 @dataclass
@@ -124,7 +124,7 @@ def _usual(name: str) -> Usual | None:
     if name not in CATEGORIES:
         return None
     built = category(name)
-    return Usual(name, built.size, built.least, built.most)
+    return Usual(name, built.size, built.min_size, built.max_size)
 
 
 def _model_digest(model: Model) -> str:

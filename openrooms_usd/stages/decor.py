@@ -6,8 +6,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from pxr import Gf, Usd, UsdGeom
 
+from openrooms_usd.furniture import Size, make, part_of, styles
 from openrooms_usd.geometry.hallways import Hallway, door_space
-from openrooms_usd.library.furniture import Size, make, part_of, styles
 from openrooms_usd.stages.joinery import author_mesh
 from openrooms_usd.usd.semantics import label
 from openrooms_usd.usd.transforms import author_placement

@@ -8,11 +8,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.words import plain
 from openrooms_usd.description.alignment import ScanAlignment, named_objects
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture.words import plain
 from openrooms_usd.scan.placement.correcting import moved_by
 from openrooms_usd.scan.placement.violations import Unresolved
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report

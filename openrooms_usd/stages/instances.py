@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.words import Meaning, meaning, plain
+from openrooms_usd.furniture.words import Meaning, meaning, plain
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.alignment import Rejected
 from openrooms_usd.scan.registration.hints import Box, Hint

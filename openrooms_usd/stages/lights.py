@@ -13,7 +13,6 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import atomic, names
-from openrooms_usd.categories.record import given
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.description.lights import (
@@ -25,8 +24,8 @@ from openrooms_usd.description.lights import (
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, StageError
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.library.beams import BEAMS, beam_profile, profile_text
-from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.lamplight import lamp_kelvin
 from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
@@ -283,4 +282,4 @@ def _drawn_kelvin(context: StageContext, name: str) -> float:
 
 def _usual_lumen(root: Usd.Prim) -> float:
     spec = CATEGORIES.get(read_label(root, names.CATEGORY) or "")
-    return given(spec.lumen, _DEFAULT_LUMEN) if spec else _DEFAULT_LUMEN
+    return (spec and spec.lumen) or _DEFAULT_LUMEN

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from openrooms_usd import names
 from openrooms_usd.capture import Confidence
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.furniture import Size
 from openrooms_usd.geometry.rotations import in_plan, tilted
 from openrooms_usd.library.assets import Asset
-from openrooms_usd.library.furniture import Size
 from openrooms_usd.stages.surroundings import Surroundings
 from openrooms_usd.stages.tops import top_at
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.record import UNLABELED, given
-from openrooms_usd.categories.registry import records
-from openrooms_usd.categories.words import category_of, library_words, named_in, plain
 from openrooms_usd.description.alignment import FileObject, ScanAlignment
 from openrooms_usd.description.scanned import ScannedObject
+from openrooms_usd.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
+from openrooms_usd.furniture.record import UNLABELED
+from openrooms_usd.furniture.registry import records
+from openrooms_usd.furniture.words import category_of, library_words, named_in, plain
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.library.cads import Cad, folder_cads, furniture_cads, merged
-from openrooms_usd.library.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
 from openrooms_usd.names import SHELL
 from openrooms_usd.scan.models.cad import CadModel, Up
 from openrooms_usd.scan.placement.correcting import correction
@@ -183,7 +183,7 @@ def _unit_of(model: CadModel) -> float | None:
 @cache
 def _synsets() -> dict[str, str]:
     """The library's categories by the numbers that ShapeNet files them under."""
-    return {synset: name for name, told in records() for synset in given(told.synsets, ())}
+    return {synset: name for name, told in records() for synset in told.synsets}
 
 
 def _up(cad: Cad) -> Up | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
-from openrooms_usd.categories.registry import record
+from openrooms_usd.furniture.registry import record
 from openrooms_usd.geometry.composition import BARE, NO_SUBJECT, Subjects
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.semantics import read_label
@@ -71,8 +71,8 @@ def _root(path: str) -> str:
 
 def _worth(category: str, corners: Array) -> float:
     known = record(category)
-    if known and known.photographed is not None:
-        return known.photographed
+    if known and known.view_importance is not None:
+        return known.view_importance
     longest = float(np.ptp(corners.reshape(-1, 3), axis=0).max()) if len(corners) else 0.0
     return min(_WORTH_PER_M * longest, _MOST_WORTH_BY_SIZE) if longest > _SMALL_M else 0.0
 

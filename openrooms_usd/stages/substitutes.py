@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.registry import BUILT
-from openrooms_usd.categories.words import category_of, meaning, plain
-from openrooms_usd.library.furniture import category
+from openrooms_usd.furniture import category
+from openrooms_usd.furniture.registry import BUILT
+from openrooms_usd.furniture.words import category_of, meaning, plain
 from openrooms_usd.scan.registration.scalelimits import SCALES
 
 UNKNOWN: Final = "box"
@@ -62,7 +62,7 @@ def of_size(found: str, label: str, above_floor: float, size: NDArray[np.float64
 def sizes_of(name: str) -> NDArray[np.float64]:
     """(2, 3) the least and the greatest size of what the library builds, metres."""
     spec = category(name)
-    return np.asarray(np.array([spec.least, spec.most]) * np.array(SCALES)[:, None])
+    return np.asarray(np.array([spec.min_size, spec.max_size]) * np.array(SCALES)[:, None])
 
 
 def _may_have(name: str, size: NDArray[np.float64]) -> bool:

@@ -12,8 +12,8 @@ from functools import cache
 from typing import Final
 
 from openrooms_usd import names
-from openrooms_usd.categories.record import UNLABELED, Classes
-from openrooms_usd.categories.registry import record, records
+from openrooms_usd.furniture.record import UNLABELED, Classes
+from openrooms_usd.furniture.registry import record, records
 
 # The class list of the released dataset; the position is the number in its label images.
 OPENROOMS45: Final = (

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
-from openrooms_usd.categories.record import Without
-from openrooms_usd.categories.registry import BUILT, record
+from openrooms_usd.furniture import category
+from openrooms_usd.furniture.registry import BUILT, record
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.library.furniture import category
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.penetration import penetration
 from openrooms_usd.validation.model import Complaint, Subject
@@ -126,7 +125,7 @@ def _depth(a: Body, b: Body, yields: float) -> float:
 def _yields(thing: RoomObject) -> float:
     """How far a thing gives way, metres."""
     known = record(thing.category)
-    return 0.0 if known is None or isinstance(known.yields, Without) else known.yields
+    return known.collision_softness if known else 0.0
 
 
 def _body(outline: Array, low: float, height: float) -> Body:
@@ -150,14 +149,14 @@ def sizes(subject: Subject) -> Iterator[Complaint]:
             continue
         spec = category(thing.category)
         least, most = (np.array(size) * share for size, share in
-                       zip((spec.least, spec.most), _SIZE_SHARES, strict=True))  # fmt: skip
+                       zip((spec.min_size, spec.max_size), _SIZE_SHARES, strict=True))  # fmt: skip
         size = _level_sorted(thing.size)
         if (size < _level_sorted(least)).any() or (size > _level_sorted(most)).any():
             yield (
                 thing.path,
                 (
                     f"it is {_in_words(thing.size)}, and a {thing.category.replace('_', ' ')} is "
-                    f"{_in_words(np.array(spec.least))} to {_in_words(np.array(spec.most))}"
+                    f"{_in_words(np.array(spec.min_size))} to {_in_words(np.array(spec.max_size))}"
                 ),
             )
 

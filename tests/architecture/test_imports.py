@@ -49,11 +49,11 @@ RANKS = (
         "adapters",
         "atomic",
         "capture",
-        "categories",
         "channels",
         "claims",
         "codedigest",
         "draws",
+        "furniture",
         "isolation",
         "ledger",
         "physics",
@@ -81,7 +81,7 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
-    "categories",
+    "furniture",
     # Importers of finished scenes read models, and know what stands for those that are missing.
     "library",
     "usd",

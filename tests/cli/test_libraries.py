@@ -8,7 +8,7 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError, OutputError
-from openrooms_usd.library.furniture import CATEGORIES
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.render.sheet import write_sheet
 from openrooms_usd.showroom import exhibits
 from tests.commands import output_of

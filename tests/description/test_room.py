@@ -202,12 +202,6 @@ def test_openings_are_named_by_their_kind() -> None:
     assert names == ["window_0", "door_0", "window_1"]
 
 
-def test_the_categories_are_those_of_the_library() -> None:
-    from openrooms_usd.library.furniture import CATEGORIES
-
-    assert sorted(get_args(LibraryCategory)) == sorted(CATEGORIES)
-
-
 @pytest.mark.slow
 def test_ten_thousand_objects_load() -> None:
     row = "    - {category: chair, at: [1.5, 2.5], yaw: 30 deg, size: [50 cm, 50 cm, 0.9]}\n"

@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 from pxr import Usd
 
-from openrooms_usd.categories.record import given
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.description.alignment import LibraryObject, ObjectList, named_objects
+from openrooms_usd.furniture import Order, category
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.library.furniture import Order, category
 from openrooms_usd.stages.placement import Placement, Supports
 from openrooms_usd.stages.poses import matrix_of
 from openrooms_usd.stages.surroundings import surroundings
@@ -73,7 +72,7 @@ def _placements(room: Room, shapes: Shapes) -> dict[str, Placement]:
             item.yaw,
             item.on or spec.support,
             relative_to=item.relative_to,
-            level=given(spec.level, 0.0),
+            level=spec.mount_height,
             tilt=item.tilt,
         )
     return placements

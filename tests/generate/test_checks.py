@@ -9,11 +9,11 @@ import pytest
 
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import parse_room
+from openrooms_usd.furniture import category
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
-from openrooms_usd.library.furniture import category
 from tests.generate import checks, resting
 from tests.generate.assembled import assembled
 from tests.generate.scenes import Body, Form, Scene, fans, read
@@ -30,7 +30,7 @@ class Room:
         self.scene = assembled(self.text, shapes, folder)
         rows = parse_room(self.text).alignment.objects
         self.supports = checks.described_supports(rows, lambda name: category(name).support)
-        self.hanging = checks.described_hanging(rows, lambda name: category(name).lies)
+        self.hanging = checks.described_hanging(rows, lambda name: category(name).placements)
 
     def found(self, scene: Scene) -> list[str]:
         return checks.violations(scene, self.supports, self.hanging)

@@ -6,6 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from openrooms_usd.furniture import CATEGORIES
+from openrooms_usd.furniture.placements import DRAPED_WALL_M
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.clutter.draping import Edge, edges, hang_over
 from openrooms_usd.generate.clutter.forms import Surfaces
@@ -23,8 +25,6 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.windows import BOARD, reveal_depth, window
-from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.library.furniture.lying import DRAPED_WALL_M
 
 SIZE = (0.4, 0.18, 1.05)
 

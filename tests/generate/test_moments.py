@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.description.lights import Lamp, OutsideEnvironment
+from openrooms_usd.furniture import category
 from openrooms_usd.generate import environments
 from openrooms_usd.generate.curtains import curtains
 from openrooms_usd.generate.environments import environment
@@ -19,7 +20,6 @@ from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.rooms import Furnishing, Generated, draw_shell, generate, named
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.shell import Gap, Shell
-from openrooms_usd.library.furniture import category
 from openrooms_usd.library.lamplight import WORK_ROOMS
 from openrooms_usd.library.sky import sun_direction
 from openrooms_usd.library.solar import sun_position

@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import make, styles
 from openrooms_usd.generate.boxes import box, distance, overlap, posed
 from openrooms_usd.generate.floor import CELL_M, components, floor_of
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.shell import Gap, Shell
-from openrooms_usd.library.furniture import make, styles
 
 SQUARE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)])
 side = st.floats(0.05, 3.0)
@@ -93,7 +93,7 @@ def test_a_wardrobe_across_the_room_cuts_off_a_door() -> None:
 
 @pytest.mark.parametrize("name", ["table", "chair", "desk", "office_chair", "sofa", "side_table"])
 def test_slices_hold_all_of_an_object(name: str) -> None:
-    from openrooms_usd.library.furniture import category
+    from openrooms_usd.furniture import category
 
     for style in styles(name):
         size = category(name).styles[style].size or category(name).size

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from openrooms_usd.description import parse_room
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.programs import PROGRAMS
 from openrooms_usd.generate.rooms import draw_shell
-from openrooms_usd.library.furniture import CATEGORIES
 
 ESSENTIAL = {
     "apartment": {"bed", "sofa", "refrigerator", "worktop"},
@@ -66,7 +66,7 @@ def test_a_room_has_what_it_is_for(room_type: str) -> None:
     assert len(described.alignment.objects) == len(items)
     for item in items:
         spec = CATEGORIES[item.category]
-        least, most = 0.999 * np.array(spec.least), 1.001 * np.array(spec.most)
+        least, most = 0.999 * np.array(spec.min_size), 1.001 * np.array(spec.max_size)
         assert (least <= item.size).all() and (item.size <= most).all(), item
         assert item.style in spec.styles
 

@@ -6,10 +6,10 @@ import pytest
 
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import parse_room
+from openrooms_usd.furniture import category
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.programs import PROGRAMS
 from openrooms_usd.generate.shapes import Shapes
-from openrooms_usd.library.furniture import category
 from tests.generate import checks, scenes
 from tests.generate.assembled import assembled
 
@@ -61,7 +61,7 @@ def found(text: str, folder: Path) -> list[str]:
 def wrong(text: str, scene: scenes.Scene) -> list[str]:
     rows = parse_room(text).alignment.objects
     supports = checks.described_supports(rows, lambda name: category(name).support)
-    hanging = checks.described_hanging(rows, lambda name: category(name).lies)
+    hanging = checks.described_hanging(rows, lambda name: category(name).placements)
     return checks.violations(scene, supports, hanging)
 
 

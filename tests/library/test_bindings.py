@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import records
+from openrooms_usd.furniture import CATEGORIES, part_of
+from openrooms_usd.furniture.registry import records
 from openrooms_usd.library.finishes import FINISHES, METALS, PARTS, finishes_of
-from openrooms_usd.library.furniture import CATEGORIES, part_of
-from tests.library.pieces import piece
+from tests.furniture.pieces import piece
 
 
 @pytest.mark.one_in(3)
@@ -25,7 +24,7 @@ def test_every_part_of_every_style_has_a_finish(name: str) -> None:
 def test_schemes_name_categories_and_finishes_that_exist() -> None:
     known = {*FINISHES, "metal"}
     for name, told in records():
-        for scheme in given(told.schemes, ()):
+        for scheme in told.schemes:
             assert set(scheme.finishes.values()) <= known, name
     assert set(PARTS.values()) <= known
     assert set(METALS) <= set(FINISHES)

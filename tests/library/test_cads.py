@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import category
 from openrooms_usd.library.cads import folder_cads, furniture_cads, merged
-from openrooms_usd.library.furniture import category
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 

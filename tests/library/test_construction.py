@@ -7,31 +7,30 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.makes import ANY, GENERAL
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import records
+from openrooms_usd.furniture import CATEGORIES, part_of
+from openrooms_usd.furniture.construction import ANY, GENERAL
+from openrooms_usd.furniture.registry import records
 from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.library.construction import (
     construction_of,
     density_of,
-    losses,
+    joint_damping_of,
     mass_of_part,
     movable,
 )
 from openrooms_usd.library.finishes import FINISHES, finishes_of
 from openrooms_usd.library.friction.references import SUBSTANCES
-from openrooms_usd.library.furniture import CATEGORIES, part_of
 from openrooms_usd.physics.mass import MassProperties, combined
-from tests.library.pieces import piece
+from tests.furniture.pieces import piece
 
 Array = NDArray[np.float64]
 
 
-def weighs(category: str, style: str = ANY) -> tuple[float, float] | None:
+def mass_range(category: str, style: str | None = None) -> tuple[float, float] | None:
     """What such products weigh, as the record says; None for what nobody weighs."""
-    said = given(CATEGORIES[category].weighs, {})
-    return said.get(style, said.get(ANY))
+    known = CATEGORIES[category]
+    return known.mass_range_of(style) if style else known.mass_range
 
 
 @cache
@@ -58,10 +57,10 @@ def built(category: str, style: str, seed: int) -> MassProperties:
 
 
 @pytest.mark.one_in(51)
-@pytest.mark.parametrize("category", sorted(name for name in CATEGORIES if weighs(name)))
+@pytest.mark.parametrize("category", sorted(name for name in CATEGORIES if mass_range(name)))
 def test_things_weigh_what_such_things_weigh(category):
     for style in CATEGORIES[category].styles:
-        low, high = weighs(category, style)
+        low, high = mass_range(category, style)
         for seed in range(2):
             mass = built(category, style, seed).mass
             assert low <= mass <= high, f"{category}/{style}: {mass:.2f} kg"
@@ -85,14 +84,14 @@ def test_lamps_do_not_fall_by_themselves():
 
 def test_a_model_that_names_no_parts_weighs_as_much_as_the_thing():
     for category, substance, size, (low, high) in [
-        ("refrigerator", "metal", (0.7, 0.7, 1.8), weighs("refrigerator")),
-        ("washing_machine", "metal", (0.6, 0.6, 0.86), weighs("washing_machine")),
-        ("microwave", "paint", (0.5, 0.4, 0.29), weighs("microwave")),
-        ("wardrobe", "wood", (1.5, 0.6, 2.1), weighs("wardrobe")),
-        ("wardrobe", None, (1.5, 0.6, 2.1), weighs("wardrobe")),
-        ("file_cabinet", "metal", (0.46, 0.6, 1.3), weighs("file_cabinet")),
-        ("chair", "fabric", (0.45, 0.45, 0.45), weighs("chair")),
-        ("office_chair", "leather", (0.5, 0.5, 0.4), weighs("office_chair")),
+        ("refrigerator", "metal", (0.7, 0.7, 1.8), mass_range("refrigerator")),
+        ("washing_machine", "metal", (0.6, 0.6, 0.86), mass_range("washing_machine")),
+        ("microwave", "paint", (0.5, 0.4, 0.29), mass_range("microwave")),
+        ("wardrobe", "wood", (1.5, 0.6, 2.1), mass_range("wardrobe")),
+        ("wardrobe", None, (1.5, 0.6, 2.1), mass_range("wardrobe")),
+        ("file_cabinet", "metal", (0.46, 0.6, 1.3), mass_range("file_cabinet")),
+        ("chair", "fabric", (0.45, 0.45, 0.45), mass_range("chair")),
+        ("office_chair", "leather", (0.5, 0.5, 0.4), mass_range("office_chair")),
         ("anything", "wood", (0.5, 0.5, 0.5), (5, 20)),
         ("anything", "metal", (0.3, 0.3, 0.3), (3, 10)),
     ]:
@@ -132,7 +131,7 @@ def test_a_leg_of_wood_is_solid_and_one_of_steel_is_a_tube():
 
 
 def test_the_rows_are_written_in_our_spelling_and_every_one_can_be_reached():
-    tables = {name: given(told.makes, ()) for name, told in records()} | {"anything": GENERAL}
+    tables = {name: told.construction for name, told in records()} | {"anything": GENERAL}
     for category, rows in tables.items():
         assert category == kind_of(category), category
         for row in rows:
@@ -167,7 +166,7 @@ def test_what_is_built_in_stays_where_it_is():
 def test_joints_take_a_hand_and_not_a_crowbar():
     widths = {"door": 0.8, "refrigerator": 0.6, "oven": 0.45, "stove": 0.45, "dishwasher": 0.6}
     for category in CATEGORIES:
-        assert losses(category, "rail").friction < 22
+        assert joint_damping_of(category, "rail").friction < 22
         # At the handle, one hinge away.
-        assert losses(category, "hinge").friction / widths.get(category, 0.2) < 22
-        assert losses(category, "hinge").damping > 0
+        assert joint_damping_of(category, "hinge").friction / widths.get(category, 0.2) < 22
+        assert joint_damping_of(category, "hinge").damping > 0

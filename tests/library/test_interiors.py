@@ -5,14 +5,14 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from openrooms_usd.categories.schemes import METALS
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES
+from openrooms_usd.furniture.schemes import METALS
 from openrooms_usd.generate import generate
 from openrooms_usd.generate.rooms import style_of
 from openrooms_usd.library.ensembles import ensemble_of
 from openrooms_usd.library.finishes import FINISHES
-from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.interiors import INTERIORS, Interior
 from openrooms_usd.library.textures import FAMILIES
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from openrooms_usd.library.furniture import category
+from openrooms_usd.furniture import category
 from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.library.posture import Posture, Usual, posture, standing
 
@@ -16,7 +16,7 @@ Real = Callable[[str], Path]
 
 def usual(name: str) -> Usual:
     built = category(name)
-    return Usual(name, built.size, built.least, built.most)
+    return Usual(name, built.size, built.min_size, built.max_size)
 
 
 def stands(name: str, box: tuple[float, float, float], **said: object) -> Posture:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from openrooms_usd.library.furniture import make
+from openrooms_usd.furniture import make
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.decomposition import Shapes, collision_shapes
 from openrooms_usd.showroom.exhibits import exhibits

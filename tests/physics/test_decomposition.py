@@ -12,7 +12,7 @@ import pytest
 import trimesh
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.furniture import make
+from openrooms_usd.furniture import make
 from openrooms_usd.physics.collision_error import collision_error
 from openrooms_usd.physics.components import Part, components
 from openrooms_usd.physics.decomposition import ConvexShape, Shapes, collision_shapes

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from openrooms_usd.capture import Capture, CapturedBox
-from openrooms_usd.categories.words import library_words, plain
 from openrooms_usd.description.naming import captured_names
-from openrooms_usd.library.furniture import category
+from openrooms_usd.furniture import category
+from openrooms_usd.furniture.words import library_words, plain
 from openrooms_usd.stages.captured import Captured, captured_objects
 from openrooms_usd.stages.substitutes import substitute
 

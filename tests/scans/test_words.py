@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from openrooms_usd.capture import read_capture
-from openrooms_usd.categories.registry import BUILT
-from openrooms_usd.categories.words import Meaning, meaning, named_in, plain
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture.registry import BUILT
+from openrooms_usd.furniture.words import Meaning, meaning, named_in, plain
 from openrooms_usd.names import SHELL
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.stages.instances import instances_of, told_left_out

@@ -14,8 +14,8 @@ from openrooms_usd import adapters, names
 from openrooms_usd.capture import Capture, CapturedBox
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.solids import box
-from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.stages.alignment import AlignmentStage
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout import LayoutStage

@@ -17,8 +17,8 @@ from pxr import Sdf, Usd
 from openrooms_usd import codedigest, names
 from openrooms_usd.codedigest import modules
 from openrooms_usd.description.room import Room
+from openrooms_usd.furniture import CATEGORIES, module_of
 from openrooms_usd.geometry.solids import rounded_box
-from openrooms_usd.library.furniture import CATEGORIES, module_of
 from openrooms_usd.library.textures import Material
 from openrooms_usd.physics.components import Part
 from openrooms_usd.stages import base, runner
@@ -83,7 +83,7 @@ def fingerprints(room: Room, folder: Path) -> dict[str, str]:
         ("openrooms_usd/library/hosek_wilkie.npy", {"lights"}),
         ("openrooms_usd/library/solar.py", {"lights"}),
         ("openrooms_usd/physics/merging.py", {"physics"}),
-        ("openrooms_usd/library/furniture/sofa.py", ALL),
+        ("openrooms_usd/furniture/categories/sofa.py", ALL),
         ("openrooms_usd/render/exr.py", set()),
         ("openrooms_usd/cli/composing.py", set()),
         ("openrooms_usd/generate/__init__.py", set()),
@@ -116,8 +116,8 @@ def asset_names(folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     ("file", "changed"),
     [
-        ("openrooms_usd/library/furniture/bathtub.py", {"bathtub"}),
-        ("openrooms_usd/library/furniture/joinery.py", set(CATEGORIES)),
+        ("openrooms_usd/furniture/categories/bathtub.py", {"bathtub"}),
+        ("openrooms_usd/furniture/joinery/boards.py", set(CATEGORIES)),
         ("openrooms_usd/library/assets.py", set(CATEGORIES)),
         ("openrooms_usd/draws.py", set(CATEGORIES)),
         ("openrooms_usd/library/textures/rough_stone/brick.py", set()),
@@ -135,7 +135,7 @@ def test_assets_are_named_by_the_code_of_their_category(
 
 def test_a_sofa_is_not_named_by_chairs(plant: Plant, tmp_path: Path) -> None:
     before = asset_names(tmp_path)
-    plant("openrooms_usd/library/furniture/chair.py")
+    plant("openrooms_usd/furniture/categories/chair.py")
     after = asset_names(tmp_path)
     assert before["chair"] != after["chair"]
     assert before["sofa"] == after["sofa"]
@@ -143,7 +143,7 @@ def test_a_sofa_is_not_named_by_chairs(plant: Plant, tmp_path: Path) -> None:
 
 def test_bodies_are_named_by_the_records_of_categories(plant: Plant) -> None:
     before = physics._code()
-    plant("openrooms_usd/library/furniture/toaster.py")
+    plant("openrooms_usd/furniture/categories/toaster.py")
     assert physics._code() != before
 
 
@@ -284,7 +284,7 @@ def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path
     layer.Save()
     run(code, tmp_path)
 
-    chair = code / "openrooms_usd/library/furniture/chair.py"
+    chair = code / "openrooms_usd/furniture/categories/chair.py"
     chair.write_text(chair.read_text() + CHANGE)
     # A material's textures are made by these, its name is not.
     for name in ("library/textures/base/recipe.py", "stages/runner.py"):
@@ -383,7 +383,7 @@ def test_no_stage_imports_modules_by_names_that_it_works_out() -> None:
         # The stages themselves: each is the root of its own digest.
         "openrooms_usd.stages.runner",
         # The records of categories, all of which count for every stage.
-        "openrooms_usd.categories.registry",
+        "openrooms_usd.furniture.registry",
     }
     for stage in runner.stages():
         for name in modules(*base.code_of(stage)):

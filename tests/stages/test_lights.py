@@ -13,9 +13,9 @@ from openrooms_usd.colorimetry import luminance
 from openrooms_usd.description.lights import Lamp
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError, StageError
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.beams import beam_profile, profile_text
-from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.alignment import AlignmentStage

@@ -9,10 +9,10 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils, UsdValidation
 
 from openrooms_usd import names
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import records
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
+from openrooms_usd.furniture import category
+from openrooms_usd.furniture.registry import records
 from openrooms_usd.library.finishes import (
     ANY,
     FINISHES,
@@ -21,7 +21,6 @@ from openrooms_usd.library.finishes import (
     PARTS,
     finishes_of,
 )
-from openrooms_usd.library.furniture import category
 from openrooms_usd.library.textures import FAMILIES, substance_of
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.alignment import AlignmentStage
@@ -354,7 +353,7 @@ def test_every_finish_can_be_made_and_every_rule_names_one() -> None:
     assert set(METALS) <= set(FINISHES)
     assert set(PARTS.values()) <= known
     for _, told in records():
-        for scheme in given(told.schemes, ()):
+        for scheme in told.schemes:
             assert set(scheme.finishes.values()) <= known and ANY in scheme.finishes
 
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd import atomic
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import record
+from openrooms_usd.furniture.registry import record
 from openrooms_usd.render.scene.triangles import Triangles
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
 from orusd_openrooms.scenes.microfacet import Materials, mapping
@@ -153,7 +152,7 @@ def _category_folder(item: Object) -> str:
     if item.radiance is not None:
         return _CEILING_LAMPS if item.category == _CEILING_LAMPS else _LAMPS
     found = record(item.category)
-    synsets = given(found.synsets, ()) if found is not None else ()
+    synsets = found.synsets if found is not None else ()
     # Several of our categories have one synset; the reader takes the first of them.
     return next((s for s in synsets if label_of(s) == item.category), item.category)
 

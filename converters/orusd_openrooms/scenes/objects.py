@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.furniture.joinery.boards import part_of
 from openrooms_usd.geometry.rotations import is_rotation
-from openrooms_usd.library.furniture.joinery import part_of
 from openrooms_usd.render.scene.arrays import Patch, Scene
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.triangles import Triangles

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES, category
 from openrooms_usd.geometry.rotations import inverse, pose
 from openrooms_usd.geometry.triangulation import triangulate
-from openrooms_usd.library.furniture import CATEGORIES, category
 from openrooms_usd.library.wavefront import read_obj
 from orusd_openrooms.scenes.models import CadModel, extent_of_file, file_of
 from orusd_openrooms.scenes.poses import Pose, pose_of, scene_frame

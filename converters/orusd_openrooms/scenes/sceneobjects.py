@@ -8,8 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from openrooms_usd.categories.record import given
-from openrooms_usd.categories.registry import records
+from openrooms_usd.furniture.registry import records
 from orusd_openrooms.scenes.records import Color, Shape, Step, whole
 from orusd_openrooms.scenes.roots import Named, named
 
@@ -145,4 +144,4 @@ def _kind(file: Named) -> Kind:
 @cache
 def _synsets() -> dict[str, str]:
     """The library's categories by the numbers that ShapeNet files them under."""
-    return {synset: name for name, told in records() for synset in given(told.synsets, ())}
+    return {synset: name for name, told in records() for synset in told.synsets}

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.library.furniture import CATEGORIES, category
+from openrooms_usd.furniture import CATEGORIES, category
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from openrooms_usd.library.furniture.lying import Place
+from openrooms_usd.furniture.placements import Place
 
 LEVELS: Final = 3
 """1 tidy, 2 lived in, 3 messy."""

@@ -5,13 +5,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from openrooms_usd.furniture import CATEGORIES
+from openrooms_usd.furniture.placements import SurfacePlacement
 from openrooms_usd.generate.boxes import Pose, overlap
 from openrooms_usd.generate.clutter.laying import PosedObject, fits, item_at, posed_object
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
-from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.library.furniture.lying import Lies
 
 # How far a chair stands from the edge of the table that it belongs to, metres.
 _AT_TABLE_M: Final = 0.6
@@ -136,8 +136,8 @@ def put_beside(scatter: Scatter, spot: Spot, other: Item, part: Part) -> None:
 def _part(scatter: Scatter, part: Part) -> PosedObject | None:
     if part.category not in CATEGORIES:
         return None
-    lies = Lies(on=("dining_table",), styles=part.styles, makes=1)
-    make = scatter.makes.draw(part.category, lies)
+    placement = SurfacePlacement(on=("dining_table",), styles=part.styles, max_variants=1)
+    make = scatter.variants.draw(part.category, placement)
     return posed_object(scatter.surfaces, part.category, make) if make else None
 
 

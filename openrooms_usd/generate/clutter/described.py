@@ -6,9 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.categories.record import given
 from openrooms_usd.description.alignment import FileObject, LibraryObject, named_objects
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import CATEGORIES, Size, category, styles
+from openrooms_usd.furniture.joinery.boards import NOTHING_ORDERED
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import taken_by
 from openrooms_usd.generate.clutter.living import lived_in
@@ -16,8 +17,6 @@ from openrooms_usd.generate.items import Item, placed
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.shell import Shell
-from openrooms_usd.library.furniture import CATEGORIES, Size, category, styles
-from openrooms_usd.library.furniture.joinery import NOTHING_ORDERED
 from openrooms_usd.library.meshfile import read_model
 
 _ROOM: Final = ("floor", "ceiling", "wall")
@@ -126,8 +125,8 @@ class _Described:
         if item.on == "ceiling":
             return self.shell.height - item.size[2], item.on
         if item.on == "wall":
-            known = category(item.category).level if item.category in CATEGORIES else 0.0
-            return given(known, 0.0), item.on
+            known = category(item.category).mount_height if item.category in CATEGORIES else 0.0
+            return known, item.on
         below = [carrier] if carrier else []
         if item.on == "surface":
             below = [other for other in self.done.values() if other.on == "floor"]

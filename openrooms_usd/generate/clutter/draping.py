@@ -1,7 +1,7 @@
 """Cloths over edges: towels over rails, throws over the arms of sofas, a cloth over a chair's back.
 
 What hangs down on both sides of an edge is made to fit it: as deep as the edge is thick, with a
-flap on either side (`openrooms_usd.library.furniture.lying`).
+flap on either side (`openrooms_usd.furniture.placements`).
 """
 
 from collections.abc import Iterator, Sequence
@@ -10,12 +10,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from openrooms_usd.furniture import offered_surfaces
+from openrooms_usd.furniture.placements import DRAPED_WALL_M, Place
 from openrooms_usd.generate.boxes import Array
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import along_edges
 from openrooms_usd.generate.items import Item
-from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.library.furniture.lying import DRAPED_WALL_M, Place
 
 # The shorter flap as a share of the longer one, with a little more to be sure.
 _SHORTER_SHARE: Final = 0.66
@@ -97,8 +97,8 @@ def edges(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> I
     """All edges of a furnished room that cloths may hang over."""
     for number, (_, items) in enumerate(groups):
         for item in items:
-            carries = CATEGORIES[item.category].carries if item.category in CATEGORIES else ()
-            for place in (place for place in carries if place in _WAYS):
+            offered = offered_surfaces(item.category)
+            for place in (place for place in offered if place in _WAYS):
                 yield Edge(place, item, number, along_edges(surfaces.shape(item).corners))
 
 

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
+from openrooms_usd.furniture import Size
+from openrooms_usd.furniture.joinery.boards import Order
 from openrooms_usd.generate.clutter.levels import Level, levels_of
 from openrooms_usd.generate.clutter.resting import Relief, relief_of
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.shapes import Shape, Shapes
-from openrooms_usd.library.furniture import Size
-from openrooms_usd.library.furniture.joinery import Order
 
 
 @dataclass

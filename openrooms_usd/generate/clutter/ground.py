@@ -6,11 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.placements import Place
 from openrooms_usd.generate.boxes import Array, Pose, overlap
 from openrooms_usd.generate.clutter.laying import PosedObject, Taken
 from openrooms_usd.generate.items import STEP_M, Item, placed
 from openrooms_usd.generate.placement import Arrangement
-from openrooms_usd.library.furniture.lying import Place
 
 _TRIES: Final = 24
 _WALL_GAP_M: Final = 0.02

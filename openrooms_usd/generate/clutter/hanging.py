@@ -1,12 +1,12 @@
 """Cloths over edges, and what hangs on hooks and rails: made to fit, drawn by the records."""
 
+from openrooms_usd.furniture import category
 from openrooms_usd.generate.clutter.amounts import DRAPED, HUNG
 from openrooms_usd.generate.clutter.draping import Edge, hang_over
 from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.hooks import Peg
 from openrooms_usd.generate.clutter.laying import item_at, posed_object
 from openrooms_usd.generate.clutter.scatter import Scatter
-from openrooms_usd.library.furniture import category
 
 
 def drape(scatter: Scatter, number: int, edge: Edge, level: int) -> None:
@@ -20,14 +20,15 @@ def drape(scatter: Scatter, number: int, edge: Edge, level: int) -> None:
     """
     drawn = scatter.drawn(number, edge.place, level)
     wanted = scatter.rng.random() < DRAPED[edge.place][level - 1]
-    make = scatter.makes.draw(*drawn) if drawn and wanted else None
+    make = scatter.variants.draw(*drawn) if drawn and wanted else None
     if drawn is None or make is None:
         return
     (width, _, height), style = make
     fit = hang_over(edge, width, height, scatter.rng)
     spec, carrier = category(drawn[0]), edge.carrier
     if fit is None or not all(
-        low <= side <= high for low, side, high in zip(spec.least, fit.size, spec.most, strict=True)
+        low <= side <= high
+        for low, side, high in zip(spec.min_size, fit.size, spec.max_size, strict=True)
     ):
         return
     thing = posed_object(scatter.surfaces, drawn[0], (fit.size, style))
@@ -51,7 +52,7 @@ def hang(scatter: Scatter, number: int, peg: Peg, ground: Ground, level: int) ->
     """
     drawn = scatter.drawn(number, peg.place, level)
     wanted = scatter.rng.random() < HUNG[peg.place][level - 1]
-    make = scatter.makes.draw(*drawn) if drawn and wanted else None
+    make = scatter.variants.draw(*drawn) if drawn and wanted else None
     if drawn is None or make is None:
         return
     thing, carrier = posed_object(scatter.surfaces, drawn[0], make), peg.carrier

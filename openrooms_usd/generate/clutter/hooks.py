@@ -1,6 +1,6 @@
 """Where things hang by a loop: the crooks of hooks, and rails that take hangers.
 
-What hangs is built with a loop on its top (`openrooms_usd.library.furniture.lying`): it hangs with
+What hangs is built with a loop on its top (`openrooms_usd.furniture.placements`): it hangs with
 the underside of that loop on the crook, which is found on the mesh.
 """
 
@@ -9,13 +9,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from openrooms_usd.furniture import offered_surfaces
+from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M, Place
 from openrooms_usd.generate.boxes import Array
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.library.furniture.lying import LOOP_BACK_M, LOOP_M, Place
 
 # The underside of a loop is so far above the crook, metres.
 _CLEAR_M: Final = 0.0008
@@ -65,8 +65,8 @@ def pegs(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> It
     """
     for number, (_, items) in enumerate(groups):
         for item in items:
-            carries = CATEGORIES[item.category].carries if item.category in CATEGORIES else ()
-            for place in (place for place in carries if place in HANGING):
+            offered = offered_surfaces(item.category)
+            for place in (place for place in offered if place in HANGING):
                 shape = surfaces.shape(item)
                 found = _crooks(shape) if place == "hook" else _along_rail(shape)
                 yield from (Peg(place, item, number, at) for at in found)

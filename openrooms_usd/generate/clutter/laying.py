@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from openrooms_usd.generate.boxes import NONE, Array, Pose, box, overlap, posed
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import CELL_M
-from openrooms_usd.generate.clutter.making import Make
+from openrooms_usd.generate.clutter.making import Variant
 from openrooms_usd.generate.clutter.resting import skin_of
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed, wrapped
@@ -46,7 +46,7 @@ class PosedObject:
     """
 
     name: str
-    make: Make
+    make: Variant
     tilt: Tilt
     form: Shape = field(repr=False)
     points: Array = field(repr=False)
@@ -92,7 +92,9 @@ class PosedObject:
         return found
 
 
-def posed_object(surfaces: Surfaces, name: str, make: Make, tilt: Tilt = (0.0, 0.0)) -> PosedObject:
+def posed_object(
+    surfaces: Surfaces, name: str, make: Variant, tilt: Tilt = (0.0, 0.0)
+) -> PosedObject:
     """A make in a pose."""
     shape = surfaces.shapes.of(name, *make)
     points = np.concatenate([mesh.points for mesh in shape.meshes])

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from openrooms_usd.draws import generator
+from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.generate.clutter.amounts import LAID, ROOM_AMOUNTS
 from openrooms_usd.generate.clutter.arrangements import MOUSE, lay_table, put_beside
 from openrooms_usd.generate.clutter.draping import edges
@@ -12,7 +13,7 @@ from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.hanging import drape, hang
 from openrooms_usd.generate.clutter.hooks import pegs
 from openrooms_usd.generate.clutter.laying import taken_by
-from openrooms_usd.generate.clutter.making import Makes
+from openrooms_usd.generate.clutter.making import ProductVariants
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.clutter.settling import Vessel, fill_vessel, vessels
 from openrooms_usd.generate.clutter.sills import CARRIER, sills
@@ -21,7 +22,6 @@ from openrooms_usd.generate.clutter.spots import Spot, spots, spots_of
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shapes import Shapes
-from openrooms_usd.library.furniture import CATEGORIES
 
 # The level from which on tables are laid for a meal.
 _MEALS_FROM: Final = 2
@@ -59,7 +59,7 @@ def lived_in(
     items = [item for _, group in groups for item in group]
     rng = generator(seed, "generate", room_type, "clutter")
     scatter = Scatter(
-        rng, surfaces, Makes(rng), taken_by(items, surfaces), room_type, room.shell.height
+        rng, surfaces, ProductVariants(rng), taken_by(items, surfaces), room_type, room.shell.height
     )
     kept = room.shell.kept
     # What stands out at windows, and the ways of doors.
@@ -78,7 +78,7 @@ def lived_in(
     ground = Ground(room, items, scatter.taken, rng)
     for step in range(1, level + 1):
         drawn = generator(seed, "generate", room_type, "clutter", step)
-        scatter.rng = scatter.makes.rng = ground.rng = drawn
+        scatter.rng = scatter.variants.rng = ground.rng = drawn
         if step == 1:
             _put_mice(scatter, [spot for _, spot in tops], items)
         for number, spot in tops:
@@ -134,10 +134,11 @@ def _lay_tables(
 
 def _inside(scatter: Scatter, surfaces: Surfaces, known: int) -> list[tuple[int, Spot]]:
     """What small things carry themselves: baskets, trays, stacks."""
-    carriers = [(group, item) for group, item in scatter.added if CATEGORIES[item.category].carries]
+    offered = [(*added, offered_surfaces(added[1].category)) for added in scatter.added]
     found = (
         spot
-        for group, item in carriers
-        for spot in spots_of(item, group, CATEGORIES[item.category].carries, surfaces)
+        for group, item, places in offered
+        if places
+        for spot in spots_of(item, group, places, surfaces)
     )
     return list(enumerate(found, known))

@@ -1,57 +1,61 @@
-"""Small things of a room: what may lie where by the records, and makes that a room has of it."""
+"""Small things of a room: what may lie where by the records, and which variants a room has."""
 
 from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
 
-from openrooms_usd.categories.registry import BUILT
+from openrooms_usd.furniture import CATEGORIES, Size, category
+from openrooms_usd.furniture.placements import Place, SurfacePlacement
+from openrooms_usd.furniture.registry import BUILT
 from openrooms_usd.generate.sizes import drawn_size
-from openrooms_usd.library.furniture import CATEGORIES, Size, category
-from openrooms_usd.library.furniture.lying import Lies, Place
 
-Make = tuple[Size, str]
+Variant = tuple[Size, str]
 
 
 @cache
-def candidates(place: Place, room_type: str, clutter: int) -> tuple[tuple[str, Lies], ...]:
+def candidates(
+    place: Place, room_type: str, clutter: int
+) -> tuple[tuple[str, SurfacePlacement], ...]:
     """All that may lie at a place, with the row of its record that says so."""
     return tuple(
-        (name, lies)
+        (name, placement)
         for name in BUILT
-        for lies in CATEGORIES[name].lies
-        if place in lies.on
-        and lies.clutter <= clutter
-        and (not lies.rooms or room_type in lies.rooms)
+        for placement in CATEGORIES[name].placements
+        if place in placement.on
+        and placement.clutter <= clutter
+        and (not placement.rooms or room_type in placement.rooms)
     )
 
 
 @dataclass
-class Makes:
-    """The makes of small things that a room has.
+class ProductVariants:
+    """The product variants of small things that a room has.
 
     Attributes:
         rng: Draws them.
     """
 
     rng: np.random.Generator
-    _known: dict[tuple[str, tuple[str, ...]], list[Make]] = field(default_factory=dict)
+    _known: dict[tuple[str, tuple[str, ...]], list[Variant]] = field(default_factory=dict)
 
-    def draw(self, name: str, lies: Lies, most: Size | None = None) -> Make | None:
-        """A make of a category: one that the room has, or a new one while there are few.
+    def draw(
+        self, name: str, placement: SurfacePlacement, most: Size | None = None
+    ) -> Variant | None:
+        """A variant of a category: one that the room has, or a new one while there are few.
 
         Args:
             name: The category.
-            lies: What its record says of the place.
+            placement: What its record says of the place.
             most: Width, depth and height that it must fit in, metres.
 
         Returns:
             None where nothing of it fits.
         """
         spec = category(name)
-        wanted = lies.styles or tuple(spec.styles)
+        wanted = placement.styles or tuple(spec.styles)
         made = self._known.setdefault((name, wanted), [])
-        limit = 1 if spec.alike else lies.makes
+        limit = 1 if spec.one_variant_per_room else placement.max_variants
         fitting = [make for make in made if most is None or _fits(make[0], most)]
         if len(made) < limit and (not fitting or self.rng.random() < 1.0 / (1.0 + len(made))):
             style = wanted[int(self.rng.integers(len(wanted)))]

@@ -6,7 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.categories.record import given
+from openrooms_usd.furniture import Size, category
+from openrooms_usd.furniture.placements import Place, SurfacePlacement
+from openrooms_usd.furniture.placements import Pose as Lying
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS, amount_of
 from openrooms_usd.generate.clutter.forms import Surfaces
@@ -19,14 +21,11 @@ from openrooms_usd.generate.clutter.laying import (
     places_on,
     posed_object,
 )
-from openrooms_usd.generate.clutter.making import Makes, candidates
+from openrooms_usd.generate.clutter.making import ProductVariants, candidates
 from openrooms_usd.generate.clutter.resting import rest_on
 from openrooms_usd.generate.clutter.soft import Seat, drop, lean
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
-from openrooms_usd.library.furniture import Size, category
-from openrooms_usd.library.furniture.lying import Lies, Place
-from openrooms_usd.library.furniture.lying import Pose as Lying
 
 # Turns from the direction of those who use a surface, degrees.
 _TURNED: Final[dict[Lying, float]] = {"flat": 180.0, "on_back": 180.0, "on_side": 180.0}
@@ -57,7 +56,7 @@ class Scatter:
     Attributes:
         rng: Draws them; another one at each level.
         surfaces: Knows the forms of things.
-        makes: What the room has.
+        variants: What the room has.
         taken: What takes up space already.
         room_type: One of the 27.
         ceiling: Height of the room, metres.
@@ -66,13 +65,13 @@ class Scatter:
 
     rng: np.random.Generator
     surfaces: Surfaces
-    makes: Makes
+    variants: ProductVariants
     taken: Taken
     room_type: str
     ceiling: float
     added: list[tuple[int, Item]] = field(default_factory=list)
     _company: dict[int, list[tuple[str, Array, str]]] = field(default_factory=dict)
-    _used: dict[tuple[str, Lies], int] = field(default_factory=dict)
+    _used: dict[tuple[str, SurfacePlacement], int] = field(default_factory=dict)
     _keys: dict[str, int] = field(default_factory=dict)
 
     def fill(self, number: int, spot: Spot, level: int) -> None:
@@ -100,14 +99,14 @@ class Scatter:
             drawn = self.drawn(number, seat.place, level)
             if drawn is None:
                 continue
-            name, lies = drawn
+            name, placement = drawn
             x0, x1, y0, y1 = seat.reach
-            make = self.makes.draw(name, lies, (x1 - x0, y1 - y0, _HIGHEST_ON_SEAT_M))
+            make = self.variants.draw(name, placement, (x1 - x0, y1 - y0, _HIGHEST_ON_SEAT_M))
             if make is None:
                 continue
-            leans = lies.pose == "leaning"
+            leans = placement.pose == "leaning"
             tilt = (-float(self.rng.uniform(4.0, 16.0)), 0.0) if leans else (0.0, 0.0)
-            thing = posed_object(self.surfaces, name, make, _TILTS.get(lies.pose, tilt))
+            thing = posed_object(self.surfaces, name, make, _TILTS.get(placement.pose, tilt))
             for _ in range(_TRIES_ON_SEAT):
                 laid = (lean if leans else drop)(seat, thing, self.key(name), self.rng)
                 if laid is None:
@@ -131,14 +130,14 @@ class Scatter:
         low, high = ROOM_AMOUNTS[place][level - 1]
         for _ in range(int(self.rng.integers(low, high + 1))):
             drawn = self.drawn(-1 - list(ROOM_AMOUNTS).index(place), place, level)
-            make = self.makes.draw(*drawn) if drawn else None
+            make = self.variants.draw(*drawn) if drawn else None
             if drawn is None or make is None:
                 continue
-            name, lies = drawn
-            thing = posed_object(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
+            name, placement = drawn
+            thing = posed_object(self.surfaces, name, make, _TILTS.get(placement.pose, (0.0, 0.0)))
             z = 0.0
             if place == "wall":
-                z = given(category(name).level, 1.3) + float(self.rng.uniform(-0.1, 0.15))
+                z = (category(name).mount_height or 1.3) + float(self.rng.uniform(-0.1, 0.15))
             pose = ground.hang(thing, z) if place == "wall" else ground.place(place, thing)
             if pose is None:
                 continue
@@ -156,12 +155,12 @@ class Scatter:
         wanted = usual * amount.shares[level - 1]
         return int(wanted + self.rng.random())
 
-    def drawn(self, number: int, place: Place, level: int) -> tuple[str, Lies] | None:
+    def drawn(self, number: int, place: Place, level: int) -> tuple[str, SurfacePlacement] | None:
         """What to lay next: likelier what goes with what is there, less likely what is there."""
         rows = [
             row
             for row in candidates(place, self.room_type, level)
-            if self._used.get(row, 0) < row[1].most
+            if self._used.get(row, 0) < row[1].max_groups
         ]
         if not rows:
             return None
@@ -169,35 +168,40 @@ class Scatter:
         clusters = {cluster for cluster, _, _ in company}
         here = Counter(name for _, _, name in company)
         weights = [
-            lies.weight * (_COMPANY if lies.cluster and lies.cluster in clusters else 1.0)
-            / (1.0 + self._used.get((name, lies), 0) + _SAME_AGAIN * here[name])
-            for name, lies in rows
-        ]  # fmt: skip
+            placement.weight
+            * (_COMPANY if placement.cluster and placement.cluster in clusters else 1.0)
+            / (1.0 + self._used.get((name, placement), 0) + _SAME_AGAIN * here[name])
+            for name, placement in rows
+        ]
         share = np.cumsum(weights) / np.sum(weights)
         return rows[int(np.searchsorted(share, self.rng.random()))]
 
-    def _lay(self, number: int, spot: Spot, name: str, lies: Lies) -> None:
-        count = int(self.rng.integers(lies.count[0], lies.count[1] + 1))
+    def _lay(self, number: int, spot: Spot, name: str, placement: SurfacePlacement) -> None:
+        count = int(self.rng.integers(placement.count[0], placement.count[1] + 1))
         room = self._room_on(spot)
-        make = self.makes.draw(name, lies, room)
+        make = self.variants.draw(name, placement, room)
         if make is None:
             return
-        thing = posed_object(self.surfaces, name, make, _TILTS.get(lies.pose, (0.0, 0.0)))
-        if lies.pose == "row":
-            laid = self._row(number, spot, thing, lies, count)
-        elif lies.pose == "stacked":
-            laid = self._stack(number, spot, thing, lies, count, room)
+        thing = posed_object(self.surfaces, name, make, _TILTS.get(placement.pose, (0.0, 0.0)))
+        if placement.pose == "row":
+            laid = self._row(number, spot, thing, placement, count)
+        elif placement.pose == "stacked":
+            laid = self._stack(number, spot, thing, placement, count, room)
         else:
             laid = []
             for index in range(count):
                 # What lies together is alike only where a room has one make of it.
-                other = self.makes.draw(name, lies, room) if index and lies.makes > 1 else None
+                other = (
+                    self.variants.draw(name, placement, room)
+                    if index and placement.max_variants > 1
+                    else None
+                )
                 if other is not None:
                     thing = posed_object(self.surfaces, name, other, thing.tilt)
-                item = self._put(number, spot, thing, lies)
+                item = self._put(number, spot, thing, placement)
                 laid += [item] if item is not None else []
         if laid:
-            self._used[name, lies] = self._used.get((name, lies), 0) + 1
+            self._used[name, placement] = self._used.get((name, placement), 0) + 1
 
     def _room_on(self, spot: Spot) -> Size:
         """Width, depth and height of what could stand on a surface at most."""
@@ -205,23 +209,25 @@ class Scatter:
         high = float(spot.level.clear[spot.level.clear > 0.0].max())
         return x1 - x0, y1 - y0, min(high, 1.2) - 0.005
 
-    def _put(self, number: int, spot: Spot, thing: PosedObject, lies: Lies) -> Item | None:
+    def _put(
+        self, number: int, spot: Spot, thing: PosedObject, placement: SurfacePlacement
+    ) -> Item | None:
         """One thing somewhere on a surface."""
-        middle = self._place(number, spot, thing.size, lies)
+        middle = self._place(number, spot, thing.size, placement)
         if middle is None:
             return None
         item = item_at(thing, self.key(thing.name), middle, spot.z, spot.carrier.key)
-        self._take(number, spot, item, thing, middle, spot.z, lies)
+        self._take(number, spot, item, thing, middle, spot.z, placement)
         return item
 
     def _row(
-        self, number: int, spot: Spot, thing: PosedObject, lies: Lies, count: int
+        self, number: int, spot: Spot, thing: PosedObject, placement: SurfacePlacement, count: int
     ) -> list[Item]:  # fmt: skip
         """Several alike side by side, fewer where there is no space."""
         width, depth, height = thing.size
         for n in range(count, 0, -1):
             whole = n * width + (n - 1) * _ROW_GAP_M
-            middle = self._place(number, spot, (whole, depth, height), lies)
+            middle = self._place(number, spot, (whole, depth, height), placement)
             if middle is None:
                 continue
             laid = []
@@ -229,26 +235,32 @@ class Scatter:
                 x, y = placed(middle, (i - 0.5 * (n - 1)) * (width + _ROW_GAP_M), 0.0)
                 one = (x, y, middle[2] + float(self.rng.uniform(-1.0, 1.0)))
                 item = item_at(thing, self.key(thing.name), one, spot.z, spot.carrier.key)
-                self._take(number, spot, item, thing, one, spot.z, lies)
+                self._take(number, spot, item, thing, one, spot.z, placement)
                 laid.append(item)
             return laid
         return []
 
     def _stack(
-        self, number: int, spot: Spot, thing: PosedObject, lies: Lies, count: int, room: Size
+        self,
+        number: int,
+        spot: Spot,
+        thing: PosedObject,
+        placement: SurfacePlacement,
+        count: int,
+        room: Size,
     ) -> list[Item]:
         """Several on top of each other, none larger than the one below."""
         width, depth, height = thing.size
         clear = min(room[2], _MAX_STACK_M, count * (height + 0.01))
         more = 2 * _STACK_SHIFT_M + np.hypot(width, depth) * np.sin(np.radians(_STACK_TURN_DEG))
         size = (width + more, depth + more, max(clear, height))
-        base = self._place(number, spot, size, lies)
+        base = self._place(number, spot, size, placement)
         if base is None:
             return []
         laid: list[Item] = []
         z, carrier, below, middle = spot.z, spot.carrier.key, thing, base
         for index in range(count):
-            upper = thing if index == 0 else self._next(below, lies, room[2])
+            upper = thing if index == 0 else self._next(below, placement, room[2])
             if upper is None:
                 break
             if index:
@@ -261,15 +273,17 @@ class Scatter:
                     break
                 middle, z = there, z + rise
             item = item_at(upper, self.key(thing.name), middle, z, carrier)
-            self._take(number, spot, item, upper, middle, z, lies)
+            self._take(number, spot, item, upper, middle, z, placement)
             laid.append(item)
             carrier, below = item.key, upper
         return laid
 
-    def _next(self, below: PosedObject, lies: Lies, high: float) -> PosedObject | None:
+    def _next(
+        self, below: PosedObject, placement: SurfacePlacement, high: float
+    ) -> PosedObject | None:
         """What may lie on top of something: no larger than that."""
         width, depth, _ = below.make[0]
-        make = self.makes.draw(below.name, lies, (width + 0.002, depth + 0.002, high))
+        make = self.variants.draw(below.name, placement, (width + 0.002, depth + 0.002, high))
         return posed_object(self.surfaces, below.name, make) if make else None
 
     def _rise(self, below: PosedObject, upper: PosedObject, pose: Pose) -> float:
@@ -278,21 +292,22 @@ class Scatter:
         return origin + float(upper.low[2]) - float(below.low[2])
 
     def _place(
-        self, number: int, spot: Spot, size: tuple[float, float, float], lies: Lies
+        self, number: int, spot: Spot, size: tuple[float, float, float], placement: SurfacePlacement
     ) -> Pose | None:
         (x0, y0), (x1, y1) = spot.reach
         if min(size[:2]) > min(x1 - x0, y1 - y0):
             return None
         if spot.z + size[2] > self.ceiling - _BELOW_CEILING_M:
             return None
-        spread = _TURNED.get(lies.pose, _JITTER_DEG)
+        spread = _TURNED.get(placement.pose, _JITTER_DEG)
         yaws = self.rng.uniform(-spread, spread, 16)
         if spot.around:
             yaws = yaws + 90.0 * self.rng.integers(0, 4, 16)
         mates = [
-            middle for cluster, middle, _ in self._company.get(number, [])
-            if lies.cluster and cluster == lies.cluster
-        ]  # fmt: skip
+            middle
+            for cluster, middle, _ in self._company.get(number, [])
+            if placement.cluster and cluster == placement.cluster
+        ]
         near = np.array(mates).reshape(-1, 2)
         return places_on(
             spot, size, yaws, self.taken.near(spot.box, {spot.carrier.key}), near, self.rng
@@ -306,22 +321,24 @@ class Scatter:
         thing: PosedObject,
         middle: Pose,
         z: float,
-        lies: Lies,
+        placement: SurfacePlacement,
     ) -> None:
         self.add(spot.group, item, thing.standing((item.x, item.y, item.yaw), z))
         back = (0.0, 0.0, -spot.pose[2])
         local = placed(back, middle[0] - spot.pose[0], middle[1] - spot.pose[1])
-        self._company.setdefault(number, []).append((lies.cluster, np.array(local), thing.name))
+        self._company.setdefault(number, []).append(
+            (placement.cluster, np.array(local), thing.name)
+        )
 
     def add(self, group: int, item: Item, boxes: Array) -> None:
         """Take in what was laid."""
         self.added.append((group, item))
         self.taken.add(boxes, item.key)
 
-    def note(self, number: int, name: str, lies: Lies) -> None:
+    def note(self, number: int, name: str, placement: SurfacePlacement) -> None:
         """Remember that something was laid on a surface without places of its own."""
-        self._used[name, lies] = self._used.get((name, lies), 0) + 1
-        self._company.setdefault(number, []).append((lies.cluster, np.zeros(2), name))
+        self._used[name, placement] = self._used.get((name, placement), 0) + 1
+        self._company.setdefault(number, []).append((placement.cluster, np.zeros(2), name))
 
     def key(self, name: str) -> str:
         """A new key."""

@@ -6,6 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture import offered_surfaces
+from openrooms_usd.furniture.placements import Place
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import PosedObject, posed_object
@@ -14,8 +16,6 @@ from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.library.furniture.lying import Place
 
 INTO: Final[tuple[Place, ...]] = ("in_bowl", "in_bin")
 # Where things are dropped, as a share of half the vessel's size, and how many places are tried.
@@ -64,8 +64,8 @@ def vessels(items: Sequence[tuple[int, Item]], surfaces: Surfaces) -> Iterator[V
     """Those of some items, with their groups, that are open above and hold nothing."""
     full = {item.on for _, item in items}
     for group, item in items:
-        carries = CATEGORIES[item.category].carries if item.category in CATEGORIES else ()
-        for place in (place for place in carries if place in INTO and item.key not in full):
+        offered = offered_surfaces(item.category)
+        for place in (place for place in offered if place in INTO and item.key not in full):
             relief = surfaces.relief(item)
             middle = float(relief.at(np.zeros(1), np.zeros(1))[0])
             if -np.inf < middle < (1.0 - _HOLLOW_SHARE) * item.size[2]:
@@ -85,7 +85,7 @@ def fill_vessel(scatter: Scatter, number: int, vessel: Vessel, level: int) -> No
     width, depth, height = vessel.carrier.size
     for _ in range(scatter.count(vessel.place, vessel.area, level)):
         drawn = scatter.drawn(number, vessel.place, level)
-        make = scatter.makes.draw(*drawn, (0.8 * width, 0.8 * depth, height)) if drawn else None
+        make = scatter.variants.draw(*drawn, (0.8 * width, 0.8 * depth, height)) if drawn else None
         if drawn is None or make is None:
             continue
         thing = posed_object(scatter.surfaces, drawn[0], make)

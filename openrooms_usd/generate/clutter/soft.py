@@ -6,6 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture import offered_surfaces
+from openrooms_usd.furniture.placements import Place
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import PosedObject
@@ -13,8 +15,6 @@ from openrooms_usd.generate.clutter.resting import Relief, rest_on
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.library.furniture.lying import Place
 
 # A seat is level to this, metres; nothing leans on what is lower than this above it.
 _SEAT_M: Final = 0.05
@@ -87,8 +87,8 @@ def seats(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> I
     """
     for number, (_, items) in enumerate(groups):
         for item in items:
-            carries = CATEGORIES[item.category].carries if item.category in CATEGORIES else ()
-            for place in (place for place in carries if place in SOFT):
+            offered = offered_surfaces(item.category)
+            for place in (place for place in offered if place in SOFT):
                 yield Seat(place, item, number, surfaces.relief(item), surfaces.shape(item))
 
 

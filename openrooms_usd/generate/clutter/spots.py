@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture import offered_surfaces
+from openrooms_usd.furniture.placements import Place
 from openrooms_usd.generate.boxes import Array, Pose, box
 from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import CELL_M, Level
 from openrooms_usd.generate.items import Item, placed
-from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.library.furniture.lying import Place
 
 # Boards and what is kept on them.
 _BOARDS: Final[tuple[Place, ...]] = (
@@ -94,7 +94,7 @@ def spots(
     everything = [item for _, items in groups for item in items]
     for number, (_, items) in enumerate(groups):
         for item in items:
-            if item.category not in CATEGORIES or not CATEGORIES[item.category].carries:
+            if not offered_surfaces(item.category):
                 continue
             carries = _meant(item, items, everything, room_type)
             yield from spots_of(item, number, carries, surfaces)
@@ -120,7 +120,7 @@ def _meant(
             "worktop": "basin_edge",
             "shop_counter": "basin_edge",
         }
-    return tuple(meaning.get(place, place) for place in CATEGORIES[item.category].carries)
+    return tuple(meaning.get(place, place) for place in offered_surfaces(item.category))
 
 
 def spots_of(

@@ -10,15 +10,14 @@ from functools import cache
 from itertools import groupby
 from typing import Final
 
-from openrooms_usd.categories.record import given
+from openrooms_usd.furniture import CATEGORIES, Order, Size
+from openrooms_usd.furniture.categories.hob import BESIDE_M, SUNK_M
+from openrooms_usd.furniture.categories.sink import RIM, inset_rim
+from openrooms_usd.furniture.joinery.boards import Cutout, Fronts
+from openrooms_usd.furniture.joinery.fronts import HANDLE
 from openrooms_usd.generate.items import Group, Item, placed, wrapped, zone, zones
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.furniture import CATEGORIES, Order, Size
-from openrooms_usd.library.furniture.fronts import HANDLE
-from openrooms_usd.library.furniture.hob import BESIDE_M, SUNK_M
-from openrooms_usd.library.furniture.joinery import Cutout, Fronts
-from openrooms_usd.library.furniture.sink import RIM, inset_rim
 
 # Heights: of base units, and of the worktop's upper side; metres.
 BASE_M: Final = 0.872
@@ -370,7 +369,7 @@ def island(kit: Kit) -> Group:
 @cache
 def _appliances() -> dict[str, float]:
     """What stands on worktops, and on which share of them."""
-    return {name: given(told.worktop, 0.0) for name, told in CATEGORIES.items()}
+    return {name: told.on_worktop_probability for name, told in CATEGORIES.items()}
 
 
 def _appliances_on(kit: Kit, items: Sequence[Item]) -> list[Item]:

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from openrooms_usd.furniture import Size
 from openrooms_usd.generate.boxes import overlap
 from openrooms_usd.generate.items import Group, Item, front_zone, zone, zones
 from openrooms_usd.generate.kit import Kit
-from openrooms_usd.library.furniture import Size
 
 
 def sofa_place(kit: Kit, armchairs: int = 2) -> Group:

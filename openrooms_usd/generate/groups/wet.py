@@ -1,8 +1,8 @@
 """Washing, and counters in rows: what belongs into bathrooms and laundries."""
 
+from openrooms_usd.furniture import Size
 from openrooms_usd.generate.items import Group, Item, zone, zones
 from openrooms_usd.generate.kit import Kit
-from openrooms_usd.library.furniture import Size
 
 _SEAM = 0.004
 # Behind a bath that stands free is its tap, metres.

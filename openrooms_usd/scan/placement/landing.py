@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.categories.words import category_of
+from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.placement.arrangement import Arrangement
 from openrooms_usd.scan.placement.leavingout import MAX_GAP_M
 from openrooms_usd.scan.placement.settling import lower

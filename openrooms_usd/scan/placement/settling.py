@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.words import category_of, plain
+from openrooms_usd.furniture.words import category_of, plain
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.scan.placement.arrangement import Arrangement
 from openrooms_usd.scan.placement.bodies import Body

@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.categories.record import Without
-from openrooms_usd.categories.registry import record
+from openrooms_usd.furniture.registry import record
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
 from openrooms_usd.scan.placement.enclosure import Enclosure
@@ -164,9 +163,9 @@ def usual_support(category: str) -> str | None:
     Objects that usually stand, on the floor or on an object, may do either, but never hang.
     """
     known = record(category)
-    if known is None or isinstance(known.support, Without):
+    if known is None or known.support is None:
         return None
-    carriers = {known.support, *known.also}
+    carriers = {known.support, *known.alternative_supports}
     if carriers <= {"floor", "surface"}:
         return FLOOR if carriers == {"floor"} else OBJECT
     return known.support if len(carriers) == 1 else None

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.categories.registry import record
+from openrooms_usd.furniture.registry import record
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.evidence import Evidence
@@ -187,7 +187,9 @@ class Selection:
 def _standing_on_floor(group: Sequence[str]) -> tuple[str, ...]:
     """Those of some categories that stand on the floor and nowhere else."""
     known = ((kind, record(kind)) for kind in group)
-    return tuple(k for k, told in known if told and told.support == "floor" and not told.also)
+    return tuple(
+        k for k, told in known if told and told.support == "floor" and not told.alternative_supports
+    )
 
 
 def _cells(points: Array) -> NDArray[np.int64]:

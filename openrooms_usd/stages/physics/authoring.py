@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
-from openrooms_usd.library.construction import losses
+from openrooms_usd.library.construction import joint_damping_of
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.stages.looks import VARIANT_SET
 from openrooms_usd.stages.physics.assets import RigidAsset
@@ -169,5 +169,5 @@ def _motion(asset: RigidAsset, item: LinkColliders) -> Motion:
     says = item.link.joint
     assert says is not None
     axis = np.array(says.axis) / np.linalg.norm(says.axis)
-    lost = losses(asset.category, says.kind)
+    lost = joint_damping_of(asset.category, says.kind)
     return Motion(says.kind, axis, says.limits, item.link.built, lost.damping, lost.friction)

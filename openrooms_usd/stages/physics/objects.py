@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.categories.record import Support
 from openrooms_usd.description.physics import Physics, PhysicsObject
 from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES
+from openrooms_usd.furniture.record import Support
 from openrooms_usd.library.construction import movable, tolerance_of
-from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.physics.collision_error import RESOLUTION_M
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset

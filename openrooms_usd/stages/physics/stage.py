@@ -12,12 +12,12 @@ from typing import Final
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.categories import registry
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
+from openrooms_usd.furniture import registry
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.physics.ahead import search_ahead
 from openrooms_usd.stages.physics.assets import RigidAsset

@@ -1,0 +1,141 @@
+"""What each word for a thing means, and how to build it: parts as meshes, arrays alone.
+
+From the ground up: `construction` (how parts are made inside), `schemes` (which finishes they
+have), `placements` (where small things lie), `joinery` (boards, legs, cloth and what else several
+categories are built of), `record` (all that is said of a category), `categories` (what the library
+builds, one module each), `others` (what it knows by name alone), `registry` (the record of a
+word), `words` (what the words of captures mean). Here: a piece from a category, a size, a style
+and a seed.
+"""
+
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.errors import InputError
+from openrooms_usd.furniture.joinery.boards import (
+    NOTHING_ORDERED,
+    Furniture,
+    Joint,
+    Order,
+    Parts,
+    Size,
+    fitted,
+    part_of,
+)
+from openrooms_usd.furniture.placements import Place
+from openrooms_usd.furniture.record import BuiltCategory
+from openrooms_usd.furniture.registry import BUILT, built, module_of
+
+__all__ = [
+    "CATEGORIES",
+    "MAX_SIDE",
+    "MIN_SIDE",
+    "NOTHING_ORDERED",
+    "BuiltCategory",
+    "Furniture",
+    "Joint",
+    "Order",
+    "Parts",
+    "Size",
+    "category",
+    "make",
+    "module_of",
+    "offered_surfaces",
+    "part_of",
+    "styles",
+]
+
+# Sides of boxes that can be built, metres.
+MIN_SIDE: Final = 0.004
+MAX_SIDE: Final = 20.0
+
+
+class _Library(Mapping[str, BuiltCategory]):
+    """The records of all categories, loaded when they are asked for."""
+
+    def __getitem__(self, name: str) -> BuiltCategory:
+        if name not in BUILT:
+            raise KeyError(name)
+        return built(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(BUILT)
+
+    def __len__(self) -> int:
+        return len(BUILT)
+
+
+CATEGORIES: Final[Mapping[str, BuiltCategory]] = _Library()
+
+
+def category(name: str) -> BuiltCategory:
+    """Look up a category.
+
+    Raises:
+        InputError: The library cannot make it.
+    """
+    if name not in BUILT:
+        raise _unknown("category", name, BUILT)
+    return CATEGORIES[name]
+
+
+def offered_surfaces(word: str) -> tuple[Place, ...]:
+    """What people use the surfaces of a thing for; nothing where the library cannot build it."""
+    return built(word).offers_surfaces if word in BUILT else ()
+
+
+def styles(name: str, size: Size | None = None) -> tuple[str, ...]:
+    """The styles of a category that suit a size (metres); all of them when none does.
+
+    Raises:
+        InputError: The library cannot make the category.
+    """
+    spec = category(name)
+    suited = tuple(n for n, style in spec.styles.items() if style.suits(size or spec.size))
+    return suited or tuple(spec.styles)
+
+
+def make(
+    name: str, size: Size, style: str, rng: np.random.Generator, order: Order = NOTHING_ORDERED
+) -> Furniture:
+    """Build an object.
+
+    Args:
+        name: Its category.
+        size: Width, depth and height of its bounding box, metres; the result has exactly these.
+        style: One of the category's styles.
+        rng: Draws the details.
+        order: What is ordered with it.
+
+    Returns:
+        Closed meshes by part, and the joints of those that move. Metres, Z up, origin in the middle
+        of the base, front towards -Y.
+
+    Raises:
+        InputError: The category, the style, the size or the order is none that can be built.
+    """
+    spec = category(name)
+    if style not in spec.styles:
+        raise _unknown(f"style of {name}", style, tuple(spec.styles))
+    if not all(MIN_SIDE <= side <= MAX_SIDE for side in size):
+        raise InputError(
+            f"a {name} of {size[0]:g} x {size[1]:g} x {size[2]:g} m cannot be built",
+            remedy=f"give sides between {MIN_SIDE:g} m and {MAX_SIDE:g} m",
+        )
+    for key in ("fronts", "cutouts"):
+        if getattr(order, key) and key not in spec.styles[style].takes:
+            raise InputError(
+                f"a {name} of the style {style} has no {key} to choose", remedy=f"leave {key} out"
+            )
+    width, depth, height = np.clip(size, spec.min_size, spec.max_size).tolist()
+    ordered = (order,) if spec.styles[style].takes else ()
+    return fitted(spec.styles[style].build((width, depth, height), rng, *ordered), size)
+
+
+def _unknown(what: str, name: str, known: tuple[str, ...]) -> InputError:
+    near = get_close_matches(name, known, n=1)
+    hint = f"did you mean {near[0]!r}? " if near else ""
+    return InputError(f"no {what} is named {name!r}", remedy=f"{hint}known: {', '.join(known)}")

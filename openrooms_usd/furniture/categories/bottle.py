@@ -1,0 +1,49 @@
+"""Bottles: of glass, of sheet metal, with a pump."""
+
+from typing import Final
+
+from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.vessel import bottle_pump, bottle_sport, bottle_wine
+from openrooms_usd.furniture.record import BuiltCategory, Classes, on, row, scheme, walls
+
+_STORES: Final = "storage basement garage copy_room mail_room laundry_room"
+
+CATEGORY: Final = BuiltCategory(
+    description="a bottle",
+    size=(0.08, 0.08, 0.3),
+    min_size=(0.03, 0.03, 0.08),
+    max_size=(0.2, 0.2, 0.6),
+    styles={
+        "wine": Style(bottle_wine),
+        "sport": Style(bottle_sport, size=(0.073, 0.073, 0.26)),
+        "pump": Style(bottle_pump, size=(0.075, 0.075, 0.19)),
+    },
+    round=True,
+    support="surface",
+    mass_range=(0.15, 0.9),
+    words="water_bottle bottles",
+    classes=Classes("bottle", "otherprop", "bottle", "bottle"),
+    synsets=("02876657",),
+    schemes=(
+        scheme("aluminium", lid="black_plastic", handle="black_plastic"),
+        scheme("glaze", lid="steel", frame="steel", handle="steel", needs="frame", weight=100.0),
+        scheme(
+            "bottle_glass", lid="bottle_label", label="bottle_label", needs="label", weight=100.0
+        ),
+    ),
+    construction=(
+        row("container", walls(3), "common", "specular_stone"),
+        row("container", walls(0.6), "sheet", "metal"),
+    ),
+    placements=(
+        on("basin_edge sink_edge bath_rim", styles="pump", cluster="washing"),
+        on("worktop dining_table cabinet_top", styles="wine", weight=0.6),
+        on(
+            "desk bedside coffee_table shop_counter appliance_top",
+            styles="sport",
+            weight=0.6,
+            clutter=2,
+        ),
+        on("shelf cupboard", rooms=_STORES, pose="row", count=(2, 4), weight=0.7),
+    ),
+)

@@ -1,0 +1,59 @@
+"""Jars with lids."""
+
+from typing import Final
+
+from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.vessel import jar_canister, jar_ginger, jar_preserving
+from openrooms_usd.furniture.record import (
+    METAL,
+    WIDE,
+    BuiltCategory,
+    Classes,
+    on,
+    row,
+    scheme,
+    walls,
+)
+
+_KITCHENS: Final = "kitchen apartment"
+
+CATEGORY: Final = BuiltCategory(
+    description="a jar with a lid",
+    size=(0.11, 0.11, 0.17),
+    min_size=(0.04, 0.04, 0.05),
+    max_size=(0.5, 0.5, 0.7),
+    styles={
+        "ginger": Style(jar_ginger, size=(0.17, 0.17, 0.24)),
+        "preserving": Style(jar_preserving, size=(0.09, 0.09, 0.15)),
+        "canister": Style(jar_canister),
+    },
+    size_variation=WIDE,
+    round=True,
+    support="surface",
+    mass_range=(0.2, 2),
+    words="canister",
+    classes=Classes(openrooms45="jar"),
+    synsets=("03593526",),
+    schemes=(
+        scheme("glaze", handle="glaze"),
+        scheme(
+            "glaze", lid="wood", seal="membrane", label="bottle_label", needs="seal", weight=100.0
+        ),
+        scheme("bottle_glass", lid=METAL, frame=METAL, needs="frame", weight=100.0),
+    ),
+    construction=(
+        row("container", walls(3), "common", "specular_stone"),
+        row("lid", walls(0.4), "sheet", "metal"),
+    ),
+    placements=(
+        on(
+            "worktop shelf cupboard",
+            rooms=_KITCHENS,
+            count=(2, 4),
+            cluster="cooking",
+            max_variants=4,
+        ),
+        on("worktop dining_table mantel", weight=0.6, cluster="cooking"),
+        on("shelf cabinet_top dresser_top media_top desk", weight=0.5),
+    ),
+)

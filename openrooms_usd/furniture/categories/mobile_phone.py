@@ -1,0 +1,57 @@
+"""Mobile phones, on their back or on their screen."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.handheld import slab
+from openrooms_usd.furniture.record import (
+    ANY,
+    STANDARD,
+    BuiltCategory,
+    Classes,
+    filled,
+    on,
+    row,
+    scheme,
+)
+
+
+def face_up(size: Size, rng: np.random.Generator) -> Parts:
+    """A phone that shows its screen."""
+    return slab(size, 0.009, 0.0022, camera=False)
+
+
+def face_down(size: Size, rng: np.random.Generator) -> Parts:
+    """A phone that lies on its screen, its cameras up."""
+    return slab(size, 0.009, 0.0022, camera=True)
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a mobile phone",
+    size=(0.072, 0.148, 0.008),
+    min_size=(0.04, 0.08, 0.005),
+    max_size=(0.12, 0.22, 0.03),
+    styles={"face_up": Style(face_up), "face_down": Style(face_down)},
+    size_variation=STANDARD,
+    support="surface",
+    mass_range=(0.1, 0.3),
+    words="cell_phone cellphone smartphone cellular_telephone iphone",
+    classes=Classes(openrooms45="telephone", coco="cell_phone"),
+    schemes=(
+        scheme("black_plastic", lens="screen", weight=2.0),
+        scheme("phone_back", lens="screen"),
+    ),
+    construction=(row(ANY, filled(2100), "weight"),),
+    placements=(
+        on("desk bedside", pose="flat", weight=0.5, cluster="charging", max_groups=1),
+        on(
+            "coffee_table dining_table worktop sofa_arm sofa_seat",
+            pose="flat",
+            clutter=2,
+            weight=0.3,
+            max_groups=1,
+        ),
+    ),
+)

@@ -1,0 +1,65 @@
+"""Remote controls: a long one full of keys, and a short one with a ring."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.handheld import keyed
+from openrooms_usd.furniture.record import (
+    ANY,
+    STANDARD,
+    BuiltCategory,
+    Classes,
+    filled,
+    on,
+    row,
+    scheme,
+)
+
+
+def full(size: Size, rng: np.random.Generator) -> Parts:
+    """A long one with many keys."""
+    return keyed(size, 11, ring=False, rng=rng)
+
+
+def slim(size: Size, rng: np.random.Generator) -> Parts:
+    """A short one with a ring of directions."""
+    return keyed(size, 5, ring=True, rng=rng)
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a remote control",
+    size=(0.047, 0.2, 0.022),
+    min_size=(0.02, 0.08, 0.008),
+    max_size=(0.1, 0.35, 0.05),
+    styles={"full": Style(full), "slim": Style(slim, size=(0.038, 0.145, 0.016))},
+    size_variation=STANDARD,
+    support="surface",
+    mass_range=(0.04, 0.25),
+    words="remote tv_remote remotes controller",
+    classes=Classes(coco="remote"),
+    synsets=("04074963",),
+    schemes=(
+        scheme("black_plastic", button="dark_plastic", switch="toy_plastic", weight=3.0),
+        scheme("plastic", button="grey", switch="toy_plastic"),
+    ),
+    construction=(row(ANY, filled(750), "weight"),),
+    placements=(
+        on(
+            "coffee_table media_top",
+            rooms="living_room bedroom",
+            pose="flat",
+            count=(1, 2),
+            cluster="media",
+        ),
+        on(
+            "sofa_arm sofa_seat armchair_seat side_table",
+            pose="flat",
+            clutter=2,
+            weight=0.5,
+            max_groups=1,
+        ),
+        on("bedside", pose="flat", weight=0.2, max_groups=1),
+    ),
+)

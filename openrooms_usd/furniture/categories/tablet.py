@@ -1,0 +1,82 @@
+"""Tablets: lying, and in a cover that is folded to a stand."""
+
+from typing import Final
+
+import numpy as np
+
+from openrooms_usd.furniture.joinery.boards import SIDE, Parts, Size, Style, board, profiled, strip
+from openrooms_usd.furniture.joinery.handheld import slab
+from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.record import (
+    ANY,
+    STANDARD,
+    BuiltCategory,
+    Classes,
+    filled,
+    on,
+    row,
+    scheme,
+)
+from openrooms_usd.geometry.mesh import joined
+
+
+def lying(size: Size, rng: np.random.Generator) -> Parts:
+    """A tablet on its back."""
+    return slab(size, 0.012, 0.009, camera=False)
+
+
+def propped(size: Size, rng: np.random.Generator) -> Parts:
+    """A tablet that leans on its cover."""
+    width, depth, height = size
+    lean = np.arctan2(0.55 * depth, height)
+    tall = (height - 0.0075 * np.sin(lean) - 0.003) / np.cos(lean)
+    parts = slab((width, tall, 0.0075), 0.012, 0.009, camera=False)
+    stand: Parts = {}
+    for name, mesh in parts.items():
+        upright = turned(mesh.moved((0.0, 0.5 * tall, 0.0)), "x", 90.0 - float(np.degrees(lean)))
+        stand[name] = upright.moved((0.0, -0.5 * depth + 0.02, 0.003))
+    flap = board((-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, 0.5 * depth, 0.003), 0.0008)
+    foot, head = 0.5 * depth - 0.004, 0.5 * height
+    y = -0.5 * depth + 0.02 + np.tan(lean) * (head - 0.003) + 0.001
+    line = np.array([(foot, 0.002), (y, head)])
+    prop = profiled(strip(line, 0.0025), width, SIDE, 0.0)
+    return {**stand, "cover": joined([flap, prop])}
+
+
+CATEGORY: Final = BuiltCategory(
+    description="a tablet computer",
+    size=(0.178, 0.25, 0.0075),
+    min_size=(0.1, 0.05, 0.005),
+    max_size=(0.4, 0.4, 0.3),
+    styles={
+        "lying": Style(lying, lambda size: size[2] < 0.03),
+        "propped": Style(propped, lambda size: size[2] > 0.05, (0.25, 0.15, 0.165)),
+    },
+    size_variation=STANDARD,
+    support="surface",
+    mass_range=(0.3, 1.0),
+    words="ipad tablet_computer e_reader",
+    classes=Classes(ade20k="computer"),
+    schemes=(
+        scheme("aluminium", cover="membrane", weight=2.0),
+        scheme("black_plastic", cover="hide"),
+    ),
+    construction=(row("cover", filled(700), "weight"), row(ANY, filled(1400), "weight")),
+    placements=(
+        on(
+            "coffee_table desk bedside sofa_seat",
+            styles="lying",
+            pose="flat",
+            weight=0.25,
+            max_groups=1,
+        ),
+        on(
+            "worktop dining_table",
+            rooms="kitchen",
+            styles="propped",
+            weight=0.2,
+            clutter=2,
+            max_groups=1,
+        ),
+    ),
+)

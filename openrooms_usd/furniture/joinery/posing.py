@@ -1,0 +1,59 @@
+"""Turning meshes, and sides that taper: what is drawn upright and stands otherwise."""
+
+from dataclasses import replace
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from openrooms_usd.furniture.joinery.boards import Size
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.normals import with_normals
+from openrooms_usd.geometry.rotations import about_point, about_x, about_y, about_z
+from openrooms_usd.geometry.sweeps import tube
+
+_ABOUT: Final = {"x": about_x, "y": about_y, "z": about_z}
+_AXES: Final = {"x": 0, "y": 1, "z": 2}
+
+
+def turned(
+    mesh: Mesh, axis: Literal["x", "y", "z"], degrees: float, pivot: ArrayLike = (0.0, 0.0, 0.0)
+) -> Mesh:
+    """The mesh turned about an axis through ``pivot`` (metres), counter-clockwise."""
+    turn = _ABOUT[axis](np.radians(degrees))
+    return mesh.transformed(about_point(turn, np.asarray(pivot, dtype=np.float64)))
+
+
+def facing(mesh: Mesh, at: ArrayLike) -> Mesh:
+    """What is drawn along Z, turned to look to the front and moved to ``at``, metres."""
+    return turned(mesh, "x", 90.0).moved(at)
+
+
+def tapered(
+    mesh: Mesh, axis: Literal["x", "y", "z"], end: tuple[float, float], crease: float = 60.0
+) -> Mesh:
+    """Scale the two other sides linearly along an axis: 1 at its start, ``end`` at its end.
+
+    The scale is about the middle of the mesh.
+    """
+    i = _AXES[axis]
+    low, high = mesh.extent
+    along = (mesh.points[:, i] - low[i]) / (high[i] - low[i])
+    points = mesh.points.copy()
+    for j, scale in zip(((i + 1) % 3, (i + 2) % 3), end, strict=True):
+        middle = 0.5 * (low[j] + high[j])
+        points[:, j] = middle + (points[:, j] - middle) * (1.0 + (scale - 1.0) * along)
+    return with_normals(replace(mesh, points=points), crease=crease)
+
+
+def oval(mesh: Mesh, size: Size) -> Mesh:
+    """What was turned with the smaller half side as radius, stretched to the box."""
+    least = min(size[0], size[1])
+    return mesh.transformed(np.diag([size[0] / least, size[1] / least, 1.0]))
+
+
+def hoop(radius: float, z: float, thick: float, segments: int = 36, sides: int = 6) -> Mesh:
+    """A round bar of radius ``thick`` in a level circle, metres."""
+    angle = 2.0 * np.pi * np.arange(segments) / segments
+    path = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(segments, z)], axis=1)
+    return tube(path, thick, segments=sides, closed=True)
