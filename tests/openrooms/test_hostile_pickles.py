@@ -101,6 +101,10 @@ RAW: dict[str, bytes] = {
     ),
     "a length that is too large": b"\x80\x02X\xff\xff\xff\x7fabc.",
     "a memory that is not there": b"\x80\x02h\x07.",
+    "a length that no memory holds": b"\x80\x05\x96" + (1 << 40).to_bytes(8, "little") + b".",
+    # Hashing would take 2^60 steps, or a stack of half a million calls.
+    "a key that unfolds": b"\x80\x02})" + b"q\0h\0\x86" * 60 + b"K\x01s.",
+    "a key that is nested": b"\x80\x02}K\x01" + b"\x85" * 500_000 + b"K\x01s.",
 }
 
 
