@@ -29,13 +29,17 @@ REST_S: Final = 1.0
 class Lease:
     """What a run has as long as it lasts.
 
+    Args:
+        remote: Where the dataset lies.
+        ended: The clock: what the holder waits by, until it is set.
+
     Attributes:
         lost: Whether somebody else has taken it.
     """
 
-    def __init__(self, remote: RemoteFolder) -> None:
+    def __init__(self, remote: RemoteFolder, ended: threading.Event | None = None) -> None:
         self.lost = False
-        self._remote, self._beats, self._ended = remote, 0, threading.Event()
+        self._remote, self._beats, self._ended = remote, 0, ended or threading.Event()
         # Whose it is, for people, and which of their runs.
         self._who = {"host": socket.gethostname(), "process": os.getpid()}
         self._run = secrets.token_hex(8)
@@ -69,15 +73,18 @@ class Lease:
             raise self._held()
 
     def keep(self) -> None:
-        """Say that its holder is alive, until it is given back."""
-        while not self._ended.wait(BEAT_S):
+        """Say that its holder is alive, until it is given back or lost."""
+        while not self._ended.wait(BEAT_S) and not self.lost:
             # A server that does not answer for a moment takes nothing away.
             with suppress(OrusdError):
-                if not self._is_ours():
-                    self.lost = True
-                    return
-                self._beats += 1
-                self._remote.put_text(FILE, self._text())
+                self.beat()
+
+    def beat(self) -> None:
+        """Say once that its holder is alive, or find that somebody else has taken it."""
+        self.lost = not self._is_ours()
+        if not self.lost:
+            self._beats += 1
+            self._remote.put_text(FILE, self._text())
 
     def end(self) -> None:
         """Say no more that its holder is alive."""
