@@ -38,10 +38,7 @@ def main(stages: tuple[Path, ...], quick: bool, target: Path | None) -> None:
         place = Path(folder)
         if not stages:
             stages = (demo_stage(place),) if quick else (demo_stage(place), kitchen(place))
-        rows = [
-            {"room": called(stage), **measure(stage, place / f"browser_{number}")}
-            for number, stage in enumerate(stages)
-        ]
+        rows = [{"room": called(stage), **measure(stage)} for stage in stages]
     titles = ("room", "first picture s", "MB sent", "MB heap", "triangles", "calls", "textures",
               "million texels", "ms a picture, software")  # fmt: skip
     markdown = table(titles, [list(row.values()) for row in rows])
@@ -61,11 +58,11 @@ def kitchen(folder: Path) -> Path:
     return folder / "kitchen/out/scene.usda"
 
 
-def measure(stage: Path, scratch: Path) -> dict[str, Any]:
+def measure(stage: Path) -> dict[str, Any]:
     """One room, from asking for the page until its picture is drawn, and what it took."""
     with (
         serving(room_app(stage, include_outside=True)) as server,
-        opened("about:blank", scratch, webgl=True, size=SIZE) as page,
+        opened("about:blank", webgl=True, size=SIZE) as page,
     ):
         began = time.perf_counter()
         page.evaluate(f"location.href = {json.dumps(server.address)}")

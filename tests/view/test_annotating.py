@@ -247,9 +247,9 @@ def generated(tmp_path: Path) -> Path:
 
 
 @contextmanager
-def alone(app: App, scratch: Path) -> Iterator[Page]:
+def alone(app: App) -> Iterator[Page]:
     """A page that is closed before the next one: both would read the same layers."""
-    with serving(app) as server, opened(server.address, scratch, webgl=True) as page:
+    with serving(app) as server, opened(server.address, webgl=True) as page:
         page.resize(900, 600)
         page.wait("document.body.dataset.ready == 'yes'")
         yield page
@@ -266,7 +266,7 @@ def test_a_generated_room_keeps_a_material_and_a_place(generated: Path, tmp_path
     rest = [f"/World/Furniture/{name}" for name in objects(generated) if name != stand]
     meant = {one for one in before if one.startswith(f"{path}/")}
     start = box(generated, stand)
-    with alone(materials_app(held), tmp_path / "one") as page:
+    with alone(materials_app(held)) as page:
         page.evaluate(f"{ROOM}.hide({json.dumps(rest)})")
         page.click(*seen(page, path))
         choose(page, "scope", "object")
@@ -275,7 +275,7 @@ def test_a_generated_room_keeps_a_material_and_a_place(generated: Path, tmp_path
     after = worn(generated)
     assert {one for one in after if after[one][0] == "zebrano"} == meant
     assert all(after[one] == before[one] for one in set(before) - meant)
-    with alone(objects_app(held), tmp_path / "two") as page:
+    with alone(objects_app(held)) as page:
         choose(page, "object", stand)
         page.key("ArrowLeft")
         idle(page)

@@ -213,9 +213,9 @@ def test_mouse_and_keys_move_the_eye(page: Page) -> None:
     page.click_on("#walk")
     walking = np.array(page.evaluate(eye))
     assert walking[2] == pytest.approx(1.6, abs=0.02)
-    page.key_down("w")
+    page.page.keyboard.down("w")
     page.wait(f"Math.hypot(...{eye}.map((v, k) => v - {walking.tolist()}[k])) > 0.3")
-    page.key_up("w")
+    page.page.keyboard.up("w")
     assert page.evaluate(f"{eye}[2]") == pytest.approx(1.6, abs=0.02)
     page.click_on("#walk")
 
@@ -226,7 +226,7 @@ def test_the_page_in_a_file_shows_the_same(composed_demo: Path, tmp_path: Path) 
     text = (tmp_path / "page.html").read_bytes()
     offline.write(app, tmp_path / "again.html")
     assert text == (tmp_path / "again.html").read_bytes()
-    with opened(tmp_path / "page.html", tmp_path / "scratch", webgl=True, size=(900, 600)) as page:
+    with opened(tmp_path / "page.html", webgl=True, size=(900, 600)) as page:
         page.wait("document.body.dataset.ready == 'yes'")
         picture = pixels(drawn(page, tmp_path))[:, :560]
         assert picture.std(axis=(0, 1)).min() > 0.05

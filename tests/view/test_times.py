@@ -59,7 +59,7 @@ def page(
     scratch, (scene, _) = tmp_path_factory.mktemp("page"), rooms["noon"]
     app = room_app(scene, light=[lit for _, lit in rooms.values()])
     offline.write(app, scratch / "day.html")
-    with opened(scratch / "day.html", scratch / "chromium", webgl=True, size=(900, 600)) as page:
+    with opened(scratch / "day.html", webgl=True, size=(900, 600)) as page:
         page.wait("document.body.dataset.ready == 'yes'")
         yield page
 
