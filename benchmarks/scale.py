@@ -40,7 +40,7 @@ _STEPS: Final = {
     "status": "from openrooms_usd.dataset.status import status_of\n"
     "assert status_of(root).left == 0",
     "stats": "from openrooms_usd.dataset.stats import stats_of\nstats_of(root)",
-    "finish": "from openrooms_usd.dataset.finish import finish\n"
+    "finish": "from openrooms_usd.dataset.run import finish\n"
     "finish(Store(root), load_dataset(file))",
     "run again": "from openrooms_usd.dataset.run import run_dataset\n"
     "assert run_dataset(file, root).made == 0",

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -41,16 +42,15 @@ class Page:
 
     def evaluate(self, expression: str) -> Any:
         """The value of an expression in the page; a promise is awaited."""
-        return self.page.evaluate(f"() => ({expression})")
+        return self.page.evaluate(expression)
 
     def wait(self, expression: str, seconds: float = 30.0) -> Any:
         """The value of an expression as soon as it is true of the page."""
-        try:
-            return self.page.wait_for_function(
-                f"() => ({expression})", timeout=1000.0 * seconds, polling=50
-            ).json_value()
-        except Exception as error:
-            raise AssertionError(f"never true: {expression}", self.messages) from error
+        end = time.monotonic() + seconds
+        while not (value := self.evaluate(expression)):
+            assert time.monotonic() < end, (f"never true: {expression}", self.messages)
+            self.page.wait_for_timeout(50)
+        return value
 
     def click(self, x: float, y: float) -> None:
         """Click at a place of the window."""

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.dataset.captured import LeftOutError, captured_room, coverage_of
-from openrooms_usd.dataset.inputs import capture_digest
-from openrooms_usd.dataset.plan import plan_jobs
+from openrooms_usd.dataset.plan import capture_digest, plan_jobs
 from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.store import Store

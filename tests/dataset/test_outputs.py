@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.dataset import outputs
-from openrooms_usd.dataset.finish import finish
 from openrooms_usd.dataset.remote import RemoteFolder
+from openrooms_usd.dataset.run import finish
 from openrooms_usd.dataset.scratch import fetch_all, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import load_dataset

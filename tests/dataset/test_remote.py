@@ -14,11 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd.dataset import lease as leases
-from openrooms_usd.dataset.lease import Lease, leased
+from openrooms_usd.dataset import scratch as leases
 from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.remote import RemoteFolder
-from openrooms_usd.dataset.scratch import root_of, store_at
+from openrooms_usd.dataset.scratch import Lease, leased, root_of, store_at
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.errors import InputError, MissingPackageError, OutputError
@@ -135,7 +134,7 @@ def test_the_lease_of_the_dead_is_taken_over(
     row: dict[str, object], waited_s: float, remote: RemoteFolder
 ) -> None:
     """On another machine once it rests; on this one as soon as its process is gone."""
-    remote.put_text(leases.FILE, json.dumps({**row, "run": "x", "beat": 3}))
+    remote.put_text(leases.LEASE, json.dumps({**row, "run": "x", "beat": 3}))
     own = Lease(remote, clock := Clock())
     own.take()
     own.check()
@@ -144,7 +143,7 @@ def test_the_lease_of_the_dead_is_taken_over(
 
 def test_of_two_that_take_over_together_one_is_told(remote: RemoteFolder) -> None:
     other = json.dumps({"host": "elsewhere", "process": 1, "run": "x"})
-    own = Lease(remote, Clock(lambda: remote.put_text(leases.FILE, other)))
+    own = Lease(remote, Clock(lambda: remote.put_text(leases.LEASE, other)))
     with pytest.raises(OutputError, match="process 1 of elsewhere is making"):
         own.take()
 
@@ -154,12 +153,12 @@ def test_who_loses_it_is_told(remote: RemoteFolder) -> None:
     own.take()
     own.beat()
     own.check()
-    remote.put_text(leases.FILE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
+    remote.put_text(leases.LEASE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
     own.keep()
     with pytest.raises(OutputError, match="taken this dataset over"):
         own.check()
     own.give_back()
-    assert remote.names("") == [leases.FILE]
+    assert remote.names("") == [leases.LEASE]
 
 
 def test_what_its_keeper_was_saying_is_not_said_after_the_end(

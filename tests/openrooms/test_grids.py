@@ -9,8 +9,8 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset, environments
+from orusd_openrooms.frame import area_mean
 from orusd_openrooms.readers import read_environments, read_light
-from orusd_openrooms.resampling import area_mean
 from orusd_openrooms.rgbe import ERROR, write_rgbe
 from tests.openrooms.synthetic import make_render
 

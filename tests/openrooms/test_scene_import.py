@@ -18,9 +18,9 @@ from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.materials import Texture
 from openrooms_usd.usd.meshes import read_meshes
 from orusd_openrooms.pickles import write_pickled
-from orusd_openrooms.scenes.poses import scene_frame
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import whole
+from orusd_openrooms.scenes.scene import scene_frame
 from tests.openrooms.scenefiles import DOOR, FOV, RADIANCE, WINDOW, scene, write_dataset
 
 KIND = "openrooms-xml"

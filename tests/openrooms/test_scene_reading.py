@@ -8,10 +8,10 @@ from click.testing import CliRunner
 
 from openrooms_usd.cli import main, orusd
 from openrooms_usd.errors import InputError
-from orusd_openrooms.scenes.poses import pose_of
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import whole
 from orusd_openrooms.scenes.roots import Named, named
+from orusd_openrooms.scenes.scene import pose_of
 from orusd_openrooms.scenes.sceneobjects import contents
 from orusd_openrooms.scenes.standins import material_name, substance_of
 from tests.openrooms.scenefiles import (

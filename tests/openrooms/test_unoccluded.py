@@ -10,10 +10,11 @@ import pytest
 
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import RenderedScene, read_render
-from orusd_openrooms import OpenRoomsDataset, unoccluded
+from orusd_openrooms import OpenRoomsDataset
+from orusd_openrooms import lightfiles
+from orusd_openrooms.lightfiles import approximate
 from orusd_openrooms.readers import read_light
 from orusd_openrooms.records import Light, Lobe, lights_of
-from orusd_openrooms.unoccluded import approximate
 
 ONE = np.ones(3)
 
@@ -93,7 +94,7 @@ def test_both_ways_to_integrate_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     light = window(Lobe(np.array([0.1, 0.98, 0.15]), 1.0, ONE), (3.0, 3.0, 0.0))
     found = []
     for limit in (0.0, 100.0):
-        monkeypatch.setattr(unoccluded, "_SHARP_LOBE", limit)
+        monkeypatch.setattr(lightfiles, "_SHARP_LOBE", limit)
         found.append(at(light, [0.2, 1.0, -0.3], [0.0, 0.6, 0.8], camera(2)))
     np.testing.assert_allclose(found[0], found[1], rtol=0.03)
 
