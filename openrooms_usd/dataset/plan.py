@@ -302,9 +302,6 @@ def _is_file(path: Path) -> bool:
 def inputs_digest(description: Path) -> str | None:
     """A digest of all files that a room is made of because its room.yaml names them.
 
-    Args:
-        description: The room.yaml.
-
     Returns:
         None where there are none; and where the room.yaml is wrong or a file is missing, which is
         said when the room's turn comes.

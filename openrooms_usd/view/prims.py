@@ -30,9 +30,6 @@ def prims_of(stage: Usd.Stage) -> list[dict[str, Any]]:
     """What is known of each prim that stands in the room, parents before children.
 
     ``layers`` counts the properties that each layer has an opinion on.
-
-    Args:
-        stage: A composed stage.
     """
     home = Path(stage.GetRootLayer().realPath).parent
     walk = iter(stage.Traverse(Usd.TraverseInstanceProxies()))
@@ -104,10 +101,6 @@ def opinions_of(stage: Usd.Stage, path: str) -> list[dict[str, Any]]:
 
     ``properties`` are pairs of a name and its value in words; long arrays by their length.
 
-    Args:
-        stage: A composed stage.
-        path: The prim's path.
-
     Raises:
         InputError: There is no such prim.
     """
@@ -147,9 +140,6 @@ def joints_of(stage: Usd.Stage) -> list[dict[str, Any]]:
 
     ``world_from_prim`` is (4, 4), metres and Z up; ``axis`` is in the prim's frame; limits are
     degrees or metres from how it is built.
-
-    Args:
-        stage: A composed stage.
     """
     cache, turn = UsdGeom.XformCache(TIME), world_from_stage(stage)
     found = []
@@ -179,11 +169,7 @@ def _opened(prim: Usd.Prim, axis: Gf.Vec3f) -> float:
 
 
 def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
-    """The perspective cameras: poses (OpenCV, metres, Z up), and lenses in parts of the width.
-
-    Args:
-        stage: A composed stage.
-    """
+    """The perspective cameras: poses (OpenCV, metres, Z up), and lenses in parts of the width."""
     found = []
     for prim in list_cameras(stage):
         usual = UsdGeom.Camera(prim)
@@ -211,11 +197,7 @@ def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
 
 
 def looks_of(stage: Usd.Stage) -> list[dict[str, Any]]:
-    """Objects of which there are several looks: the variants, and which one is shown.
-
-    Args:
-        stage: A composed stage.
-    """
+    """Objects of which there are several looks: the variants, and which one is shown."""
     found = []
     for prim in stage.Traverse():
         if names.LOOK not in prim.GetVariantSets().GetNames():

@@ -156,11 +156,7 @@ def besides(
 
 
 def room_state(path: Path) -> dict[str, Any]:
-    """What the page is told of a stage: prims, joints, looks, cameras and the plan.
-
-    Args:
-        path: The USD file.
-    """
+    """What the page is told of a stage: prims, joints, looks, cameras and the plan."""
     # Stages are of USD, whose import takes a while.
     from openrooms_usd.view.prims import cameras_of, joints_of, looks_of, prims_of, shell_of
 
@@ -252,11 +248,7 @@ def room_glb(
 
 
 def plan_of(stage: Usd.Stage) -> list[list[float]]:
-    """Ends of lines, two after the other: [x, y, z] in metres, Z up; none without a room's plan.
-
-    Args:
-        stage: A composed stage.
-    """
+    """Ends of lines, two after the other: [x, y, z] in metres, Z up; none without a room's plan."""
     cache, to_world = UsdGeom.XformCache(TIME), world_from_stage(stage)
     loops = []
     for prim, corners in [*_floor(stage), *_openings(stage)]:

@@ -13,9 +13,8 @@ from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.records import LEFT_OUT, SCENE
 from openrooms_usd.dataset.report import charts, wording
 from openrooms_usd.dataset.report.contact import spread
-from openrooms_usd.dataset.report.contents import contents
 from openrooms_usd.dataset.report.page import write_report
-from openrooms_usd.dataset.report.sections import cost_table
+from openrooms_usd.dataset.report.sections import contents, cost_table
 from openrooms_usd.dataset.stats import Stats
 from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.errors import InputError, MissingPackageError

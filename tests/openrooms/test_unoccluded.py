@@ -10,8 +10,7 @@ import pytest
 
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import RenderedScene, read_render
-from orusd_openrooms import OpenRoomsDataset
-from orusd_openrooms import lightfiles
+from orusd_openrooms import OpenRoomsDataset, lightfiles
 from orusd_openrooms.lightfiles import approximate
 from orusd_openrooms.readers import read_light
 from orusd_openrooms.records import Light, Lobe, lights_of

@@ -10,7 +10,7 @@ from pxr import Usd
 
 import openrooms_usd as ou
 from openrooms_usd.importing import import_capture
-from openrooms_usd.view import offline
+from openrooms_usd.view import shell
 from openrooms_usd.view.room import room_app, room_state
 from tests.chromium import Page, needs_chromium, opened
 from tests.conftest import REAL
@@ -222,9 +222,9 @@ def test_mouse_and_keys_move_the_eye(page: Page) -> None:
 
 def test_the_page_in_a_file_shows_the_same(composed_demo: Path, tmp_path: Path) -> None:
     app = room_app(composed_demo)
-    offline.write(app, tmp_path / "page.html")
+    shell.write(app, tmp_path / "page.html")
     text = (tmp_path / "page.html").read_bytes()
-    offline.write(app, tmp_path / "again.html")
+    shell.write(app, tmp_path / "again.html")
     assert text == (tmp_path / "again.html").read_bytes()
     with opened(tmp_path / "page.html", webgl=True, size=(900, 600)) as page:
         page.wait("document.body.dataset.ready == 'yes'")

@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
+from openrooms_usd.cli.viewing import view
 from openrooms_usd.description.model import Model, Number
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.view.app import App, Command
+from openrooms_usd.view.room import room_app, room_state
 from openrooms_usd.view.server import MOST_BYTES, TOKEN_HEADER, Server, serving
+from tests.handmade import Build
 
 
 class Step(Model):
@@ -146,3 +150,31 @@ def test_a_port_that_is_taken_is_said(served: Server) -> None:
 def test_it_listens_on_this_machine_alone(served: Server) -> None:
     assert served.server_address[0] == "127.0.0.1"
     assert served.address.startswith("http://127.0.0.1:")
+
+
+def test_a_room_is_written_as_a_page(composed_demo: Path, tmp_path: Path) -> None:
+    target = tmp_path / "room.html"
+    done = CliRunner().invoke(view, [str(composed_demo), "--export", str(target)])
+    assert done.exit_code == 0 and str(target) in done.output
+    text = target.read_text()
+    assert 'data-resource="room.glb"' in text and "traced.png" not in text
+    # Nothing of the machine that made it.
+    assert str(composed_demo.parent) not in text
+
+
+def test_any_stage_has_a_page(tmp_path: Path) -> None:
+    made = Build(up="Y", metres=0.01, path=tmp_path / "box.usda")
+    made.box("/Box", 100.0)
+    made.camera((0, 0, 400), (0, 0, 0), up=(0, 1, 0))
+    made.stage.Save()
+    state = room_state(tmp_path / "box.usda")
+    assert [prim["path"] for prim in state["prims"]] == ["/Box", "/Camera"]
+    (camera,) = state["cameras"]
+    assert [row[3] for row in camera["world_from_camera"][:3]] == pytest.approx([0, -4, 0])
+    assert room_app(tmp_path / "box.usda").resources["room.glb"]()[:4] == b"glTF"
+
+
+def test_what_is_not_there_is_told(tmp_path: Path) -> None:
+    for name in ("room.usda", "scan.ply"):
+        with pytest.raises(InputError, match="no such file"):
+            CliRunner().invoke(view, [str(tmp_path / name)], catch_exceptions=False)

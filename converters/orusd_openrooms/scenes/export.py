@@ -62,11 +62,6 @@ class Film(NamedTuple):
 def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
     """Write a room below the folder of a dataset, with the cameras of the stage.
 
-    Args:
-        stage: The composed stage.
-        destination: The dataset's folder.
-        name: Of the scene.
-
     Raises:
         StageError: The stage has no room.
         OutputError: A file cannot be written.

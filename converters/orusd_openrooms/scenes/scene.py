@@ -160,10 +160,6 @@ class Scene:
 def load_scene(source: Path, options: Mapping[str, str]) -> Scene:
     """Read a scene and find what it names.
 
-    Args:
-        source: The scene file.
-        options: Of the importer.
-
     Raises:
         InputError: The scene or a file that it names is broken or hostile.
     """

@@ -125,12 +125,7 @@ def _found(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[s
 
 
 def first_drawing(layout: PolygonLayout | CapturedLayout, under: Underlay) -> Drawing:
-    """The plan that a description begins with: what it says, else what was found, else a box.
-
-    Args:
-        layout: The section.
-        under: What was captured.
-    """
+    """The plan that a description begins with: what it says, else what was found, else a box."""
     if layout.polygon is not None:
         return drawing_of_section(layout, under)
     wanted = str(layout.room) if isinstance(layout, ScanLayout) else "0"

@@ -152,12 +152,12 @@ def test_keys_refusals_and_a_change_by_another_program(served: Path, tmp_path: P
 
 
 def test_the_page_is_one_file_to_look_at(served: Path, tmp_path: Path) -> None:
-    from openrooms_usd.view import offline
+    from openrooms_usd.view import shell
 
     page_file = tmp_path / "page.html"
-    offline.write(Session(served).app(), page_file)
+    shell.write(Session(served).app(), page_file)
     text = page_file.read_bytes()
-    offline.write(Session(served).app(), page_file)
+    shell.write(Session(served).app(), page_file)
     assert page_file.read_bytes() == text
     with opened(page_file) as page:
         page.wait("document.body.dataset.ready")
