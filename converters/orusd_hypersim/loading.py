@@ -254,9 +254,10 @@ def lens_of(files: Files, scene: str) -> tuple[Array, tuple[int, int]]:
         raise InputError(f"no lens of a picture of {width}x{height} pixels", place=place)
     if not np.allclose(rays[2] / -rays[2, 2], _PINHOLE, atol=1e-6):
         raise InputError(
-            "its lens is tilted, which K cannot say", place=f"{files}/{scene}",
+            "its lens is tilted, which K cannot say",
+            place=f"{files}/{scene}",
             remedy="leave this scene out: rooms=[...]",
-        )  # fmt: skip
+        )
     # From pixels to -1 to 1 over the picture, upward, and from there to rays.
     uv = np.array([[2.0 / width, 0.0, -1.0], [0.0, -2.0 / height, 1.0], [0.0, 0.0, 1.0]])
     K = np.linalg.inv(OPENGL @ rays / -rays[2, 2] @ uv)

@@ -286,9 +286,10 @@ def _intrinsics(files: Files, folder: str) -> Array:
         if scene.fov is not None:
             return intrinsics(scene.fov, *scene.resolution)
     raise InputError(
-        "nothing says its field of view", place=f"{files}/{folder}",
+        "nothing says its field of view",
+        place=f"{files}/{folder}",
         remedy="put the scene's main.xml or its intrinsic.txt there",
-    )  # fmt: skip
+    )
 
 
 def _file_of(channel: str) -> str:

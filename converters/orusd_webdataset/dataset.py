@@ -145,8 +145,10 @@ class WebDataset:
             listed = shards.listed
             atomic.write_text(root / INDEX, json.dumps(listed, indent=1, sort_keys=True) + "\n")
             written |= {root.absolute() / name for name in (*_names(listed), INDEX)}
-        counts = {split: list(range(sum(row["samples"] for row in rows)))
-                  for split, rows in listed.items()}  # fmt: skip
+        counts = {
+            split: list(range(sum(row["samples"] for row in rows)))
+            for split, rows in listed.items()
+        }
         return DatasetSummary(root, counts, len(written), {})
 
 

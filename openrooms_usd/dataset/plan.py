@@ -121,8 +121,11 @@ def plan_rooms(dataset: Dataset) -> Iterator[PlannedRoom]:
                 kind = rooms.types[index % len(rooms.types)]
                 seed = _drawn(dataset.seed, "room", part, kind, index) % _LARGEST_SEED
                 source: dict[str, Any] = {
-                    "type": kind, "seed": seed, "clutter": rooms.clutter, "style": rooms.style
-                }  # fmt: skip
+                    "type": kind,
+                    "seed": seed,
+                    "clutter": rooms.clutter,
+                    "style": rooms.style,
+                }
                 yield PlannedRoom(f"{kind}_{number}", number, source, _split(dataset, number))
                 number += 1
             continue

@@ -152,12 +152,17 @@ def joints_of(stage: Usd.Stage) -> list[dict[str, Any]]:
         if axis is None or lower is None or upper is None:
             continue
         world = turn @ local_to_world(prim, cache)
-        found.append({
-            "path": str(prim.GetPath()), "type": str(kind.Get()),
-            "axis": [float(value) for value in axis], "lower": float(lower), "upper": float(upper),
-            "now": _opened(prim, axis) if kind.Get() == "hinge" else 0.0,
-            "world_from_prim": world.tolist(),
-        })  # fmt: skip
+        found.append(
+            {
+                "path": str(prim.GetPath()),
+                "type": str(kind.Get()),
+                "axis": [float(value) for value in axis],
+                "lower": float(lower),
+                "upper": float(upper),
+                "now": _opened(prim, axis) if kind.Get() == "hinge" else 0.0,
+                "world_from_prim": world.tolist(),
+            }
+        )
     return found
 
 
@@ -174,8 +179,9 @@ def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
     for prim in list_cameras(stage):
         usual = UsdGeom.Camera(prim)
         across, high = (
-            usual.GetHorizontalApertureAttr().Get(TIME), usual.GetVerticalApertureAttr().Get(TIME),
-        )  # fmt: skip
+            usual.GetHorizontalApertureAttr().Get(TIME),
+            usual.GetVerticalApertureAttr().Get(TIME),
+        )
         aspect = across / high if across and high and across > 0 and high > 0 else 4.0 / 3.0
         height = max(round(_WIDTH_PX / aspect), 1)
         try:
@@ -186,13 +192,19 @@ def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
             continue
         K = camera.K / _WIDTH_PX
         taken = photograph(prim)
-        found.append({
-            "path": str(prim.GetPath()), "name": prim.GetName(), "aspect": aspect,
-            "world_from_camera": camera.world_from_camera.tolist(),
-            "focal": float(K[0, 0]), "right": float(K[0, 2]) - 0.5,
-            "down": float(K[1, 2]) - 0.5 * height / _WIDTH_PX,
-            "exposure": camera.exposure, "photograph": taken["id"] if taken else None,
-        })  # fmt: skip
+        found.append(
+            {
+                "path": str(prim.GetPath()),
+                "name": prim.GetName(),
+                "aspect": aspect,
+                "world_from_camera": camera.world_from_camera.tolist(),
+                "focal": float(K[0, 0]),
+                "right": float(K[0, 2]) - 0.5,
+                "down": float(K[1, 2]) - 0.5 * height / _WIDTH_PX,
+                "exposure": camera.exposure,
+                "photograph": taken["id"] if taken else None,
+            }
+        )
     return found
 
 
@@ -203,8 +215,11 @@ def looks_of(stage: Usd.Stage) -> list[dict[str, Any]]:
         if names.LOOK not in prim.GetVariantSets().GetNames():
             continue
         variants = prim.GetVariantSet(names.LOOK)
-        found.append({
-            "path": str(prim.GetPath()), "looks": list(variants.GetVariantNames()),
-            "chosen": variants.GetVariantSelection(),
-        })  # fmt: skip
+        found.append(
+            {
+                "path": str(prim.GetPath()),
+                "looks": list(variants.GetVariantNames()),
+                "chosen": variants.GetVariantSelection(),
+            }
+        )
     return found

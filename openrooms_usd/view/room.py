@@ -184,9 +184,10 @@ def check_look(path: Path, asked: Look) -> None:
     offered = {one["path"]: one["looks"] for one in looks_of(open_stage(path))}.get(asked.path, [])
     if asked.look not in offered:
         raise InputError(
-            f"it has no look {asked.look!r}", place=asked.path,
+            f"it has no look {asked.look!r}",
+            place=asked.path,
             remedy=f"choose {' or '.join(offered)}" if offered else "choose an object with looks",
-        )  # fmt: skip
+        )
 
 
 def refuse_pictures(

@@ -152,8 +152,11 @@ def test_only_what_was_written_is_removed(tmp_path: Path) -> None:
         stay = kept.remove([*kept.below(out / "view"), out / "view" / "mine"])
     assert [path.name for path in stay] == ["changed", "link", "a", "mine"]
     assert sorted(path.name for path in (out / "view").iterdir()) == [
-        "changed", "link", "mine", "way",
-    ]  # fmt: skip
+        "changed",
+        "link",
+        "mine",
+        "way",
+    ]
     assert (tmp_path / "kept").read_text() == (tmp_path / "way" / "a").read_text() == "a"
 
 

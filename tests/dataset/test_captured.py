@@ -124,8 +124,13 @@ def frame(number: int, eye: tuple[float, float, float]) -> dict[str, object]:
     pose[:3, :3], pose[:3, 3] = [[0, 0, 1], [-1, 0, 0], [0, -1, 0]], eye
     K = [[60, 0, 33], [0, 60, 23], [0, 0, 1]]
     name = f"{number}.jpg"
-    return {"id": str(number), "picture": name, "resolution": [64, 48], "K": K,
-            "world_from_camera": pose.tolist()}  # fmt: skip
+    return {
+        "id": str(number),
+        "picture": name,
+        "resolution": [64, 48],
+        "K": K,
+        "world_from_camera": pose.tolist(),
+    }
 
 
 @pytest.mark.slow

@@ -172,8 +172,11 @@ def test_behind_a_url_forms_have_the_composed_rooms_too(
         fetch_all(far)
         assert finish(far, wished) == notes
     home = store.root / "outputs/openrooms"
-    files = {p.relative_to(store.root).as_posix(): p.read_bytes() for p in home.rglob("*")
-             if p.is_file() and not p.name.startswith(".orusd.")}  # fmt: skip
+    files = {
+        p.relative_to(store.root).as_posix(): p.read_bytes()
+        for p in home.rglob("*")
+        if p.is_file() and not p.name.startswith(".orusd.")
+    }
     assert any(name.endswith("main.xml") for name in files)
     assert {name: remote.read(name) for name in remote.names("outputs/openrooms/")} == files
 

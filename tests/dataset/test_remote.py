@@ -79,10 +79,18 @@ def test_what_is_known_of_views_is_the_same_behind_a_url(remote: RemoteFolder) -
     jobs = [Job(room, "main", 4, f"key_{room.number}", (0, 1)) for room in rooms]
     entry = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
     view = {
-        "unit": "u", "room": "r", "variant": "main", "split": "train", "source": {},
-        "entry": entry, "told": [], "rejected": [], "pixels": {}, "files": {},
+        "unit": "u",
+        "room": "r",
+        "variant": "main",
+        "split": "train",
+        "source": {},
+        "entry": entry,
+        "told": [],
+        "rejected": [],
+        "pixels": {},
+        "files": {},
         "quality": {"measures": {}, "faults": ["it is dark"]},
-    }  # fmt: skip
+    }
     with store_at(remote.url) as store:
         store.write_plan(jobs)
         store.fail(jobs[0], 0, {"code": "render", "reason": "no light"})
@@ -213,9 +221,10 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         port = probe.getsockname()[1]
     words = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
     quiet = subprocess.DEVNULL
-    with pytest.MonkeyPatch.context() as patch, subprocess.Popen(
-        words, stdout=quiet, stderr=quiet
-    ) as process:  # fmt: skip
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        subprocess.Popen(words, stdout=quiet, stderr=quiet) as process,
+    ):
         patch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{port}")
         patch.setenv("AWS_ACCESS_KEY_ID", "nobody")
         patch.setenv("AWS_SECRET_ACCESS_KEY", "nothing")
@@ -258,8 +267,9 @@ def test_a_run_behind_a_url_has_the_same_bytes(
     assert not [name for name in remote.names("") if "/.orusd." in f"/{name}"]
 
     assert status_of(url).as_dict() | {"root": 0} == status_of(local).as_dict() | {
-        "root": 0, "failures": status_of(url).as_dict()["failures"],
-    }  # fmt: skip
+        "root": 0,
+        "failures": status_of(url).as_dict()["failures"],
+    }
     assert verify(url).damages == ()
 
     home = "renders/room_good/main/view_0"

@@ -55,12 +55,20 @@ def record_of(unit: str, name: str) -> dict[str, Any]:
         "depth": {"estimated_robust_error": 0.0},
     }
     return {
-        "unit": unit, "room": "", "variant": "", "split": "", "source": {}, "told": [],
-        "quality": {"measures": {}, "faults": [f"it is dark {name}"]}, "rejected": [gone],
+        "unit": unit,
+        "room": "",
+        "variant": "",
+        "split": "",
+        "source": {},
+        "told": [],
+        "quality": {"measures": {}, "faults": [f"it is dark {name}"]},
+        "rejected": [gone],
         "entry": {"resolution": [], "K": [], "world_from_camera": [], "channels": channels},
-        "pixels": {name: 10, "wall": 30}, "materials": {f"wood/{name}": 40}, "depth": [0, 30, 10],
+        "pixels": {name: 10, "wall": 30},
+        "materials": {f"wood/{name}": 40},
+        "depth": [0, 30, 10],
         "files": {"a": {"sha256": "", "bytes": 1000}},
-    }  # fmt: skip
+    }
 
 
 def job(planned: PlannedRoom, variant: str = "main", views: int = 2) -> Job:

@@ -75,8 +75,11 @@ def write_render(folder: Path, count: int) -> Path:
         (folder / name).mkdir(parents=True)
         found = channels(number)
         exr.write_channels(folder / name / "channels.exr", found)
-        views[name] = {"resolution": [WIDTH, HEIGHT], "K": K.tolist(),
-                       "world_from_camera": pose(number).tolist()}  # fmt: skip
+        views[name] = {
+            "resolution": [WIDTH, HEIGHT],
+            "K": K.tolist(),
+            "world_from_camera": pose(number).tolist(),
+        }
     legend = {"instance": {"1": "/World/a", "8": "/World/b"}}
     manifest = {"generator": "openrooms_usd 0.1.0", "views": views, "legend": legend, "lights": []}
     (folder / "manifest.json").write_text(json.dumps(manifest))
@@ -155,8 +158,11 @@ def test_color_is_reflectance_times_illumination_and_residual(root: Path, frame:
 @pytest.mark.parametrize("frame", [0, 1])
 def test_positions_project_to_the_pixels_that_show_them(root: Path, frame: int) -> None:
     """As the notebook of the dataset's camera parameters does it, with pixels' true centres."""
-    world, turn, place = read(root, frame, "position"), camera(root, "orientations"), camera(
-        root, "positions")  # fmt: skip
+    world, turn, place = (
+        read(root, frame, "position"),
+        camera(root, "orientations"),
+        camera(root, "positions"),
+    )
     there = np.isfinite(world).all(axis=-1)
     assert not there[0].any() and there[1:].all()
     points = (world[there] - place[frame]) @ turn[frame]
@@ -206,8 +212,9 @@ def test_tables_say_the_split_and_the_unit(root: Path) -> None:
     with (root / "analysis/metadata_images_split_scene_v1.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [(r["scene_name"], r["camera_name"], r["frame_id"]) for r in rows] == [
-        ("ai_001_007", "cam_00", "0"), ("ai_001_007", "cam_00", "1")
-    ]  # fmt: skip
+        ("ai_001_007", "cam_00", "0"),
+        ("ai_001_007", "cam_00", "1"),
+    ]
     assert {row["split_partition_name"] for row in rows} == {"val"}
     scene = root / "scenes/ai_001_007/_detail/metadata_scene.csv"
     assert scene.read_text() == "parameter_name,parameter_value\nmeters_per_asset_unit,1.0\n"

@@ -21,8 +21,10 @@ VARIANTS = ("main_xml", "mainDiffMat_xml", "mainDiffLight_xml")
 # By folder: which variants are released with it, and the stems and suffixes of its files.
 RELEASED = {
     "Image": ("main mainDiffMat mainDiffLight", "im.hdr"),
-    "Material": ("main mainDiffMat", "imbaseColor.png imroughness.png immetallic.png "
-                 "imcadmatobj.dat"),
+    "Material": (
+        "main mainDiffMat",
+        "imbaseColor.png imroughness.png immetallic.png imcadmatobj.dat",
+    ),
     "Geometry": ("main mainDiffMat", "imnormal.png"),
     "Mask": ("main mainDiffLight", "immask.png"),
     "Friction": ("main mainDiffMat", "imfriction.dat"),
@@ -32,9 +34,13 @@ RELEASED = {
     "Shading": ("main mainDiffMat mainDiffLight", "imshading.hdr"),
     "SVLightingDirect": ("main mainDiffLight", "imenvDirect.hdr"),
     "ShadingDirect": ("main mainDiffLight", "imshadingDirect.rgbe"),
-}  # fmt: skip
-PER_LIGHT = ("box.dat", "mask.png", "imShadow.png", "imDS.rgbe", "imDSNoOcclu.rgbe", "light.dat",
-             "lightSrc.dat", "lightSrcNoOcclu.dat", "depthShadow.npy")  # fmt: skip
+}
+PER_LIGHT = tuple(
+    (
+        "box.dat mask.png imShadow.png imDS.rgbe imDSNoOcclu.rgbe light.dat lightSrc.dat"
+        " lightSrcNoOcclu.dat depthShadow.npy"
+    ).split()
+)
 
 
 def files(root: Path) -> set[str]:
@@ -70,9 +76,17 @@ def test_the_tree_of_the_release(split: Path) -> None:
         "val.txt",
         "test.txt",
         "scenes/intrinsic.txt",
-        *(f"scenes/xml/scene0000_00/{name}" for name in ("cam.txt", "transform.dat", "views.json",
-                                                         "transform.json", "intrinsic.txt")),
-    }  # fmt: skip
+        *(
+            f"scenes/xml/scene0000_00/{name}"
+            for name in (
+                "cam.txt",
+                "transform.dat",
+                "views.json",
+                "transform.json",
+                "intrinsic.txt",
+            )
+        ),
+    }
     assert expected <= found
 
 
@@ -159,10 +173,11 @@ def test_a_render_without_light_channels_gives_what_it_can(
         for path in (tmp_path / "plain").rglob(name):
             path.unlink()
     summary = write([read_render(tmp_path / "plain")], tmp_path / "data")
-    assert set(summary.missing) == {
-        "imenv", "imsgEnv", "imenvDirect", "box", "mask", "imShadow", "imDS", "imDSNoOcclu",
-        "depthShadow", "visibility",
-    }  # fmt: skip
+    assert set(summary.missing) == set(
+        (
+            "imenv imsgEnv imenvDirect box mask imShadow imDS imDSNoOcclu depthShadow visibility"
+        ).split()
+    )
     assert summary.missing["imenv"] == "the render has no environment"
     # From the irradiance, at a quarter of the resolution.
     assert (tmp_path / "data/Shading/main_xml/scene0000_00/imshading_2.hdr").is_file()
@@ -311,8 +326,11 @@ def test_pixels_may_be_any_number(render: RenderedScene, tmp_path: Path, value: 
     for name in layers.keys() - {*kept}:
         layers[name][10:20, 30:40] = value
     write_exr(tmp_path / "day/view_1/channels.exr", layers)
-    lights = {f"{name}_{n}": np.full_like(p, value) for name, of in view.lights.items()
-              for n, p in of.items()}  # fmt: skip
+    lights = {
+        f"{name}_{n}": np.full_like(p, value)
+        for name, of in view.lights.items()
+        for n, p in of.items()
+    }
     write_exr(tmp_path / "day/view_1/lights.exr", lights)
     write([read_render(tmp_path / "day")], tmp_path / "data")
     layers["semantic"][3, 3] = value

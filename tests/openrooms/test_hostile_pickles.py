@@ -20,12 +20,13 @@ from orusd_openrooms.pickles import pickled, write_pickled
 BOX: dict[str, Any] = {
     "isWindow": True,
     "box3D": {
-        "center": np.array([0.1, -2.0, 1e-9]), "xAxis": np.eye(3)[0].astype(np.float32),
+        "center": np.array([0.1, -2.0, 1e-9]),
+        "xAxis": np.eye(3)[0].astype(np.float32),
         "xLen": 1.25,
     },
     "box2D": {"x1": None, "x2": 639, "y1": 0, "y2": -5},
     "names": ["ä", ("s", np.arange(12).reshape(3, 4)), [], {}],
-}  # fmt: skip
+}
 
 
 class Calls:

@@ -18,10 +18,12 @@ from openrooms_usd.render.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset, readers
 from orusd_openrooms.pickles import pickled
 
-CHANNELS = (
-    "radiance", "base_color", "roughness", "normal", "normal_camera", "depth", "distance",
-    "position", "semantic", "valid", "emission_mask",
-)  # fmt: skip
+CHANNELS = tuple(
+    (
+        "radiance base_color roughness normal normal_camera depth distance position semantic valid"
+        " emission_mask"
+    ).split()
+)
 SIZE = struct.pack("<ii", 2, 3)
 
 
@@ -61,11 +63,17 @@ def test_damaged_files_are_refused_by_name(
 @pytest.mark.parametrize(
     "read",
     [
-        readers.read_depth, readers.read_parts, readers.read_mask, readers.read_light,
-        readers.read_labels, readers.read_lobes, readers.read_light_box, readers.read_cameras,
+        readers.read_depth,
+        readers.read_parts,
+        readers.read_mask,
+        readers.read_light,
+        readers.read_labels,
+        readers.read_lobes,
+        readers.read_light_box,
+        readers.read_cameras,
         readers.read_environments,
     ],
-)  # fmt: skip
+)
 def test_missing_files_are_refused_by_name(read: Callable[[Path], object], tmp_path: Path) -> None:
     with pytest.raises(InputError, match="none"):
         read(tmp_path / "none")
@@ -101,7 +109,8 @@ def outside(file: h5py.File) -> None:
 @pytest.mark.parametrize(
     "fill",
     [
-        huge, outside,
+        huge,
+        outside,
         lambda file: file.create_group("data"),
         lambda file: file.create_dataset("data", data="text"),
         lambda file: file.create_dataset("data", data=h5py.Empty("f4")),
@@ -110,7 +119,7 @@ def outside(file: h5py.File) -> None:
         lambda file: file.__setitem__("data", h5py.ExternalLink("other.h5", "/data")),
         lambda file: file.__setitem__("data", h5py.SoftLink("/data")),
     ],
-)  # fmt: skip
+)
 def test_lobes_are_an_array_in_the_file_itself(
     fill: Callable[[h5py.File], object], tmp_path: Path
 ) -> None:
@@ -122,9 +131,17 @@ def test_lobes_are_an_array_in_the_file_itself(
 
 @pytest.mark.parametrize(
     "text",
-    ["", "x", "-1\n", "1\n0 0 0\n", "1\n" + "0 0 nan\n" * 3, "99999999999999999999\n0 0 0\n",
-     "1\n0 0\n0 0 0\n0 0 0\n", "1\n0 0 \u00e9\n"],
-)  # fmt: skip
+    [
+        "",
+        "x",
+        "-1\n",
+        "1\n0 0 0\n",
+        "1\n" + "0 0 nan\n" * 3,
+        "99999999999999999999\n0 0 0\n",
+        "1\n0 0\n0 0 0\n0 0 0\n",
+        "1\n0 0 \u00e9\n",
+    ],
+)
 def test_what_is_no_list_of_cameras(text: str, tmp_path: Path) -> None:
     (tmp_path / "cam.txt").write_bytes(text.encode("latin-1"))
     with pytest.raises(InputError, match=r"cam\.txt: not a list of cameras"):

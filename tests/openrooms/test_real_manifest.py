@@ -36,9 +36,13 @@ def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
     connect_portals(dome.GetPrim(), [portal.GetPrim()])
     stage.Save()
     render_stage(
-        folder / "scene.usda", folder / "out", channels=["radiance", "instance"],
-        options={"variant": "scalar"}, resolution=(8, 6), samples=1,
-    )  # fmt: skip
+        folder / "scene.usda",
+        folder / "out",
+        channels=["radiance", "instance"],
+        options={"variant": "scalar"},
+        resolution=(8, 6),
+        samples=1,
+    )
     return folder / "out"
 
 

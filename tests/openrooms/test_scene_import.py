@@ -192,9 +192,12 @@ def test_fixes_are_operations_of_their_own(composed: Usd.Stage) -> None:
     chair = UsdGeom.Xformable(composed.GetPrimAtPath("/World/Furniture/chair_e4ea79"))
     ops = {op.GetOpName(): op.Get() for op in chair.GetOrderedXformOps()}
     assert list(ops) == [
-        "xformOp:translate:placed_1", "xformOp:translate:placed", "xformOp:translate",
-        "xformOp:rotateXYZ", "xformOp:scale",
-    ]  # fmt: skip
+        "xformOp:translate:placed_1",
+        "xformOp:translate:placed",
+        "xformOp:translate",
+        "xformOp:rotateXYZ",
+        "xformOp:scale",
+    ]
     assert list(ops["xformOp:translate:placed"]) == pytest.approx([0.0, 0.0, -0.07])
     assert list(ops["xformOp:translate:placed_1"]) == pytest.approx([0.02, 0.03, 0.0])
 

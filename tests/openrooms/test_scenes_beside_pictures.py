@@ -22,9 +22,14 @@ FOV_DEG = 57.95
 def rendered(composed_demo: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pictures") / "render"
     render_stage(
-        composed_demo, folder, channels=["radiance", "instance"], options={"variant": "scalar"},
-        resolution=(16, 12), samples=1, field_of_view=FOV_DEG,
-    )  # fmt: skip
+        composed_demo,
+        folder,
+        channels=["radiance", "instance"],
+        options={"variant": "scalar"},
+        resolution=(16, 12),
+        samples=1,
+        field_of_view=FOV_DEG,
+    )
     return folder
 
 

@@ -113,9 +113,7 @@ def test_the_file_of_a_window_with_an_even_sky(render: RenderedScene, tmp_path: 
     """From depth, intrinsics and pose to the file: the floor of the synthetic room."""
     shutil.copytree(render.folder, tmp_path / "day")
     manifest = json.loads((tmp_path / "day/manifest.json").read_text())
-    sky = {
-        "name": "sky", "axis": [0, 1, 0], "sharpness": 0.0, "amplitude": [100.0, 200.0, 300.0]
-    }  # fmt: skip
+    sky = {"name": "sky", "axis": [0, 1, 0], "sharpness": 0.0, "amplitude": [100.0, 200.0, 300.0]}
     for light in manifest["lights"]:
         light["gaussians"] = [sky]
     (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))

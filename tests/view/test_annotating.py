@@ -185,8 +185,10 @@ def test_what_is_refused_is_said_and_the_picture_is_as_it_was(scene: Path, shown
     page.click(*seen(page, "/World/Furniture/chair_1"))
     where = f"{ROOM}.bounds(['/World/Furniture/chair_1'])"
     before = np.array(page.evaluate(where))
-    page.evaluate("Object.assign(document.getElementById('width'), {value: -1})"
-                  ".dispatchEvent(new Event('change'))")  # fmt: skip
+    page.evaluate(
+        "Object.assign(document.getElementById('width'), {value: -1})"
+        ".dispatchEvent(new Event('change'))"
+    )
     page.wait(
         "document.getElementById('told').className == 'wrong' && document.body.dataset.busy == '0'"
     )

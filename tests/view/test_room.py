@@ -81,9 +81,13 @@ def test_generated_and_scanned_rooms_show_what_the_preview_renderer_sees(
     page = shown(room_app(scene))
     cameras = [camera["name"] for camera in room_state(scene)["cameras"]][:2]
     rendered = ou.render(
-        scene, tmp_path / "render", channels="part", resolution=SIZE, renderer="preview",
+        scene,
+        tmp_path / "render",
+        channels="part",
+        resolution=SIZE,
+        renderer="preview",
         cameras=cameras,
-    )  # fmt: skip
+    )
     for camera in cameras:
         page.click_on(f"#camera-{camera}")
         page.wait(f"document.body.dataset.camera == '{camera}'")

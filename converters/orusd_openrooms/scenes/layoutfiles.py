@@ -162,9 +162,14 @@ def floor_of(stage: Usd.Stage) -> tuple[Array, float]:
 
 
 def write_layout(
-    stage: Usd.Stage, scene: Scene, objects: Objects, root: Path, name: str,
-    materials: Materials, up: str,
-) -> tuple[dict[str, Bsdf], list[Shape]]:  # fmt: skip
+    stage: Usd.Stage,
+    scene: Scene,
+    objects: Objects,
+    root: Path,
+    name: str,
+    materials: Materials,
+    up: str,
+) -> tuple[dict[str, Bsdf], list[Shape]]:
     """Write ``uv_mapped.obj`` and ``container.obj``.
 
     Args:

@@ -90,8 +90,9 @@ class _Histogram:
         # A whole number is the middle of its column.
         left, factor = (0.5 if self.whole else 0.0), (100.0 / total if self.as_share else 1.0)
         drawn = {low - left: factor * number for low, number in bins.items()}
-        svg = charts.histogram(drawn, self.end, self.below, self.beside,
-                               at_least=self.at_least, log=self.log)  # fmt: skip
+        svg = charts.histogram(
+            drawn, self.end, self.below, self.beside, at_least=self.at_least, log=self.log
+        )
         rows = [
             (self._named(low), f"{number:,}", wording.share(number, total))
             for low, number in sorted(bins.items())
@@ -118,26 +119,71 @@ _CONTENTS: Final = (
     _Ranking("Rooms by type", lambda stats: stats.rooms, "rooms"),
     _Ranking("Views by variant", lambda stats: stats.views, "views"),
     _Ranking("Objects by category", lambda stats: stats.objects, "objects", "Each room once."),
-    _Ranking("Pixels by class", lambda stats: stats.pixels, "pixels",
-             "OpenRooms' 45 classes.", as_share=True),
+    _Ranking(
+        "Pixels by class",
+        lambda stats: stats.pixels,
+        "pixels",
+        "OpenRooms' 45 classes.",
+        as_share=True,
+    ),
     _Ranking("Pixels by material", lambda stats: stats.materials, "pixels", as_share=True),
-    _Ranking("Pixels by family of textures", lambda stats: stats.families, "pixels",
-             as_share=True),
-    _Histogram("Depth", lambda stats: stats.depth_m, _after(DEPTH_STEP_M), "depth in m",
-               "% of pixels", (0.0, 5.0), "The last column takes all that is farther.",
-               as_share=True, open_from=DEPTH_STEP_M * (DEPTH_BINS - 1)),
-    _Ranking("Lights by kind", lambda stats: stats.lights, "lights",
-             "Elsewhere is what comes in past all openings. " + _EVERY_VARIANT),
-    _Histogram("Lamps that are on in a room", lambda stats: stats.lamps_a_room, _after(1.0),
-               "lamps", "rooms and variants", (-0.5, 5.5), whole=True),
-    _Histogram("Power of lamps", lambda stats: stats.lamp_lumen, _next_step, "lumen", "lamps",
-               (10.0, 1e4), "Lamps that are on. " + _EVERY_VARIANT, log=True),
-    _Histogram("Colour of lamps", lambda stats: stats.lamp_kelvin, _after(KELVIN_STEP),
-               "colour temperature in K", "lamps", (2000.0, 7000.0),
-               "Lamps that are on. " + _EVERY_VARIANT),
-    _Histogram("Light through openings", lambda stats: stats.opening_lumen, _next_step, "lumen",
-               "openings", (10.0, 1e5), _EVERY_VARIANT, log=True),
-)  # fmt: skip
+    _Ranking("Pixels by family of textures", lambda stats: stats.families, "pixels", as_share=True),
+    _Histogram(
+        "Depth",
+        lambda stats: stats.depth_m,
+        _after(DEPTH_STEP_M),
+        "depth in m",
+        "% of pixels",
+        (0.0, 5.0),
+        "The last column takes all that is farther.",
+        as_share=True,
+        open_from=DEPTH_STEP_M * (DEPTH_BINS - 1),
+    ),
+    _Ranking(
+        "Lights by kind",
+        lambda stats: stats.lights,
+        "lights",
+        "Elsewhere is what comes in past all openings. " + _EVERY_VARIANT,
+    ),
+    _Histogram(
+        "Lamps that are on in a room",
+        lambda stats: stats.lamps_a_room,
+        _after(1.0),
+        "lamps",
+        "rooms and variants",
+        (-0.5, 5.5),
+        whole=True,
+    ),
+    _Histogram(
+        "Power of lamps",
+        lambda stats: stats.lamp_lumen,
+        _next_step,
+        "lumen",
+        "lamps",
+        (10.0, 1e4),
+        "Lamps that are on. " + _EVERY_VARIANT,
+        log=True,
+    ),
+    _Histogram(
+        "Colour of lamps",
+        lambda stats: stats.lamp_kelvin,
+        _after(KELVIN_STEP),
+        "colour temperature in K",
+        "lamps",
+        (2000.0, 7000.0),
+        "Lamps that are on. " + _EVERY_VARIANT,
+    ),
+    _Histogram(
+        "Light through openings",
+        lambda stats: stats.opening_lumen,
+        _next_step,
+        "lumen",
+        "openings",
+        (10.0, 1e5),
+        _EVERY_VARIANT,
+        log=True,
+    ),
+)
 
 
 def contents(stats: Stats) -> Iterator[Chart]:

@@ -177,11 +177,16 @@ def _outline(plan: Drawing) -> dict[str, Any]:
         along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
         half, at = 0.5 * (one.width or 0.0), one.at or 0.0
         hole = hole_in(plan, one)
-        openings.append({
-            "name": name, "kind": one.kind, "wall": one.wall, "partition": one.partition,
-            "line": [(start + along * (at + way * half)).tolist() for way in (-1.0, 1.0)],
-            "rectangle": [hole.left, hole.right, hole.bottom, hole.top],
-        })  # fmt: skip
+        openings.append(
+            {
+                "name": name,
+                "kind": one.kind,
+                "wall": one.wall,
+                "partition": one.partition,
+                "line": [(start + along * (at + way * half)).tolist() for way in (-1.0, 1.0)],
+                "rectangle": [hole.left, hole.right, hole.bottom, hole.top],
+            }
+        )
     return {
         "corners": [list(corner) for corner in plan.corners],
         "openings": openings,

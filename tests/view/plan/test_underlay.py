@@ -53,8 +53,9 @@ def test_points_are_seen_where_they_are_from_above(tmp_path: Path) -> None:
     alpha = pixels(picture.png, tmp_path)[..., 3]
     cell = 5.0 / alpha.shape[1]
     rows, columns = np.nonzero(alpha)
-    assert sorted(zip(((columns + 0.5) * cell).round(1), (4 - (rows + 0.5) * cell).round(1),
-                      strict=True)) == [(1.0, 3.0), (4.0, 1.0)]  # fmt: skip
+    assert sorted(
+        zip(((columns + 0.5) * cell).round(1), (4 - (rows + 0.5) * cell).round(1), strict=True)
+    ) == [(1.0, 3.0), (4.0, 1.0)]
     assert from_above(points, (0.0, 5.0, 0.0, 4.0), 2.6).png == picture.png
 
 
