@@ -142,6 +142,12 @@ class _Memory(dict[int, Any]):
 class _Machine(pickle._Unpickler):
     """The library's machine, without the instructions that could do or change anything."""
 
+    # What its type hints leave out.
+    stack: list[Any]
+    metastack: list[Any]
+    append: Callable[[Any], None]
+    pop_mark: Callable[[], list[Any]]
+
     def __init__(self, data: bytes) -> None:
         super().__init__(io.BytesIO(data), encoding="latin1")
         self.memo = _Memory()
@@ -202,8 +208,8 @@ class _Instructions(dict[int, Callable[[Any], None]]):
     """What the machine does, by the code of an instruction."""
 
     def __missing__(self, code: int) -> Callable[[Any], None]:
-        known = pickletools.code2op.get(chr(code))
-        raise RefusedError(f"the instruction {known.name if known else code}")
+        known = (one.name for one in pickletools.opcodes if one.code == chr(code))
+        raise RefusedError(f"the instruction {next(known, code)}")
 
 
 # Those that only put plain values together, as the library has them.

@@ -1,4 +1,4 @@
-"""Pickles that want to do something: none of it happens, and each is refused with a reason."""
+"""Pickles: any Python reads ours, ours reads plain data of any Python, and nothing else happens."""
 
 import datetime
 import json
