@@ -55,7 +55,7 @@ class Hand:
         for _ in range(round(seconds * RATE)):
             self._film.add(np.ascontiguousarray(read[..., :3]))
 
-    def go(self, to: Place, seconds: float = 1.4, button: str = "none") -> None:
+    def go(self, to: Place, seconds: float = 1.4) -> None:
         """Move to a place."""
         steps = max(2, round(seconds * RATE))
         start = np.array(self._at)
@@ -63,7 +63,7 @@ class Hand:
             # Slow at both ends.
             share = 0.5 - 0.5 * np.cos(np.pi * step / steps)
             x, y = start + share * (np.array(to) - start)
-            self._page.move(float(x), float(y), button)
+            self._page.page.mouse.move(float(x), float(y))
             self.rest(1 / RATE)
         self._at = to
 
@@ -76,9 +76,9 @@ class Hand:
     def drag(self, start: Place, end: Place) -> None:
         """Go to the one and drag it to the other."""
         self.go(start)
-        self._page.press(*start)
-        self.go(end, 2.2, "left")
-        self._page.release(*end)
+        self._page.page.mouse.down()
+        self.go(end, 2.2)
+        self._page.page.mouse.up()
         self.rest(1.6)
 
 
@@ -98,7 +98,7 @@ def draw(folder: Path, kind: str, seed: int, target: Path) -> None:
     session = Session(file)
     with (
         serving(session.app()) as server,
-        opened(server.address, folder / "chromium", size=SIZE) as page,
+        opened(server.address, size=SIZE) as page,
         writing(target, SIZE, RATE, whole=_WHOLE) as film,
     ):
         page.wait("document.getElementById('points')?.dataset.loaded")
@@ -136,7 +136,7 @@ def _cross(page: Page, hand: Hand) -> None:
     where = page.middle("[data-corner='0']")
     hand.drag(where, (where[0] - 300.0, where[1] - 260.0))
     hand.rest(2.5)
-    page.key("z", held=["Control"])
+    page.key("Control+z")
     hand.rest(1.5)
 
 

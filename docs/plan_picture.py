@@ -26,7 +26,7 @@ def draw(folder: Path, kind: str, seed: int, target: Path) -> None:
     session = Session(scanned_room(folder, kind, seed, "picture"))
     with (
         serving(session.app()) as server,
-        opened(server.address, folder / "chromium", size=SIZE) as page,
+        opened(server.address, size=SIZE) as page,
     ):
         page.wait("document.getElementById('points')?.dataset.loaded")
         _select(page, session)

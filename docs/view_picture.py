@@ -41,8 +41,7 @@ def draw(folder: Path, target: Path) -> None:
     if not (example / "lit/baked.usda").is_file():
         orusd("compose", EXAMPLE / "room.yaml", "-o", example / "out")
         _bake(example / "out", example / "lit")
-    scratch = folder / "chromium"
-    with _page(kitchen / "out/scene.usda", scratch) as page:
+    with _page(kitchen / "out/scene.usda") as page:
         page.click_on("#overview")
         page.evaluate(
             "document.querySelectorAll('#doors input').forEach(one => {"
@@ -51,7 +50,7 @@ def draw(folder: Path, target: Path) -> None:
         page.evaluate("document.querySelectorAll('#doors details').forEach(one => one.open = true)")
         page.evaluate("document.getElementById('doors').scrollIntoView()")
         _take(page, target / "view.png")
-    with _page(example / "out/scene.usda", scratch, [example / "lit"]) as page:
+    with _page(example / "out/scene.usda", [example / "lit"]) as page:
         for window in ("door_0", "window_0", "window_1", "elsewhere"):
             page.evaluate(
                 f"document.getElementById('share-{window}').value = 0.02;"
@@ -63,10 +62,10 @@ def draw(folder: Path, target: Path) -> None:
         page.click_on("#trace")
         page.wait("document.body.dataset.traced == 1", 300.0)
         _take(page, target / "traced.png")
-    _draw_times(folder / "view_times", scratch, target / "times.jpg")
+    _draw_times(folder / "view_times", target / "times.jpg")
 
 
-def _draw_times(folder: Path, scratch: Path, target: Path) -> None:
+def _draw_times(folder: Path, target: Path) -> None:
     """The example at three times of a day, beside each other, each as the exposure fits."""
     folder.mkdir(exist_ok=True)
     text = (EXAMPLE / "room.yaml").read_text()
@@ -81,7 +80,7 @@ def _draw_times(folder: Path, scratch: Path, target: Path) -> None:
         out = out / "later"
     lit = [folder / name for name in TIMES]
     strip = ImageBuf(ImageSpec(PART[0] * len(TIMES), PART[1], 3, "uint8"))
-    with _page(folder / "out/scene.usda", scratch, lit) as page:
+    with _page(folder / "out/scene.usda", lit) as page:
         page.click_on("#camera-sitting")
         for number in range(len(TIMES)):
             page.evaluate(
@@ -103,11 +102,11 @@ def _bake(out: Path, lit: Path, paths: int = PATHS) -> None:
 
 
 @contextmanager
-def _page(stage: Path, scratch: Path, light: Sequence[Path] = ()) -> Iterator[Page]:
+def _page(stage: Path, light: Sequence[Path] = ()) -> Iterator[Page]:
     """The page of a stage in a browser, while a block runs."""
     with (
         serving(room_app(stage, light=light)) as server,
-        opened(server.address, scratch, webgl=True, size=SIZE) as page,
+        opened(server.address, webgl=True, size=SIZE) as page,
     ):
         page.wait("document.body.dataset.ready == 'yes'", 60.0)
         yield page

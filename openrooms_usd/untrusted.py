@@ -16,9 +16,20 @@ from typing import Final, Literal
 from openrooms_usd.errors import InputError
 
 Kind = Literal[
-    "text", "description", "json", "annotations", "table", "pickle", "usd", "archive", "picture",
-    "model", "array", "points", "frames",
-]  # fmt: skip
+    "text",
+    "description",
+    "json",
+    "annotations",
+    "table",
+    "pickle",
+    "usd",
+    "archive",
+    "picture",
+    "model",
+    "array",
+    "points",
+    "frames",
+]
 
 _MIB: Final = 1 << 20
 # Far beyond what real files of a kind need; points and frames are read in pieces.
@@ -238,6 +249,7 @@ def _unsound(path: Path, why: str) -> InputError:
     shown = str(path).encode("utf-8", "backslashreplace").decode()
     shown = shown if len(shown) <= 200 else f"{shown[:100]}...{shown[-60:]}"
     return InputError(
-        f"this cannot be the path of a file: {why}", place=shown.replace("\0", "\\0"),
+        f"this cannot be the path of a file: {why}",
+        place=shown.replace("\0", "\\0"),
         remedy="check the path",
-    )  # fmt: skip
+    )

@@ -1,88 +1,60 @@
-"""A headless Chromium that opens pages, driven over its own protocol through a pipe."""
+"""A headless Chromium that opens pages, driven by Playwright."""
 
-import base64
 import json
 import os
-import select
-import shlex
 import shutil
-import subprocess
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
 import pytest
 
 _EXECUTABLE: Final = os.environ.get("ORUSD_CHROMIUM") or shutil.which("chromium")
-_OPTIONS: Final = (
-    "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars",
-    "--no-first-run", "--disable-background-networking", "--disable-extensions",
-    "--remote-debugging-pipe",
-)  # fmt: skip
 # WebGL 2 in software costs a process of its own: pages without it go without.
 _FLAT: Final = ("--disable-gpu",)
 _WEBGL: Final = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-_PATIENCE_S: Final = 120.0
-_POLL_S: Final = 0.05
-# Keys that are no letters: their virtual key codes.
-_KEYS: Final = {"Escape": 27, "Enter": 13, "Delete": 46, "Backspace": 8, "Tab": 9, " ": 32,
-                "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40,
-                "Shift": 16, "Control": 17}  # fmt: skip
-_MODIFIERS: Final = {"Alt": 1, "Control": 2, "Meta": 4, "Shift": 8}
-_HELD: Final = {"none": 0, "left": 1, "right": 2, "middle": 4}
 
-needs_chromium = pytest.mark.skipif(_EXECUTABLE is None, reason="Chromium is not installed")
+needs_chromium = pytest.mark.skipif(
+    _EXECUTABLE is None or find_spec("playwright") is None,
+    reason="Chromium or Playwright is not installed",
+)
 
 
-@dataclass
 class Page:
-    """An open page, and what was told of it.
+    """An open page.
 
     Attributes:
-        messages: What went wrong, as its console says.
+        page: Playwright's.
+        messages: What its console said, and its errors.
         requests: The addresses of all that it asked for.
     """
 
-    _pipe: "_Pipe"
-    _session: str
-    messages: list[str] = field(default_factory=list)
-    requests: list[str] = field(default_factory=list)
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.messages: list[str] = []
+        self.requests: list[str] = []
+        page.on("console", lambda message: self.messages.append(message.text))
+        page.on("pageerror", lambda error: self.messages.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
 
     def evaluate(self, expression: str) -> Any:
-        """The value of an expression in the page; what a promise is settled to."""
-        done = self._ask("Runtime.evaluate", expression=expression, returnByValue=True,
-                         awaitPromise=True)  # fmt: skip
-        assert "exceptionDetails" not in done, done
-        return done["result"].get("value")
+        """The value of an expression in the page; a promise is awaited."""
+        return self.page.evaluate(expression)
 
     def wait(self, expression: str, seconds: float = 30.0) -> Any:
         """The value of an expression as soon as it is true of the page."""
         end = time.monotonic() + seconds
         while not (value := self.evaluate(expression)):
             assert time.monotonic() < end, (f"never true: {expression}", self.messages)
-            time.sleep(_POLL_S)
+            self.page.wait_for_timeout(50)
         return value
 
-    def move(self, x: float, y: float, button: str = "none", held: Sequence[str] = ()) -> None:
-        """Move the mouse, with a button down where one is named."""
-        self._mouse("mouseMoved", x, y, button, held)
-
-    def press(self, x: float, y: float, button: str = "left", held: Sequence[str] = ()) -> None:
-        """Press a button of the mouse at a place of the window."""
-        self.move(x, y, held=held)
-        self._mouse("mousePressed", x, y, button, held, clickCount=1)
-
-    def release(self, x: float, y: float, button: str = "left", held: Sequence[str] = ()) -> None:
-        """Let a button of the mouse go."""
-        self._mouse("mouseReleased", x, y, button, held, clickCount=1)
-
-    def click(self, x: float, y: float, button: str = "left", held: Sequence[str] = ()) -> None:
-        """Click at a place of the window, with keys held that are named ("Shift", ...)."""
-        self.press(x, y, button, held)
-        self.release(x, y, button, held)
+    def click(self, x: float, y: float) -> None:
+        """Click at a place of the window."""
+        self.page.mouse.click(x, y)
 
     def click_on(self, selector: str) -> None:
         """Click into the middle of what a CSS selector finds first."""
@@ -100,174 +72,78 @@ class Page:
         assert found is not None, f"the page has no {selector}"
         return float(found[0]), float(found[1])
 
-    def drag(self, start: tuple[float, float], end: tuple[float, float], button: str = "left",
-             held: Sequence[str] = (), steps: int = 4) -> None:  # fmt: skip
+    def drag(self, start: tuple[float, float], end: tuple[float, float], steps: int = 4) -> None:
         """Press at one place, go to another in so many steps, and let go."""
-        self.press(*start, button, held)
-        for step in range(1, steps + 1):
-            share = step / steps
-            x, y = (a + (b - a) * share for a, b in zip(start, end, strict=True))
-            self.move(x, y, button, held)
-        self.release(*end, button, held)
+        self.page.mouse.move(*start)
+        self.page.mouse.down()
+        self.page.mouse.move(*end, steps=steps)
+        self.page.mouse.up()
 
     def wheel(self, x: float, y: float, delta: float) -> None:
         """Turn the wheel of the mouse; towards the person is more than nought."""
-        self._mouse("mouseWheel", x, y, "none", (), deltaX=0, deltaY=delta)
+        self.page.mouse.move(x, y)
+        self.page.mouse.wheel(0, delta)
 
-    def key(self, key: str, held: Sequence[str] = ()) -> None:
-        """Press a key and let it go: a letter, or the name of a key."""
-        self.key_down(key, held)
-        self.key_up(key, held)
-
-    def key_down(self, key: str, held: Sequence[str] = ()) -> None:
-        """Press a key."""
-        text = {"text": "\r" if key == "Enter" else key} if len(key) == 1 or key == "Enter" else {}
-        self._key("keyDown" if text and not set(held) - {"Shift"} else "rawKeyDown", key, held,
-                  **(text if not set(held) - {"Shift"} else {}))  # fmt: skip
-
-    def key_up(self, key: str, held: Sequence[str] = ()) -> None:
-        """Let a key go."""
-        self._key("keyUp", key, held)
+    def key(self, keys: str) -> None:
+        """Press a key and let it go: a letter, the name of a key, or ``Control+z``."""
+        self.page.keyboard.press(keys)
 
     def write(self, text: str) -> None:
         """Write into the field that has the focus."""
-        self._ask("Input.insertText", text=text)
-
-    def _mouse(
-        self, kind: str, x: float, y: float, button: str, held: Sequence[str], **more: Any
-    ) -> None:
-        down = _HELD[button] if kind != "mouseReleased" else 0
-        self._ask("Input.dispatchMouseEvent", type=kind, x=x, y=y, button=button, buttons=down,
-                  modifiers=_modifiers(held), **more)  # fmt: skip
-
-    def _key(self, kind: str, key: str, held: Sequence[str], **more: Any) -> None:
-        code = _KEYS.get(key, ord(key[0].upper()))
-        self._ask("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code,
-                  code=f"Key{key.upper()}" if len(key) == 1 and key.isalpha() else key,
-                  modifiers=_modifiers(held), **more)  # fmt: skip
+        self.page.keyboard.insert_text(text)
 
     def resize(self, width: int, height: int) -> None:
         """Make the window so large."""
-        self._ask("Emulation.setDeviceMetricsOverride", width=width, height=height,
-                  deviceScaleFactor=1, mobile=False)  # fmt: skip
+        self.page.set_viewport_size({"width": width, "height": height})
 
     def screenshot(self, path: Path, clip: dict[str, float] | None = None) -> None:
         """Write what is seen, or a part of the page, as a PNG."""
-        part = {"clip": {**clip, "scale": 1}, "captureBeyondViewport": True} if clip else {}
-        done = self._ask("Page.captureScreenshot", format="png", **part)
-        path.write_bytes(base64.b64decode(done["data"]))
+        self.page.screenshot(path=path, clip=clip, full_page=clip is not None)
 
     def darken(self) -> None:
         """Prefer dark colours."""
-        features = [{"name": "prefers-color-scheme", "value": "dark"}]
-        self._ask("Emulation.setEmulatedMedia", features=features)
-
-    def _load(self, address: str) -> None:
-        for domain in ("Page", "Network", "Runtime", "Log"):
-            self._ask(f"{domain}.enable")
-        self._ask("Page.navigate", url=address)
-        while self._note(self._pipe.read()) != "Page.loadEventFired":
-            pass
-
-    def _ask(self, method: str, **params: Any) -> Any:
-        number = self._pipe.write(method, params, self._session)
-        while (told := self._pipe.read()).get("id") != number:
-            self._note(told)
-        assert "error" not in told, told
-        return told["result"]
-
-    def _note(self, told: dict[str, Any]) -> str:
-        method, params = told.get("method", ""), told.get("params", {})
-        if method == "Network.requestWillBeSent":
-            self.requests.append(params["request"]["url"])
-        if method == "Log.entryAdded":
-            self.messages.append(params["entry"]["text"])
-        if method in ("Runtime.exceptionThrown", "Runtime.consoleAPICalled"):
-            self.messages.append(json.dumps(params))
-        return str(method)
+        self.page.emulate_media(color_scheme="dark")
 
 
-def _modifiers(held: Sequence[str]) -> int:
-    return sum(_MODIFIERS[key] for key in held)
+_open: Final[list[Any]] = []
 
 
 @contextmanager
 def opened(
-    page: Path | str, scratch: Path, *, webgl: bool = False, size: tuple[int, int] | None = None
+    page: Path | str, *, webgl: bool = False, size: tuple[int, int] = (800, 600)
 ) -> Iterator[Page]:
     """Open a page.
 
     Args:
         page: The HTML file, or an address.
-        scratch: A folder that the browser may fill.
         webgl: Whether it needs WebGL 2, which is drawn in software.
-        size: Width and height of the window; the browser's own without.
+        size: Width and height of the window.
     """
     address = page.resolve().as_uri() if isinstance(page, Path) else page
-    pipe = _Pipe(scratch, _WEBGL if webgl else _FLAT)
-    try:
-        target = pipe.ask("Target.createTarget", url="about:blank")["targetId"]
-        told = pipe.ask("Target.attachToTarget", targetId=target, flatten=True)
-        window = Page(pipe, told["sessionId"])
-        if size:
-            window.resize(*size)
-        window._load(address)
-        yield window
-    finally:
-        pipe.close()
-
-
-class _Pipe:
-    """Messages to and from a browser: JSON, each with a zero byte at its end."""
-
-    def __init__(self, scratch: Path, options: Sequence[str]) -> None:
-        assert _EXECUTABLE is not None
-        theirs, ours = os.pipe()
-        back, back_theirs = os.pipe()
-        words = [_EXECUTABLE, *_OPTIONS, *options, f"--user-data-dir={scratch}", "about:blank"]
-        # The browser reads from 3 and writes to 4.
-        script = f"exec {shlex.join(words)} 3<&{theirs} 4>&{back_theirs}"
-        self._process = subprocess.Popen(
-            ["bash", "-c", script], pass_fds=(theirs, back_theirs),
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-        os.close(theirs)
-        os.close(back_theirs)
-        self._out, self._in = os.fdopen(ours, "wb"), os.fdopen(back, "rb")
-        self._left = b""
-        self._number = 0
-
-    def write(self, method: str, params: dict[str, Any], session: str | None = None) -> int:
-        self._number += 1
-        told: dict[str, Any] = {"id": self._number, "method": method, "params": params}
-        if session:
-            told["sessionId"] = session
-        self._out.write(json.dumps(told).encode() + b"\0")
-        self._out.flush()
-        return self._number
-
-    def read(self) -> dict[str, Any]:
-        while b"\0" not in self._left:
-            said, _, _ = select.select([self._in], [], [], _PATIENCE_S)
-            assert said, f"the browser has said nothing for {_PATIENCE_S} s"
-            piece = os.read(self._in.fileno(), 1 << 16)
-            assert piece, "the browser has ended"
-            self._left += piece
-        message, _, self._left = self._left.partition(b"\0")
-        found: dict[str, Any] = json.loads(message)
-        return found
-
-    def ask(self, method: str, **params: Any) -> Any:
-        number = self.write(method, params)
-        while (told := self.read()).get("id") != number:
-            pass
-        return told["result"]
-
-    def close(self) -> None:
-        self._out.close()
-        self._in.close()
+    with _playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=_EXECUTABLE, args=_WEBGL if webgl else _FLAT
+        )
+        window = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        window.set_default_timeout(120_000)
+        found = Page(window)
+        window.goto(address)
         try:
-            self._process.wait(10)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            yield found
+        finally:
+            browser.close()
+
+
+@contextmanager
+def _playwright() -> Iterator[Any]:
+    """The driver, of which a thread may have one: it ends with the last page that uses it."""
+    from playwright.sync_api import sync_playwright
+
+    driver = _open[-1] if _open else sync_playwright().start()
+    _open.append(driver)
+    try:
+        yield driver
+    finally:
+        _open.pop()
+        if not _open:
+            driver.stop()

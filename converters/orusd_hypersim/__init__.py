@@ -2,7 +2,7 @@
 
 ``dataset`` writes the scenes, ``frames`` says what a frame is made of, ``cameras`` has their
 conventions, and ``tables`` the CSV files; ``hdf5`` writes files that are the same for the same
-content. ``loading`` reads scenes for training, their cameras and tables by ``reading``.
+content. ``loading`` reads scenes for training.
 """
 
 from orusd_hypersim.dataset import HypersimDataset

@@ -126,7 +126,5 @@ PICTURES: Final[dict[str, _Made]] = {
     },
     "render_entity_id": _Made(GEOMETRY, ("instance",), lambda view: _labels(view, "instance")),
     "semantic_instance": _Made(GEOMETRY, ("instance",), lambda view: _labels(view, "instance")),
-    "semantic": _Made(
-        GEOMETRY, ("semantic_nyu40",), lambda view: _labels(view, "semantic_nyu40")
-    ),
-}  # fmt: skip
+    "semantic": _Made(GEOMETRY, ("semantic_nyu40",), lambda view: _labels(view, "semantic_nyu40")),
+}

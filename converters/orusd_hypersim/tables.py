@@ -12,10 +12,12 @@ from orusd_hypersim.cameras import projection, rays
 
 SPLIT_FILE: Final = "analysis/metadata_images_split_scene_v1.csv"
 CAMERAS_FILE: Final = "metadata_camera_parameters.csv"
-SPLIT_HEADS: Final = (
-    "scene_name", "camera_name", "frame_id", "included_in_public_release", "exclude_reason",
-    "split_partition_name",
-)  # fmt: skip
+SPLIT_HEADS: Final = tuple(
+    (
+        "scene_name camera_name frame_id included_in_public_release exclude_reason"
+        " split_partition_name"
+    ).split()
+)
 CAMERA_HEADS: Final = (
     "scene_name",
     "settings_output_img_height",

@@ -2,7 +2,7 @@
 
 ``dataset`` is the story. ``cameras`` says where a camera stands in the words of each tool, and
 writes ``cameras.json`` and ``cameras.npz``; ``pictures`` makes the images and depth maps,
-``points`` finds surface points and who sees them; ``colmap`` and ``transforms`` are the two forms.
+``points`` finds surface points and who sees them.
 """
 
 from orusd_nerf.dataset import NerfDataset

@@ -1,23 +1,43 @@
 """Writes a finished render for radiance fields and photogrammetry."""
 
+import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
+
+import numpy as np
 
 from openrooms_usd import atomic, claims
 from openrooms_usd.errors import InputError, OutputError, writing
 from openrooms_usd.ledger import Ledger
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.reading import RenderedScene
-from orusd_nerf.cameras import camera_of, write_matrices
-from orusd_nerf.colmap import MODEL, write_model
-from orusd_nerf.pictures import DEPTHS, IMAGES, survey, write_depth, write_image
+from orusd_nerf.cameras import Array, Camera, Lens, camera_of, write_matrices
+from orusd_nerf.pictures import (
+    DEPTH_STEP_M,
+    DEPTHS,
+    IMAGES,
+    image_name,
+    survey,
+    write_depth,
+    write_image,
+)
 from orusd_nerf.points import NOTHING, Points, Sightings, joined, sample, sightings
-from orusd_nerf.transforms import TRANSFORMS, write_transforms
 
+# Where COLMAP, nerfstudio and 3D Gaussian splatting look for it.
+MODEL: Final = "sparse/0"
+_PIXEL_DECIMALS: Final = 6
+_METRE_DECIMALS: Final = 9
+TRANSFORMS: Final = "transforms.json"
+CLOUD: Final = "points3D.ply"
+_NO_DISTORTION: Final = {"k1": 0.0, "k2": 0.0, "p1": 0.0, "p2": 0.0}
+# Around all surfaces and cameras.
+_MARGIN_M: Final = 0.1
 _LEDGER: Final = ".orusd.nerf.sha256"
 # Kinds of files that are made of depth.
 _OF_DEPTH: Final = ("depths", "points")
@@ -124,3 +144,145 @@ def _notes(far: int, stay: Sequence[Path]) -> Iterator[str]:
         yield f"{far} pixels lie farther away than 16 bits of millimetres say: they have no depth"
     for path in stay:
         yield f"{path.name} stays, which was changed after it was written"
+
+
+def write_transforms(
+    folder: Path, cameras: Sequence[Camera], points: Points, *, depths: bool
+) -> None:
+    """Write ``transforms.json``, and ``points3D.ply`` where there are points.
+
+    Args:
+        folder: The dataset.
+        cameras: One for each view.
+        points: Points of surfaces.
+        depths: Whether there are depth maps.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    lenses = {camera.lens for camera in cameras}
+    common = _lens(next(iter(lenses))) if len(lenses) == 1 else {}
+    found: dict[str, Any] = {"camera_model": "OPENCV", **_NO_DISTORTION, **common}
+    if depths:
+        found["integer_depth_scale"] = DEPTH_STEP_M
+    if len(points):
+        found["ply_file_path"] = CLOUD
+        # instant-ngp scales this box to its unit cube.
+        found["aabb"], found["aabb_scale"] = _box(cameras, points).tolist(), 1
+        _write_cloud(folder / CLOUD, points)
+    found["frames"] = [
+        _frame(camera, number, depths=depths) | ({} if common else _lens(camera.lens))
+        for number, camera in enumerate(cameras, start=1)
+    ]
+    write_json(folder / TRANSFORMS, found)
+
+
+def _lens(lens: Lens) -> dict[str, float]:
+    found = asdict(lens)
+    angles = {
+        "camera_angle_x": 2.0 * math.atan2(lens.width, 2.0 * lens.fl_x),
+        "camera_angle_y": 2.0 * math.atan2(lens.height, 2.0 * lens.fl_y),
+    }
+    return {"w": found.pop("width"), "h": found.pop("height"), **found, **angles}
+
+
+def _frame(camera: Camera, number: int, *, depths: bool) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "file_path": f"{IMAGES}/{image_name(camera.name)}",
+        "transform_matrix": camera.transform_matrix.tolist(),
+        "colmap_im_id": number,
+    }
+    if depths:
+        depth = f"{DEPTHS}/{image_name(camera.name)}"
+        found |= {"depth_file_path": depth, "depth_path": depth}
+    return found
+
+
+def _box(cameras: Sequence[Camera], points: Points) -> Array:
+    eyes = np.stack([camera.world_from_camera[:3, 3] for camera in cameras])
+    everything = np.concatenate([eyes, points.positions])
+    return np.stack([everything.min(axis=0) - _MARGIN_M, everything.max(axis=0) + _MARGIN_M])
+
+
+def _write_cloud(path: Path, points: Points) -> None:
+    """Write a binary PLY of positions and colours."""
+    kinds = [(axis, "<f4") for axis in "xyz"] + [(c, "u1") for c in ("red", "green", "blue")]
+    rows = np.empty(len(points), np.dtype(kinds))
+    for values, names in ((points.positions, kinds[:3]), (points.colors, kinds[3:])):
+        for column, (name, _) in enumerate(names):
+            rows[name] = values[:, column]
+    words = {"<f4": "float", "u1": "uchar"}
+    properties = [f"property {words[kind]} {name}" for name, kind in kinds]
+    head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(points)}", *properties]
+    atomic.write_bytes(path, ("\n".join([*head, "end_header"]) + "\n").encode() + rows.tobytes())
+
+
+def write_model(
+    folder: Path, cameras: Sequence[Camera], points: Points, seen: Sequence[Sightings]
+) -> None:
+    """Write ``cameras.txt``, ``images.txt`` and ``points3D.txt``.
+
+    Args:
+        folder: The dataset.
+        cameras: One for each view.
+        points: Points of surfaces.
+        seen: Which of them each view sees.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    lenses = sorted({camera.lens for camera in cameras})
+    numbers = {lens: number for number, lens in enumerate(lenses, start=1)}
+    model = folder / MODEL
+    _write_model(
+        model / "cameras.txt",
+        ["CAMERA_ID, MODEL, WIDTH, HEIGHT, fx, fy, cx, cy"],
+        (
+            f"{numbers[lens]} PINHOLE {lens.width} {lens.height} "
+            + _numbers((lens.fl_x, lens.fl_y, lens.cx, lens.cy))
+            for lens in lenses
+        ),
+    )
+    _write_model(
+        model / "images.txt",
+        ["IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME", "(X, Y, POINT3D_ID)*"],
+        _images(cameras, [numbers[camera.lens] for camera in cameras], seen),
+    )
+    _write_model(
+        model / "points3D.txt",
+        ["POINT3D_ID, X, Y, Z, R, G, B, ERROR, (IMAGE_ID, POINT2D_IDX)*"],
+        _points(points, seen),
+    )
+
+
+def _images(
+    cameras: Sequence[Camera], lenses: Sequence[int], seen: Sequence[Sightings]
+) -> Iterator[str]:
+    rows = zip(cameras, lenses, seen, strict=True)
+    for number, (camera, lens, sighted) in enumerate(rows, start=1):
+        place = (*camera.rotation, *camera.camera_from_world[:3, 3])
+        yield f"{number} {_numbers(place)} {lens} {image_name(camera.name)}"
+        pixels = np.round(sighted.pixels, _PIXEL_DECIMALS).tolist()
+        marks = zip(pixels, sighted.points.tolist(), strict=True)
+        yield " ".join(f"{x!r} {y!r} {point + 1}" for (x, y), point in marks)
+
+
+def _points(points: Points, seen: Sequence[Sightings]) -> Iterator[str]:
+    tracks: list[list[str]] = [[] for _ in range(len(points))]
+    for number, sighted in enumerate(seen, start=1):
+        for place, point in enumerate(sighted.points.tolist()):
+            tracks[point].append(f"{number} {place}")
+    positions = np.round(points.positions, _METRE_DECIMALS).tolist()
+    rows = zip(positions, points.colors.tolist(), tracks, strict=True)
+    for number, (position, color, track) in enumerate(rows, start=1):
+        colored = " ".join(map(str, color))
+        yield f"{number} {_numbers(position)} {colored} 0 {' '.join(track)}"
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return " ".join(repr(float(value) + 0.0) for value in values)
+
+
+def _write_model(path: Path, comments: Sequence[str], lines: Iterator[str]) -> None:
+    everything = [*(f"# {comment}" for comment in comments), *lines]
+    atomic.write_text(path, "\n".join(everything) + "\n")

@@ -72,17 +72,19 @@ def too_many(scene: RenderedScene, lights: Sequence[Light]) -> dict[str, frozens
 
 def _without_place(view: RenderedView, lights: Sequence[Light]) -> frozenset[int]:
     masks = view.lights.get("mask", {})
-    shares = {light.number: float(masks[light.number].mean()) for light in lights
-              if light.number in masks}  # fmt: skip
+    shares = {
+        light.number: float(masks[light.number].mean()) for light in lights if light.number in masks
+    }
     beyond: set[int] = set()
     for is_window, most in ((True, MOST_WINDOWS), (False, MOST_LAMPS)):
         for seen in (True, False):
             group = [
-                light for light in lights
+                light
+                for light in lights
                 if light.is_window == is_window
                 and light.number in shares
                 and (shares[light.number] > _SEEN_SHARE) == seen
-            ]  # fmt: skip
+            ]
             group.sort(key=lambda light: _worth(light, shares), reverse=True)
             beyond |= {light.number for light in group[most:]}
     return frozenset(beyond)

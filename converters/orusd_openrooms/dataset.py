@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from pathlib import Path
 from types import MappingProxyType
@@ -15,17 +15,21 @@ from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.errors import InputError, OrusdError, OutputError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.render.manifest import write_json
 from openrooms_usd.render.reading import RenderedScene, RenderedView
 from openrooms_usd.untrusted import read_bytes
-from orusd_openrooms import layout
-from orusd_openrooms.cautions import cautions
-from orusd_openrooms.crowding import too_many_of, without
+from orusd_openrooms import cameras, layout, readers
+from orusd_openrooms.crowding import CROWDED, too_many_of, without
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
-from orusd_openrooms.layout import SHARED, SPLITS, SUBSETS, Place
+from orusd_openrooms.layout import SHARED, SHARED_INTRINSICS, SPLITS, SUBSETS, Place
+from orusd_openrooms.pickles import write_pickled
 from orusd_openrooms.records import lights_of
-from orusd_openrooms.scenefolder import write_scene_folder
 
+_RELEASED: Final = (640, 480)
+# Horizontal, degrees: IndoorLightEditing takes it for granted, InverseRenderingOfIndoorScene 57.
+_RELEASED_FIELD_DEG: Final = 57.95
+_FIELD_TOLERANCE_DEG: Final = 1.0
 _SCENE: Final = re.compile(r"scene\w{1,60}", re.ASCII)
 
 
@@ -219,3 +223,104 @@ def _same(view: RenderedView, other: RenderedView) -> bool:
 
 def _wrong(message: str, remedy: str) -> OrusdError:
     return InputError(message, place="dataset", remedy=remedy)
+
+
+def cautions(
+    renders: Sequence[RenderedScene],
+    root: Path,
+    options: DatasetOptions,
+    crowded: Sequence[Mapping[str, frozenset[int]]],
+) -> Iterator[str]:
+    """A sentence for each.
+
+    Args:
+        renders: What was written.
+        root: The dataset's folder.
+        options: How it was laid out.
+        crowded: The lights that found no place, by view, of each split.
+    """
+    if options.layout == "split":
+        yield (
+            "this is the tree of the release, in which the published loaders find no pictures: "
+            "what they read is the layout merged"
+        )
+    # Variants share their views.
+    suffixes = map(layout.suffix_of, options.splits)
+    of_suffix = dict(zip(suffixes, crowded, strict=True))
+    for suffix, each in of_suffix.items():
+        place = options.scene if suffix == layout.SUFFIXES[0] else f"{options.scene}, {suffix}"
+        for name, numbers in sorted(each.items()):
+            if options.crowded == "leave-out":
+                said, why = "is left out", f"{CROWDED}, for which IndoorLightEditing has no room"
+            else:
+                least = ", ".join(map(str, sorted(numbers)))
+                said, why = f"is without its least lights, {least}", CROWDED
+            yield f"{place}: {name} {said}: it has {why}"
+    views = [view for render in renders for view in render.views.values()]
+    if {(view.width, view.height) for view in views} != {_RELEASED}:
+        yield "the released loaders expect pictures of 640x480"
+    fields = sorted({round(_field_deg(view), 2) for view in views})
+    if any(abs(field - _RELEASED_FIELD_DEG) > _FIELD_TOLERANCE_DEG for field in fields):
+        said = " to ".join(f"{field:g}" for field in dict.fromkeys((fields[0], fields[-1])))
+        yield (
+            f"the field of view is {said} degrees, and the released loaders take "
+            f"{_RELEASED_FIELD_DEG} or 57 for granted: use --fov {_RELEASED_FIELD_DEG}, in a "
+            f"dataset.yaml views: {{fov: {_RELEASED_FIELD_DEG}}}, or change it in them"
+        )
+    shared = readers.read_intrinsics(root / layout.SHARED_INTRINSICS)
+    if not all(np.allclose(view.K, shared, rtol=1e-6) for view in views):
+        yield (
+            f"{layout.SHARED_INTRINSICS.as_posix()} is that of other cameras: loaders that read it "
+            "for all scenes will be wrong about these"
+        )
+    if caution := layout.caution(root):
+        yield caution
+
+
+def _field_deg(view: RenderedView) -> float:
+    """The horizontal field of view, degrees."""
+    return float(2.0 * np.degrees(np.arctan(0.5 * view.width / view.K[0, 0])))
+
+
+def write_scene_folder(
+    place: Place, root: Path, render: RenderedScene, first: int, known: ledger.Ledger
+) -> None:
+    """Write the cameras of a scene: the new ones in the place of their numbers, others stay.
+
+    Args:
+        place: Where they go.
+        root: The dataset's folder, with what was written earlier.
+        render: The views.
+        first: The number of the first of them.
+        known: What earlier runs wrote.
+
+    Raises:
+        InputError: Earlier cameras are damaged, or there are too few.
+        OutputError: A file cannot be written.
+    """
+    folder = place.scene_folder
+    earlier = root / folder.relative_to(place.root)
+    there, told = earlier / "cam.txt", earlier / "views.json"
+    poses = readers.read_cameras(there) if os.path.lexists(there) else []
+    names = readers.read_view_names(told) if os.path.lexists(told) else []
+    # Frames count from 1, or from 0 as in sets that others rendered again.
+    start = max(0, first - 1)
+    if len(poses) < start:
+        raise InputError(
+            f"the scene has {len(poses)} cameras, so the next view is number {len(poses) + 1}",
+            place=there,
+            remedy=f"give --first {len(poses) + 1}, or write the earlier views first",
+        )
+    end = start + len(render.views)
+    new = [cameras.pose(view.world_from_camera) for view in render.views.values()]
+    cameras.write_cameras(folder / "cam.txt", [*poses[:start], *new, *poses[end:]])
+    names = [*names, *[""] * (len(poses) - len(names))]
+    write_json(folder / "views.json", {"views": [*names[:start], *render.views, *names[end:]]})
+    write_pickled(folder / "transform.dat", cameras.layout_transforms())
+    K = next(iter(render.views.values())).K
+    cameras.write_intrinsics(folder / "intrinsic.txt", K)
+    shared = root / SHARED_INTRINSICS
+    if not os.path.lexists(shared) or known.is_own(shared):
+        cameras.write_intrinsics(place.root / SHARED_INTRINSICS, K)
+    if place.layout == "merged":
+        cameras.write_intrinsics(place.root / place.split / place.scene / "intrinsic.txt", K)

@@ -4,7 +4,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,8 @@ from openrooms_usd.render.folder import LIGHTS_FILE
 from openrooms_usd.render.reading import RenderedView
 from orusd_openrooms.environments import Order
 from orusd_openrooms.records import Light
-from orusd_openrooms.resampling import area_mean
 
 Pixels = NDArray[np.float32]
-
 # Light is stored at a quarter of the picture's resolution, what is direct alone at a sixteenth.
 COARSER: Final = 4
 
@@ -94,3 +92,33 @@ class Frame:
         if reason:
             self.missing[name] = reason
         return bool(reason)
+
+
+def area_mean(pixels: NDArray[Any], rows: int, columns: int) -> NDArray[np.float32]:
+    """Average a picture over the pixels of a coarser (or finer) grid that covers it.
+
+    Args:
+        pixels: (height, width, components).
+        rows: Of the result.
+        columns: Of the result.
+
+    Returns:
+        (rows, columns, components).
+    """
+    down = _overlaps(pixels.shape[0], rows)
+    across = _overlaps(pixels.shape[1], columns)
+    reduced = np.einsum("rh,hwc->rwc", down, pixels.astype(np.float64), optimize=True)
+    result: NDArray[np.float32] = np.einsum("cw,rwk->rck", across, reduced, optimize=True).astype(
+        np.float32
+    )
+    return result
+
+
+def _overlaps(size: int, parts: int) -> NDArray[np.float64]:
+    """(parts, size) which share of every part a cell covers; rows sum to 1."""
+    edges = np.linspace(0.0, size, parts + 1)
+    low, high = edges[:-1, None], edges[1:, None]
+    cell = np.arange(size)
+    covered = np.minimum(high, cell + 1) - np.maximum(low, cell)
+    shares: NDArray[np.float64] = np.clip(covered, 0.0, None) / (high - low)
+    return shares

@@ -1,20 +1,35 @@
 """The files of a view: which channels each is made of, and how."""
 
+import struct
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.errors import MissingPackageError
+from openrooms_usd.errors import MissingPackageError, writing
 from orusd_openrooms import environments, images
-from orusd_openrooms.binary import write_binary
-from orusd_openrooms.fits import write_fit
 from orusd_openrooms.frame import COARSER, Frame, Pixels
 from orusd_openrooms.layout import Place
 from orusd_openrooms.lightfiles import write_lights
 from orusd_openrooms.rgbe import write_rgbe
+
+
+def write_binary(path: Path, pixels: NDArray[Any], kind: Literal["<f4", "<i4"]) -> None:
+    """Write pixels row by row, the top row first.
+
+    Args:
+        path: The file.
+        pixels: (height, width) or (height, width, components).
+        kind: The type of a number.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    size = struct.pack("<ii", *pixels.shape[:2])
+    atomic.write_bytes(path, size + np.ascontiguousarray(pixels, kind).tobytes())
 
 
 def write_frame(place: Place, number: int, frame: Frame) -> None:
@@ -136,3 +151,43 @@ _FRAME: Final[dict[str, _Made]] = {
         lambda path, f: write_rgbe(path, f.coarse(f.view.pixels["irradiance_direct"])),
     ),
 }
+
+
+def write_fit(path: Path, lobes: NDArray[np.float32]) -> None:
+    """Write the data set ``data``, compressed by lzf.
+
+    Args:
+        path: The file.
+        lobes: (rows, columns, lobes, 6): theta, phi, sharpness, red, green, blue; the light in the
+            direction d is the sum of color exp(sharpness (axis . d - 1)).
+
+    Raises:
+        MissingPackageError: h5py is not installed.
+        OutputError: The file cannot be written.
+    """
+    h5py = load_h5py()
+    with (
+        atomic.replacing(path) as beside,
+        writing(path),
+        h5py.File(beside, "w", libver="v108") as file,
+    ):
+        # Without times the same lobes give the same bytes.
+        file.create_dataset(
+            "data", data=np.ascontiguousarray(lobes, "<f4"), compression="lzf", track_times=False
+        )
+
+
+def load_h5py() -> Any:
+    """The package h5py.
+
+    Raises:
+        MissingPackageError: It is not installed.
+    """
+    try:
+        import h5py
+    except ImportError as error:
+        raise MissingPackageError(
+            "spherical Gaussians are stored as HDF5, which needs the package 'h5py'",
+            remedy="pip install 'openrooms-usd[openrooms]'",
+        ) from error
+    return h5py

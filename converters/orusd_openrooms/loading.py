@@ -4,8 +4,8 @@ A file that a variant has not of its own is that of ``main``, as the release has
 tells is told by `FROM_FILES`; ``normal``, ``position`` and ``distance`` follow from the camera.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, NamedTuple, cast
@@ -18,17 +18,103 @@ from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.loading.files import Files
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.untrusted import read_text
 from openrooms_usd.urls import MissingFileError
 from orusd_openrooms import readers
-from orusd_openrooms.layout import SHARED_INTRINSICS
-from orusd_openrooms.listing import IMAGE, Frame, listed
+from orusd_openrooms.layout import (
+    FRAME,
+    LAYOUTS,
+    SHARED_INTRINSICS,
+    SPLITS,
+    SUBSETS,
+    Layout,
+    Place,
+    suffix_of,
+)
 from orusd_openrooms.scenes.reading import read_scene
 
 Array = NDArray[Any]
-
 # Their world, Y up, to ours, Z up; and OpenCV's axes from OpenGL's.
 _OURS_FROM_THEIRS: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 _OPENGL: Final = np.array([1.0, -1.0, -1.0])
+IMAGE: Final = "im"
+
+
+"""The kind of file that every frame has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A frame of a scene.
+
+    Attributes:
+        scene: Such as ``scene0000_00``.
+        split: One of `SPLITS`.
+        number: As its files are numbered.
+        row: Of ``cam.txt``.
+        layout: How the files lie.
+        subset: ``train``, ``val``, ``test``, or empty.
+    """
+
+    scene: str
+    split: str
+    number: int
+    row: int
+    layout: Layout
+    subset: str
+
+    def files(self, name: str) -> tuple[str, ...]:
+        """Where a kind of file may lie, below the root: the first that is there counts.
+
+        What is not released with a variant is that of ``main``, unless somebody wrote it.
+        """
+        splits = [self.split]
+        if self.split.partition("_")[0] not in FRAME[name].variants:
+            splits.append(f"main_{suffix_of(self.split)}")
+        paths = [self._place(split).frame(name, self.number) for split in splits]
+        return tuple(path.as_posix() for path in paths if path)
+
+    @property
+    def cameras(self) -> str:
+        """The folder of its cameras, below the root."""
+        return self._place(self.split).scene_folder.as_posix()
+
+    def _place(self, split: str) -> Place:
+        return Place(Path(), self.scene, split, self.layout)
+
+
+def listed(files: Files) -> Iterator[Frame]:
+    """All frames of a dataset; one is where its picture is.
+
+    Raises:
+        InputError: It cannot be listed.
+    """
+    subsets = {scene: subset for subset in SUBSETS for scene in _scenes(files, f"{subset}.txt")}
+    for layout in LAYOUTS:
+        for split in SPLITS:
+            pictures = FRAME[IMAGE].folder
+            top = f"{pictures}/{split}" if layout == "split" else split
+            for scene in files.names(top):
+                numbers = sorted(
+                    int(words[1])
+                    for name in files.names(f"{top}/{scene}")
+                    if (words := Path(name).stem.split("_"))[0] == IMAGE
+                    and name.endswith(FRAME[IMAGE].suffix)
+                    and len(words) == 2
+                    and words[1].isdecimal()
+                )
+                # Released frames count from 1, those that others rendered again from 0.
+                first = 0 if 0 in numbers else 1
+                for number in numbers:
+                    subset = subsets.get(scene, "")
+                    yield Frame(scene, split, number, number - first, layout, subset)
+
+
+def _scenes(files: Files, name: str) -> list[str]:
+    if name not in files.names(""):
+        return []
+    with files.local({name: ""}) as root:
+        return read_text(root / name, "table").split()
 
 
 def _plane(read: Callable[[Path], Array]) -> Callable[[Path], Array]:
@@ -58,11 +144,13 @@ FROM_FILES: Final[dict[str, _Told]] = {
     "valid": _share(lambda mask: ~mask["sky"]),
     "emission_mask": _share(lambda mask: mask["lamp"]),
 }
+
+
 """The channels that files tell: those of a view."""
-
 GRIDS: Final = {"environment": "imenv", "environment_direct": "imenvDirect"}
-"""The grids of hemispheres."""
 
+
+"""The grids of hemispheres."""
 _FOLLOWS: Final = {"normal": "normal_camera", "position": "depth", "distance": "depth"}
 
 
@@ -198,9 +286,10 @@ def _intrinsics(files: Files, folder: str) -> Array:
         if scene.fov is not None:
             return intrinsics(scene.fov, *scene.resolution)
     raise InputError(
-        "nothing says its field of view", place=f"{files}/{folder}",
+        "nothing says its field of view",
+        place=f"{files}/{folder}",
         remedy="put the scene's main.xml or its intrinsic.txt there",
-    )  # fmt: skip
+    )
 
 
 def _file_of(channel: str) -> str:

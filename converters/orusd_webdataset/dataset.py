@@ -1,13 +1,19 @@
 """All views of a dataset as shards, which are read from end to end."""
 
+import io
 import json
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import ExitStack
-from pathlib import Path
+import os
+import re
+import tarfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any, Final
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, untrusted
+from openrooms_usd.errors import InputError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.render.datasets import (
     DatasetOptions,
@@ -15,14 +21,101 @@ from openrooms_usd.render.datasets import (
     FinishedRoom,
     replacing_all,
 )
-from orusd_webdataset.archive import BLOCK, Archive, archive, room_for
-from orusd_webdataset.sample import Sample, samples
+from openrooms_usd.render.folder import load_manifest
+from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.untrusted import is_plain_name
 
+BLOCK: Final = 512
+_MODE: Final = 0o644
 INDEX: Final = "shards.json"
 _LEDGER: Final = ".orusd.webdataset.sha256"
 _MEGABYTE: Final = 1_000_000
 # An archive ends with two empty blocks, in a record of twenty.
 _END: Final = 20 * BLOCK
+_KINDS: Final = (".exr", ".npy")
+_NUMBER: Final = re.compile(r"view_([0-9]{1,9})")
+# What a manifest says of all views, not of one.
+_SHARED: Final = ("views", "report")
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A view on its way into a shard.
+
+    Attributes:
+        key: What the names of its files begin with; ordered as the views are.
+        files: By what comes after the key and a dot.
+        text: Its JSON.
+    """
+
+    key: str
+    files: Mapping[str, Path]
+    text: str
+
+    @property
+    def sizes(self) -> list[int]:
+        """Bytes of its files."""
+        return [*(path.stat().st_size for path in self.files.values()), len(self.text.encode())]
+
+
+def samples(room: FinishedRoom, wanted: Sequence[str]) -> Iterator[Sample]:
+    """The samples of a room, ordered by their keys.
+
+    Args:
+        room: The room.
+        wanted: Which files of each view, by name; all of channels where empty.
+
+    Raises:
+        InputError: A render is damaged, or no view has such a file.
+    """
+    for variant, render in sorted(room.renders.items()):
+        said = load_manifest(render.folder)[1]
+        shared = {name: value for name, value in said.items() if name not in _SHARED}
+        numbers = dict(zip(_numbers([*render.views]), render.views.values(), strict=True))
+        for number, view in sorted(numbers.items()):
+            about = {
+                "room": room.name,
+                "split": room.split,
+                "variant": variant,
+                "view": view.name,
+                **{what: said["views"][view.name][what] for what in _CAMERA},
+                "entry": said["views"][view.name],
+                "render": shared,
+            }
+            key = f"{room.number:07d}-{variant}-{number:04d}"
+            yield Sample(key, _files(view, wanted), json.dumps(about, sort_keys=True, indent=1))
+
+
+_CAMERA: Final = ("K", "world_from_camera", "resolution")
+
+
+def _numbers(names: Sequence[str]) -> list[int]:
+    """Of views: those in their names where each has its own there, else their places."""
+    found = [int(said[1]) for name in names if (said := _NUMBER.fullmatch(name))]
+    return found if len(set(found)) == len(names) else [*range(len(names))]
+
+
+def _files(view: RenderedView, wanted: Sequence[str]) -> dict[str, Path]:
+    """The files of a view that are in its folder, by name; in folders with dots."""
+    if wanted:
+        found = {name.replace("/", "."): view.folder / PurePosixPath(name) for name in wanted}
+        for name in wanted:
+            path = view.folder / PurePosixPath(name)
+            if not all(map(is_plain_name, name.split("/"))) or not os.path.lexists(path):
+                raise InputError(
+                    f"the view has no file {name!r}",
+                    place=view.folder,
+                    remedy=f"it has: {', '.join(sorted(_known(view)))}",
+                )
+        return dict(sorted(found.items()))
+    return {name: view.folder / name for name in sorted(_known(view)) if name.endswith(_KINDS)}
+
+
+def _known(view: RenderedView) -> set[str]:
+    """The names of the files that the manifest names and that are there."""
+    paths: list[Any] = [PurePosixPath(path) for path in view.entry.paths()]
+    names = {path.relative_to(view.name).as_posix() for path in paths}
+    return {name for name in names if os.path.lexists(view.folder / name) and "/" not in name}
 
 
 class WebDataset:
@@ -52,8 +145,10 @@ class WebDataset:
             listed = shards.listed
             atomic.write_text(root / INDEX, json.dumps(listed, indent=1, sort_keys=True) + "\n")
             written |= {root.absolute() / name for name in (*_names(listed), INDEX)}
-        counts = {split: list(range(sum(row["samples"] for row in rows)))
-                  for split, rows in listed.items()}  # fmt: skip
+        counts = {
+            split: list(range(sum(row["samples"] for row in rows)))
+            for split, rows in listed.items()
+        }
         return DatasetSummary(root, counts, len(written), {})
 
 
@@ -113,3 +208,56 @@ class _Split(ExitStack):
         file = f"{self._name}/{self._name}-{len(self.rows):06d}.tar"
         self.rows.append({"file": file, "samples": 0})
         self._now, self._size = self.enter_context(archive(self._root / file)), 0
+
+
+class Archive:
+    """A tar file that is being written.
+
+    Args:
+        file: Where it goes.
+    """
+
+    def __init__(self, file: tarfile.TarFile) -> None:
+        self._file = file
+
+    def add_text(self, name: str, text: str) -> None:
+        """Add a file of text."""
+        data = text.encode()
+        self._file.addfile(_header(name, len(data)), io.BytesIO(data))
+
+    def add_file(self, name: str, path: Path) -> None:
+        """Add a copy of a file.
+
+        Raises:
+            InputError: It cannot be read.
+        """
+        with untrusted.opened(path, "frames", remedy="render again") as stream:
+            self._file.addfile(_header(name, path.stat().st_size), stream)
+
+
+@contextmanager
+def archive(path: Path) -> Iterator[Archive]:
+    """A tar file that appears whole, or not at all.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    with (
+        atomic.replacing(path) as beside,
+        writing(path),
+        # Long names get a header of their own, without a time.
+        tarfile.open(beside, "w", format=tarfile.PAX_FORMAT) as file,
+    ):
+        yield Archive(file)
+
+
+def room_for(size: int) -> int:
+    """The bytes that a file of a size takes in an archive, with its header."""
+    return BLOCK + -(-size // BLOCK) * BLOCK
+
+
+def _header(name: str, size: int) -> tarfile.TarInfo:
+    # Its time, owner and group are 0 already.
+    header = tarfile.TarInfo(name)
+    header.size, header.mode = size, _MODE
+    return header

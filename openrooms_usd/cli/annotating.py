@@ -54,8 +54,7 @@ def annotate() -> None:
 @page_options
 def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:
     """Correct the walls, doors, windows and height of a room over the points of its scan."""
-    from openrooms_usd.view.plan.beginning import room_file
-    from openrooms_usd.view.plan.session import Session
+    from openrooms_usd.view.plan.session import Session, room_file
 
     show(Session(room_file(source, out, importer)).app(), **where)
 

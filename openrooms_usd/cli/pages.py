@@ -33,11 +33,11 @@ def show(app: App, *, export: Path | None, host: str, port: int, no_open: bool) 
     Raises:
         OutputError: The file cannot be written, or the port is taken.
     """
-    from openrooms_usd.view import offline
+    from openrooms_usd.view import shell
     from openrooms_usd.view.server import serving
 
     if export is not None:
-        offline.write(app, export)
+        shell.write(app, export)
         echo(f"wrote {export}")
         return
     import threading

@@ -8,16 +8,17 @@ take no memory.
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import groupby
 from operator import itemgetter
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from openrooms_usd import adapters
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.dataset.inputs import capture_digest, file_digest, inputs_digest
+from openrooms_usd.description import load_room
 from openrooms_usd.description.dataset import (
     SPLITS,
     CapturedRooms,
@@ -26,9 +27,10 @@ from openrooms_usd.description.dataset import (
     GeneratedRooms,
     Split,
 )
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.furniture import registry
 from openrooms_usd.names import STAGES
+from openrooms_usd.untrusted import check_path, opened
 
 # What makes the views of a job, but for what is loaded by name.
 _MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generate")
@@ -119,8 +121,11 @@ def plan_rooms(dataset: Dataset) -> Iterator[PlannedRoom]:
                 kind = rooms.types[index % len(rooms.types)]
                 seed = _drawn(dataset.seed, "room", part, kind, index) % _LARGEST_SEED
                 source: dict[str, Any] = {
-                    "type": kind, "seed": seed, "clutter": rooms.clutter, "style": rooms.style
-                }  # fmt: skip
+                    "type": kind,
+                    "seed": seed,
+                    "clutter": rooms.clutter,
+                    "style": rooms.style,
+                }
                 yield PlannedRoom(f"{kind}_{number}", number, source, _split(dataset, number))
                 number += 1
             continue
@@ -251,3 +256,66 @@ def code_of(renderer: str) -> str:
     stages = [f"{_STAGES}.{name}" for name in STAGES if name != "physics"]
     stages += [f"{_STAGES}.physics.stage", f"{_STAGES}.runner"]
     return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, found[renderer].module)
+
+
+def file_digest(path: Path) -> str:
+    """The SHA-256 of a file.
+
+    Raises:
+        InputError: It is not there, or cannot be read.
+    """
+    remedy = "names of files in a dataset.yaml begin in its folder"
+    with opened(path, "frames", remedy=remedy) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def capture_digest(folder: Path, file: str, options: Mapping[str, str]) -> str:
+    """A digest of a capture, and of the files that its importer's options name.
+
+    Args:
+        folder: Where names of files begin.
+        file: What the importer reads; of a folder the names and the sizes of its files count, for
+            it may hold gigabytes.
+        options: What is asked of the importer.
+
+    Raises:
+        InputError: It is not there, or cannot be read.
+    """
+    root = folder / file
+    check_path(root)
+    if not root.is_dir():
+        own = file_digest(root)
+    else:
+        found = sorted(path for path in root.rglob("*") if path.is_file())
+        rows = [(path.relative_to(root).as_posix(), path.stat().st_size) for path in found]
+        own = hashlib.sha256(json.dumps(rows).encode()).hexdigest()
+    named = [folder / value for _, value in sorted(options.items()) if _is_file(folder / value)]
+    digests = [own, *map(file_digest, named)]
+    return own if not named else hashlib.sha256(json.dumps(digests).encode()).hexdigest()
+
+
+def _is_file(path: Path) -> bool:
+    """Whether a value names a file; most are something else."""
+    with suppress(InputError):
+        check_path(path)
+        return path.is_file()
+    return False
+
+
+def inputs_digest(description: Path) -> str | None:
+    """A digest of all files that a room is made of because its room.yaml names them.
+
+    Returns:
+        None where there are none; and where the room.yaml is wrong or a file is missing, which is
+        said when the room's turn comes.
+    """
+    from openrooms_usd.stages import runner
+
+    with suppress(OrusdError):
+        room, folder = load_room(description), description.parent
+        names = sorted({name for stage in runner.stages() for name in stage.inputs(room, folder)})
+        digest = hashlib.sha256()
+        for name in names:
+            digest.update(f"{file_digest(folder / name)}  {name}\n".encode())
+        return digest.hexdigest() if names else None
+    return None

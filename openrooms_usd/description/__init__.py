@@ -1,6 +1,6 @@
 """room.yaml and dataset.yaml: their models, how they are read, and their JSON Schemas.
 
-- `syntax`, `scalars`, `reading`: YAML with places; `units`, `moments`, `nearest`: single values;
+- `scalars`, `reading`: YAML with places; `units`, `moments`, `nearest`: single values;
 - `model`, `room`: the models, by section `layout`, `trim`,
   `polygon`, `captured`, `scanned`, `generate`,
   `alignment`, `materials`, `lights`, `cameras`, `physics`;

@@ -10,10 +10,9 @@ from openrooms_usd.description.dataset import Dataset
 from openrooms_usd.description.diagnosis import diagnose
 from openrooms_usd.description.mistakes import Mistake, refusal
 from openrooms_usd.description.model import Model
-from openrooms_usd.description.reading import read_yaml
+from openrooms_usd.description.reading import place_of, read_yaml
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.scalars import FIRST, PLAIN
-from openrooms_usd.description.syntax import place_of
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.untrusted import MOST_BYTES, read_bytes
 

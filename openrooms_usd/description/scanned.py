@@ -25,11 +25,12 @@ Turn = Annotated[
 ]
 Scales = Annotated[
     tuple[
-        Annotated[Number, Field(gt=0)], Annotated[Number, Field(gt=0)],
+        Annotated[Number, Field(gt=0)],
+        Annotated[Number, Field(gt=0)],
         Annotated[Number, Field(gt=0)],
     ],
     Field(description="along the axes of the CAD"),
-]  # fmt: skip
+]
 
 
 Support = Annotated[

@@ -22,8 +22,9 @@ from openrooms_usd.loading.sample import Array, Sample, has_x, is_camera_vector,
 _MIRROR: Final = np.diag([-1.0, 1.0, 1.0, 1.0])
 _X: Final = np.array([-1.0, 1.0, 1.0], np.float32)
 # The camera's axes after a quarter turn of the picture to the left, in those before it: OpenCV.
-_TURN: Final = np.array([[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0],
-                         [0.0, 0.0, 0.0, 1.0]])  # fmt: skip
+_TURN: Final = np.array(
+    [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+)
 
 
 @dataclass(frozen=True)

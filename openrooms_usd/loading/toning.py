@@ -35,9 +35,10 @@ class Exposure:
         """
         if "radiance" not in sample.images:
             raise InputError(
-                "there is no radiance to expose by", place=sample.name,
+                "there is no radiance to expose by",
+                place=sample.name,
                 remedy="load the channel radiance too",
-            )  # fmt: skip
+            )
         found = float(np.percentile(sample.images["radiance"], self.percentile))
         drawn = 2.0 ** rng.uniform(-self.stops, self.stops)
         return scaled(sample, drawn * (self.level / found if found > 0.0 else 1.0))
@@ -72,9 +73,10 @@ class Normalise:
         """
         if missing := sorted({*self.statistics} - {*sample.images, *sample.lights}):
             raise InputError(
-                f"there is no {missing[0]!r} to normalise", place=sample.name,
+                f"there is no {missing[0]!r} to normalise",
+                place=sample.name,
                 remedy="load that channel too, or leave its statistics out; hemispheres have none",
-            )  # fmt: skip
+            )
 
         def change(channel: Channel, pixels: Array) -> Array:
             if channel.name not in self.statistics:

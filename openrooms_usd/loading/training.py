@@ -124,11 +124,7 @@ def loader(
 
 
 def begin_worker(worker: int) -> None:
-    """Let a process that reads read with one thread; also what a fork left of threads goes unused.
-
-    Args:
-        worker: Its number.
-    """
+    """Let a process that reads read with one thread; what a fork left of others goes unused."""
     import OpenImageIO
 
     OpenImageIO.attribute("threads", 1)

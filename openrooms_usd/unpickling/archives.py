@@ -16,9 +16,9 @@ MOST_ENTRIES: Final = 100_000
 _ENCRYPTED: Final = 0x1
 # What zipfile raises for archives that are cut off or changed.
 _DAMAGE: Final = (
-    zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, OSError, RuntimeError,
-    ValueError, OverflowError, MemoryError,
-)  # fmt: skip
+    *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, OSError),
+    *(RuntimeError, ValueError, OverflowError, MemoryError),
+)
 
 
 @contextmanager

@@ -27,9 +27,9 @@ TEXTS: Final = "US"
 _HEADERS: Final = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 # What numpy raises for headers that are damaged: it takes them for Python.
 _DAMAGE: Final = (
-    ValueError, TypeError, KeyError, IndexError, AttributeError, EOFError, SyntaxError,
-    RecursionError, MemoryError, OverflowError, tokenize.TokenError,
-)  # fmt: skip
+    *(ValueError, TypeError, LookupError, AttributeError, EOFError, SyntaxError),
+    *(RecursionError, MemoryError, OverflowError, tokenize.TokenError),
+)
 # Packed numbers unpack to no more than this, or to so many times the file: honest ones are noisy.
 _SMALL: Final = 256 << 20
 _MOST_GAIN: Final = 64

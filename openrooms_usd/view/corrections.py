@@ -1,19 +1,40 @@
 """What all pages share in which people correct a room: taking back, composing, telling."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd
 
 from openrooms_usd import names
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import load_room
 from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.description.layout import ScanLayout
+from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.history import History
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.instances import instances_of
+from openrooms_usd.stages.scanned import in_metres, scanned_room
+from openrooms_usd.stages.surroundings import surroundings
 from openrooms_usd.usd.diagnostics import quiet
+from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.view.app import Command, Nothing
+from openrooms_usd.view.fields import Fields
 from openrooms_usd.view.targets import Edits, Target
+
+Array: TypeAlias = NDArray[np.float64]
+Row: TypeAlias = dict[str, Any]
+_DIGITS: Final = 4
 
 
 @dataclass
@@ -117,7 +138,6 @@ def corrections(
     if room.suffix in (".yaml", ".yml"):
         from openrooms_usd.view.describing import Described
         from openrooms_usd.view.fields import Fields
-        from openrooms_usd.view.hints import Hints
 
         is_scan = isinstance(load_room(room).alignment, ScanAlignment)
         described = Described(room, (out or room.parent / "composed") / names.SCENE)
@@ -133,3 +153,162 @@ def corrections(
             remedy="compose a room first: `orusd compose room.yaml -o out`",
         )
     return Corrections(target, description, History(target.file))
+
+
+@dataclass(frozen=True)
+class Hints(Fields):
+    """Changes of a room that is found in a scan; what it lists besides are fields as elsewhere."""
+
+    def place(
+        self, name: str, spot: Spot, *, size: tuple[float, float, float] | None, snap: bool
+    ) -> Standing:
+        """Say where an instance is, roughly."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().place(name, spot, size=size, snap=snap)
+        prim = furniture(stage, name)
+        thing = standing(prim)
+        thing = thing if size is None else resized(thing, size)
+        goal = settled(surroundings(stage), thing, spot) if snap else spot
+        moved = replace(thing, x=goal.x, y=goal.y, yaw=goal.yaw)
+
+        def change(row: Row) -> None:
+            row.pop("pose", None)
+            row["box"] = _box(stage, moved)
+
+        return self._hint(stage, instance, change)
+
+    def duplicate(self, name: str) -> Standing:
+        """Put another such object of the library beside it, which the scan does not show."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().duplicate(name)
+        thing = standing(furniture(stage, name))
+        spot, copy = beside(surroundings(stage), thing), f"{name}_copy"
+        row = {
+            "name": copy,
+            "category": thing.category,
+            "at": [round(spot.x, _DIGITS), round(spot.y, _DIGITS)],
+            "yaw": round(spot.yaw, _DIGITS),
+            "size": [round(side, _DIGITS) for side in thing.size],
+        }
+        self.described.change(
+            "alignment", lambda section: {"further": [*(section.get("further") or ()), row]}
+        )
+        return self._standing(copy)
+
+    def remove(self, name: str) -> None:
+        """Leave an instance out."""
+        stage, instance = self._found(name)
+        if instance is None:
+            super().remove(name)
+        else:
+            self._change(stage, lambda rows: [r for r in rows if r["instance"] != instance])
+
+    def relabel(self, name: str, category: str) -> Standing:
+        """Say what an instance is."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().relabel(name, category)
+
+        def change(row: Row) -> None:
+            row.pop("cad", None)
+            row["category"] = category
+
+        return self._hint(stage, instance, change)
+
+    def remake(self, name: str, style: str, kind: str | None, *, keep_size: bool) -> Standing:
+        """Say which of the library's CADs an instance is."""
+        stage, instance = self._found(name)
+        if instance is None:
+            return super().remake(name, style, kind, keep_size=keep_size)
+        category = kind or standing(furniture(stage, name)).category
+
+        def change(row: Row) -> None:
+            row |= {"category": category, "cad": f"{category}.{style}"}
+
+        return self._hint(stage, instance, change)
+
+    def _found(self, name: str) -> tuple[Usd.Stage, int | None]:
+        """The stage, and the number of an object in the scan; None where it is not from there."""
+        stage = open_stage(self.scene)
+        return stage, _instance(furniture(stage, name))
+
+    def _hint(self, stage: Usd.Stage, instance: int, change: Callable[[Row], None]) -> Standing:
+        before = next(
+            standing(prim)
+            for prim in stage.GetPrimAtPath(names.FURNITURE).GetChildren()
+            if _instance(prim) == instance
+        )
+
+        def changed(rows: list[Row]) -> list[Row]:
+            found = [dict(row) for row in rows]
+            if instance not in {row["instance"] for row in found}:
+                found += [row for row in self._all(stage) if row["instance"] == instance]
+            for row in found:
+                if row["instance"] == instance:
+                    change(row)
+            return found
+
+        self._change(stage, changed)
+        # What an instance is called depends on what it is.
+        again = open_stage(self.scene)
+        for prim in again.GetPrimAtPath(names.FURNITURE).GetChildren():
+            if _instance(prim) == instance:
+                return standing(prim)
+        # Composing may leave out what has no place.
+        return before
+
+    def _change(self, stage: Usd.Stage, change: Callable[[list[Row]], list[Row]]) -> None:
+        def listed(section: dict[str, Any]) -> dict[str, Any]:
+            held = section.get("objects")
+            return {"objects": change(self._all(stage) if held is None else list(held))}
+
+        self.described.change("alignment", listed)
+
+    def _all(self, stage: Usd.Stage) -> list[Row]:
+        """What is there of the scan, as hints."""
+        told = self._told(stage)
+        if told:
+            return [{"instance": number} for number in told]
+        found = []
+        for prim in stage.GetPrimAtPath(names.FURNITURE).GetChildren():
+            if (number := _instance(prim)) is not None:
+                word = read_label(prim, names.CAPTURED) or read_label(prim, names.CATEGORY)
+                box = _box(stage, standing(prim))
+                found.append({"instance": number, "category": word, "box": box})
+        return found
+
+    def _told(self, stage: Usd.Stage) -> list[int]:
+        """The things that the scan itself tells apart; also those that found no place."""
+        room = load_room(self.file)
+        if not isinstance(room.layout, ScanLayout):
+            return []
+        context = StageContext(room, self.file.parent, stage, self.scene.parent)
+        scanned = scanned_room(context, room.layout)
+        known = () if scanned.capture.boxes else instances_of(scanned.layout.cloud) or ()
+        return [one.number for one in known if one.meaning.kind == "thing"]
+
+
+def _instance(prim: Usd.Prim) -> int | None:
+    said = prim.GetAttribute(names.SOURCE_ID)
+    text = str(said.Get(TIME)) if said and said.HasValue() else ""
+    return int(text) if text.isdecimal() else None
+
+
+def _box(stage: Usd.Stage, thing: Standing) -> dict[str, Any]:
+    """The box of an object in the scan's own axes, metres."""
+    from scipy.spatial.transform import Rotation
+
+    said = stage.GetPrimAtPath(names.ROOM).GetAttribute(names.SOURCE_FROM_WORLD).Get(TIME)
+    scan_from_world: Array = in_metres(np.array(said).T)
+    turn = about_z(np.radians(thing.yaw))
+    middle = 0.5 * (np.array(thing.low) + np.array(thing.high))
+    center = turn @ np.append(middle, 0.5 * thing.size[2]) + [thing.x, thing.y, thing.z]
+    there = scan_from_world[:3, :3] @ center + scan_from_world[:3, 3]
+    quaternion = Rotation.from_matrix(scan_from_world[:3, :3] @ turn).as_quat(scalar_first=True)
+    return {
+        "center": np.round(there, _DIGITS).tolist(),
+        "size": [round(side, _DIGITS) for side in thing.size],
+        "rotation_wxyz": np.round(quaternion, 6).tolist(),
+    }

@@ -28,9 +28,16 @@ _DIGITS: Final = 4
 _OF_A_STYLE: Final = ("fronts", "cutouts")
 # The key of the materials that says what a part of the shell is made of; of others there is none.
 _SHELL: Final = {
-    "floor": "floor", "wall": "walls", "ceiling": "ceiling", "skirting": "trim", "cornice": "trim",
-    "picture_rail": "trim", "wainscot": "trim", "beam": "beams", "ceiling_grid": "beams",
-}  # fmt: skip
+    "floor": "floor",
+    "wall": "walls",
+    "ceiling": "ceiling",
+    "skirting": "trim",
+    "cornice": "trim",
+    "picture_rail": "trim",
+    "wainscot": "trim",
+    "beam": "beams",
+    "ceiling_grid": "beams",
+}
 
 
 @dataclass(frozen=True)

@@ -59,12 +59,16 @@ def light_of(
     if len(layers) > _MOST_LAYERS:
         raise InputError(
             f"{len(layers)} lightmaps, of each light at each moment, are more than browsers take",
-            place=moments[0].file, remedy=f"show fewer moments: up to {_MOST_LAYERS} lightmaps",
-        )  # fmt: skip
+            place=moments[0].file,
+            remedy=f"show fewer moments: up to {_MOST_LAYERS} lightmaps",
+        )
     told: dict[str, Any] = {
         "moments": [moment.name for moment in moments],
-        "lights": list(lights.values()), "layers": layers, "atlases": {}, "skies": [],
-    }  # fmt: skip
+        "lights": list(lights.values()),
+        "layers": layers,
+        "atlases": {},
+        "skies": [],
+    }
     resources: dict[str, Callable[[], bytes]] = {}
     for number, prim in enumerate(atlases[0]):
         maps = _maps(prim.GetPath(), moments)
@@ -72,18 +76,26 @@ def light_of(
         height, width = maps[0].shape[:2]
         lit = np.maximum.reduce([one.max(axis=2) for one in maps]) > 0
         told["atlases"][str(prim.GetPath())] = {
-            "resource": name, "size": [width, height], "scale": scale, "texels": int(lit.sum()),
+            "resource": name,
+            "size": [width, height],
+            "scale": scale,
+            "texels": int(lit.sum()),
             "sums": [one[lit].sum(axis=0, dtype=np.float64).tolist() for one in maps],
-        }  # fmt: skip
+        }
         resources[name] = partial(_packed, np.stack(maps), scale)
     for number, moment in enumerate(moments):
         if sky := _sky(moment.stage):
             pixels, world_from_sky = sky
             name, scale = f"sky_{number}.half", _scale([pixels])
-            told["skies"].append({
-                "resource": name, "size": [pixels.shape[1], pixels.shape[0]], "scale": scale,
-                "world_from_sky": world_from_sky.tolist(), "moment": number,
-            })  # fmt: skip
+            told["skies"].append(
+                {
+                    "resource": name,
+                    "size": [pixels.shape[1], pixels.shape[0]],
+                    "scale": scale,
+                    "world_from_sky": world_from_sky.tolist(),
+                    "moment": number,
+                }
+            )
             resources[name] = partial(_packed, pixels, scale)
     return told, resources
 
@@ -101,9 +113,10 @@ def _maps(atlas: Sdf.Path, moments: Sequence[Moment]) -> list[Floats]:
         maps += [_read(asset) for asset in assets or ()]
         if not assets or len({one.shape for one in maps}) > 1:
             raise InputError(
-                "its lightmaps are not as large as those of other moments", place=moment.file,
+                "its lightmaps are not as large as those of other moments",
+                place=moment.file,
                 remedy="bake all moments with the same --texel and --max-texels",
-            )  # fmt: skip
+            )
     return maps
 
 

@@ -30,9 +30,6 @@ def prims_of(stage: Usd.Stage) -> list[dict[str, Any]]:
     """What is known of each prim that stands in the room, parents before children.
 
     ``layers`` counts the properties that each layer has an opinion on.
-
-    Args:
-        stage: A composed stage.
     """
     home = Path(stage.GetRootLayer().realPath).parent
     walk = iter(stage.Traverse(Usd.TraverseInstanceProxies()))
@@ -104,10 +101,6 @@ def opinions_of(stage: Usd.Stage, path: str) -> list[dict[str, Any]]:
 
     ``properties`` are pairs of a name and its value in words; long arrays by their length.
 
-    Args:
-        stage: A composed stage.
-        path: The prim's path.
-
     Raises:
         InputError: There is no such prim.
     """
@@ -147,9 +140,6 @@ def joints_of(stage: Usd.Stage) -> list[dict[str, Any]]:
 
     ``world_from_prim`` is (4, 4), metres and Z up; ``axis`` is in the prim's frame; limits are
     degrees or metres from how it is built.
-
-    Args:
-        stage: A composed stage.
     """
     cache, turn = UsdGeom.XformCache(TIME), world_from_stage(stage)
     found = []
@@ -162,12 +152,17 @@ def joints_of(stage: Usd.Stage) -> list[dict[str, Any]]:
         if axis is None or lower is None or upper is None:
             continue
         world = turn @ local_to_world(prim, cache)
-        found.append({
-            "path": str(prim.GetPath()), "type": str(kind.Get()),
-            "axis": [float(value) for value in axis], "lower": float(lower), "upper": float(upper),
-            "now": _opened(prim, axis) if kind.Get() == "hinge" else 0.0,
-            "world_from_prim": world.tolist(),
-        })  # fmt: skip
+        found.append(
+            {
+                "path": str(prim.GetPath()),
+                "type": str(kind.Get()),
+                "axis": [float(value) for value in axis],
+                "lower": float(lower),
+                "upper": float(upper),
+                "now": _opened(prim, axis) if kind.Get() == "hinge" else 0.0,
+                "world_from_prim": world.tolist(),
+            }
+        )
     return found
 
 
@@ -179,17 +174,14 @@ def _opened(prim: Usd.Prim, axis: Gf.Vec3f) -> float:
 
 
 def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
-    """The perspective cameras: poses (OpenCV, metres, Z up), and lenses in parts of the width.
-
-    Args:
-        stage: A composed stage.
-    """
+    """The perspective cameras: poses (OpenCV, metres, Z up), and lenses in parts of the width."""
     found = []
     for prim in list_cameras(stage):
         usual = UsdGeom.Camera(prim)
         across, high = (
-            usual.GetHorizontalApertureAttr().Get(TIME), usual.GetVerticalApertureAttr().Get(TIME),
-        )  # fmt: skip
+            usual.GetHorizontalApertureAttr().Get(TIME),
+            usual.GetVerticalApertureAttr().Get(TIME),
+        )
         aspect = across / high if across and high and across > 0 and high > 0 else 4.0 / 3.0
         height = max(round(_WIDTH_PX / aspect), 1)
         try:
@@ -200,29 +192,34 @@ def cameras_of(stage: Usd.Stage) -> list[dict[str, Any]]:
             continue
         K = camera.K / _WIDTH_PX
         taken = photograph(prim)
-        found.append({
-            "path": str(prim.GetPath()), "name": prim.GetName(), "aspect": aspect,
-            "world_from_camera": camera.world_from_camera.tolist(),
-            "focal": float(K[0, 0]), "right": float(K[0, 2]) - 0.5,
-            "down": float(K[1, 2]) - 0.5 * height / _WIDTH_PX,
-            "exposure": camera.exposure, "photograph": taken["id"] if taken else None,
-        })  # fmt: skip
+        found.append(
+            {
+                "path": str(prim.GetPath()),
+                "name": prim.GetName(),
+                "aspect": aspect,
+                "world_from_camera": camera.world_from_camera.tolist(),
+                "focal": float(K[0, 0]),
+                "right": float(K[0, 2]) - 0.5,
+                "down": float(K[1, 2]) - 0.5 * height / _WIDTH_PX,
+                "exposure": camera.exposure,
+                "photograph": taken["id"] if taken else None,
+            }
+        )
     return found
 
 
 def looks_of(stage: Usd.Stage) -> list[dict[str, Any]]:
-    """Objects of which there are several looks: the variants, and which one is shown.
-
-    Args:
-        stage: A composed stage.
-    """
+    """Objects of which there are several looks: the variants, and which one is shown."""
     found = []
     for prim in stage.Traverse():
         if names.LOOK not in prim.GetVariantSets().GetNames():
             continue
         variants = prim.GetVariantSet(names.LOOK)
-        found.append({
-            "path": str(prim.GetPath()), "looks": list(variants.GetVariantNames()),
-            "chosen": variants.GetVariantSelection(),
-        })  # fmt: skip
+        found.append(
+            {
+                "path": str(prim.GetPath()),
+                "looks": list(variants.GetVariantNames()),
+                "chosen": variants.GetVariantSelection(),
+            }
+        )
     return found

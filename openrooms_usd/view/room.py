@@ -6,12 +6,17 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Usd, UsdGeom
+
 from openrooms_usd import names
 from openrooms_usd.convert import write_stage
 from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.reading import RenderedScene, read_render
 from openrooms_usd.usd.diagnostics import quiet, reading
+from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.view.app import App, Command, Nothing
 
@@ -19,6 +24,9 @@ if TYPE_CHECKING:
     from pxr import Usd
 
 
+Array = NDArray[np.float64]
+# Corners of an opening in its own frame, in halves of its width and height.
+_RECTANGLE = np.array([[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]])
 _OF_A_BAKE: Final = (
     "show the stage that was baked: orusd view STAGE --light FOLDER; or say --include-outside"
 )
@@ -148,13 +156,8 @@ def besides(
 
 
 def room_state(path: Path) -> dict[str, Any]:
-    """What the page is told of a stage: prims, joints, looks, cameras and the plan.
-
-    Args:
-        path: The USD file.
-    """
+    """What the page is told of a stage: prims, joints, looks, cameras and the plan."""
     # Stages are of USD, whose import takes a while.
-    from openrooms_usd.view.outline import plan_of
     from openrooms_usd.view.prims import cameras_of, joints_of, looks_of, prims_of, shell_of
 
     stage = open_stage(path)
@@ -181,9 +184,10 @@ def check_look(path: Path, asked: Look) -> None:
     offered = {one["path"]: one["looks"] for one in looks_of(open_stage(path))}.get(asked.path, [])
     if asked.look not in offered:
         raise InputError(
-            f"it has no look {asked.look!r}", place=asked.path,
+            f"it has no look {asked.look!r}",
+            place=asked.path,
             remedy=f"choose {' or '.join(offered)}" if offered else "choose an object with looks",
-        )  # fmt: skip
+        )
 
 
 def refuse_pictures(
@@ -242,3 +246,37 @@ def room_glb(
         target = Path(folder) / "room.glb"
         write_stage(stage, target, "gltf", {"light": "lightmaps"} if lit else {})
         return target.read_bytes()
+
+
+def plan_of(stage: Usd.Stage) -> list[list[float]]:
+    """Ends of lines, two after the other: [x, y, z] in metres, Z up; none without a room's plan."""
+    cache, to_world = UsdGeom.XformCache(TIME), world_from_stage(stage)
+    loops = []
+    for prim, corners in [*_floor(stage), *_openings(stage)]:
+        frame = to_world @ local_to_world(prim, cache)
+        loops.append(corners @ frame[:3, :3].T + frame[:3, 3])
+    lines = [np.stack([loop, np.roll(loop, -1, axis=0)], axis=1).reshape(-1, 3) for loop in loops]
+    found: list[list[float]] = np.concatenate([np.empty((0, 3)), *lines]).tolist()
+    return found
+
+
+def _floor(stage: Usd.Stage) -> list[tuple[Usd.Prim, Array]]:
+    """The room with the (N, 3) corners of its floor between the walls."""
+    prim = stage.GetPrimAtPath(names.ROOM)
+    attribute = prim.GetAttribute(names.ROOM_FLOOR) if prim else None
+    corners = np.array((attribute.Get(TIME) if attribute else None) or [], dtype=np.float64)
+    if corners.ndim != 2 or not np.isfinite(corners).all():
+        return []
+    return [(prim, np.column_stack([corners, np.zeros(len(corners))]))]
+
+
+def _openings(stage: Usd.Stage) -> list[tuple[Usd.Prim, Array]]:
+    """Doors, windows and openings with their (4, 3) corners, on the inside of the wall."""
+    openings = stage.GetPrimAtPath(names.OPENINGS)
+    found = []
+    for prim in openings.GetChildren() if openings else ():
+        attributes = map(prim.GetAttribute, (names.OPENING_WIDTH, names.OPENING_HEIGHT))
+        width, height = (one.Get(TIME) if one else None for one in attributes)
+        if width and height:
+            found.append((prim, 0.5 * _RECTANGLE * [width, 1.0, height]))
+    return found

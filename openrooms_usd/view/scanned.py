@@ -50,13 +50,18 @@ def scan_app(path: Path, *, importer: str = "scan") -> App:
     cloud = read_capture(importer, path).cloud
     if cloud is None or not len(cloud):
         raise InputError(
-            "this capture has no points", place=path,
+            "this capture has no points",
+            place=path,
             remedy="import it, compose it and look at the stage",
-        )  # fmt: skip
+        )
     state: dict[str, Any] = {
         **{name: [] for name in ("prims", "shell", "joints", "looks", "cameras", "plan")},
-        "light": None, "shots": {}, "hemispheres": [], "scan": POINTS, "glb": False,
+        "light": None,
+        "shots": {},
+        "hemispheres": [],
+        "scan": POINTS,
+        "glb": False,
         "box": np.percentile(cloud.points, _SHOWN_PERCENTILES, axis=0).tolist(),
-    }  # fmt: skip
+    }
     make = cache(lambda: packed(cloud.points, cloud.colors))
     return App("room", path.resolve().name, lambda: state, {POINTS: make})

@@ -8,10 +8,11 @@ import json
 import queue
 import secrets
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any, Final
 from urllib.parse import parse_qs, urlsplit
 
@@ -20,8 +21,10 @@ from pydantic import ValidationError
 from openrooms_usd.errors import OrusdError, OutputError
 from openrooms_usd.view.app import STAGES, App
 from openrooms_usd.view.shell import STYLE, modules, wrapped
-from openrooms_usd.view.watching import watching
 
+# Between two looks, seconds.
+_PAUSE_S: Final = 0.4
+Stamp = tuple[int, int, int] | None
 LOOPBACK: Final = "127.0.0.1"
 TOKEN_HEADER: Final = "X-Orusd-Token"
 # What a browser may send at once, and events that wait for one that does not listen.
@@ -29,7 +32,6 @@ MOST_BYTES: Final = 16 << 20
 _MOST_EVENTS: Final = 256
 # Between two signs of life, seconds: so a page that was closed is noticed.
 _PULSE_S: Final = 10.0
-
 _KINDS: Final = {".js": "text/javascript", ".css": "text/css"}
 
 
@@ -238,3 +240,41 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """Say nothing: a token would stand in what is said."""
+
+
+@contextmanager
+def watching(files: Sequence[Path], changed: Callable[[Path], None]) -> Iterator[None]:
+    """While the block runs, call ``changed`` with each file that was written or replaced.
+
+    Args:
+        files: The files; they need not exist yet.
+        changed: Called in a thread of its own.
+    """
+    ended = threading.Event()
+    seen = {path: _stamp(path) for path in files}
+
+    def look() -> None:
+        while not ended.wait(_PAUSE_S):
+            for path, before in seen.items():
+                now = _stamp(path)
+                if now != before:
+                    seen[path] = now
+                    changed(path)
+
+    thread = threading.Thread(target=look, daemon=True)
+    if files:
+        thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        if files:
+            thread.join()
+
+
+def _stamp(path: Path) -> Stamp:
+    try:
+        told = path.stat()
+    except OSError:
+        return None
+    return told.st_mtime_ns, told.st_size, told.st_ino

@@ -111,9 +111,10 @@ def hemisphere(render: RenderedScene, spot: Spot) -> dict[str, Any]:
     grid = view.grid(_HEMISPHERES) if view is not None else None
     if grid is None:
         raise InputError(
-            "this camera has no hemispheres of light", place=spot.camera,
+            "this camera has no hemispheres of light",
+            place=spot.camera,
             remedy=f"render it with --channels {_HEMISPHERES} among others",
-        )  # fmt: skip
+        )
     rows, columns = grid.shape[:2]
     place = min(int(spot.y * rows), rows - 1), min(int(spot.x * columns), columns - 1)
     light = np.nan_to_num(grid[place].astype(np.float32))

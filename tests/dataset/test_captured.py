@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.dataset.captured import LeftOutError, captured_room, coverage_of
-from openrooms_usd.dataset.inputs import capture_digest
-from openrooms_usd.dataset.plan import plan_jobs
+from openrooms_usd.dataset.plan import capture_digest, plan_jobs
 from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.store import Store
@@ -125,8 +124,13 @@ def frame(number: int, eye: tuple[float, float, float]) -> dict[str, object]:
     pose[:3, :3], pose[:3, 3] = [[0, 0, 1], [-1, 0, 0], [0, -1, 0]], eye
     K = [[60, 0, 33], [0, 60, 23], [0, 0, 1]]
     name = f"{number}.jpg"
-    return {"id": str(number), "picture": name, "resolution": [64, 48], "K": K,
-            "world_from_camera": pose.tolist()}  # fmt: skip
+    return {
+        "id": str(number),
+        "picture": name,
+        "resolution": [64, 48],
+        "K": K,
+        "world_from_camera": pose.tolist(),
+    }
 
 
 @pytest.mark.slow

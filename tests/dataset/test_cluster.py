@@ -46,9 +46,13 @@ def own() -> dict[str, Any]:
     """What workers of a Ray of one's own do."""
     pytest.importorskip("ray")
     done = subprocess.run(
-        [sys.executable, "on_ray.py"], cwd=HERE, env={**os.environ, "PYTHONPATH": str(HERE)},
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [sys.executable, "on_ray.py"],
+        cwd=HERE,
+        env={**os.environ, "PYTHONPATH": str(HERE)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
     found: dict[str, Any] = json.loads(done.stdout)
     return found
@@ -104,9 +108,12 @@ def test_a_dataset_has_the_same_bytes_whoever_works(
 
 @pytest.mark.long
 def test_a_node_that_dies_takes_its_views_alone(
-    made: tuple[Path, Path], tmp_path: Path, checksums: Checksums, start: Start,
+    made: tuple[Path, Path],
+    tmp_path: Path,
+    checksums: Checksums,
+    start: Start,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     pytest.importorskip("ray")
     file, local = made
     # As macOS and Windows have it: on the loopback interface alone.

@@ -49,8 +49,11 @@ def test_frames_of_a_walk_have_the_flow_to_the_next_one(made: Made) -> None:
         (1, 0.5),
     ]
     assert [(pair["eye"], pair["pair"]) for pair in pairs] == [
-        ("left", 0), ("right", 0), ("left", 1), ("right", 1),
-    ]  # fmt: skip
+        ("left", 0),
+        ("right", 0),
+        ("left", 1),
+        ("right", 1),
+    ]
     column, row = np.meshgrid(np.arange(24) + 0.5, np.arange(18) + 0.5)
     for view, after in zip(views[:2], views[2:], strict=True):
         # To the same eye of the next frame, from the positions that the files have.

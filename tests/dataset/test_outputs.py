@@ -3,7 +3,7 @@
 import json
 import shutil
 import tarfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.dataset import outputs
-from openrooms_usd.dataset.finish import finish
 from openrooms_usd.dataset.remote import RemoteFolder
+from openrooms_usd.dataset.run import finish, run_dataset
 from openrooms_usd.dataset.scratch import fetch_all, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import load_dataset
@@ -22,6 +22,14 @@ from openrooms_usd.loading import open_source
 from openrooms_usd.render.datasets import write_dataset
 from openrooms_usd.render.reading import read_render
 
+SENSOR = """\
+sensor:
+  distortion: {k1: -0.1}
+  noise: {iso: 800}
+  depth: {}
+  seed: 1
+"""
+NAMES = {"sensor.exr", "sensor.png", "sensor_depth.exr", "sensor_depth.png"}
 CHANNELS = ("radiance", "depth", "instance", "valid")
 
 
@@ -164,8 +172,11 @@ def test_behind_a_url_forms_have_the_composed_rooms_too(
         fetch_all(far)
         assert finish(far, wished) == notes
     home = store.root / "outputs/openrooms"
-    files = {p.relative_to(store.root).as_posix(): p.read_bytes() for p in home.rglob("*")
-             if p.is_file() and not p.name.startswith(".orusd.")}  # fmt: skip
+    files = {
+        p.relative_to(store.root).as_posix(): p.read_bytes()
+        for p in home.rglob("*")
+        if p.is_file() and not p.name.startswith(".orusd.")
+    }
     assert any(name.endswith("main.xml") for name in files)
     assert {name: remote.read(name) for name in remote.names("outputs/openrooms/")} == files
 
@@ -266,3 +277,42 @@ def test_annotations_of_all_rooms_are_one_file_a_split(finished: tuple[Store, Da
             assert (mask == (labels == row["instance"])).all()
             word = found.loadCats(row["category_id"])[0]["name"]
             assert row["area"] == mask.sum() and word
+
+
+@pytest.mark.slow
+def test_no_file_of_the_truth_changes_by_a_bit(
+    tmp_path: Path,
+    write_source: Callable[[Path], Path],
+    checksums: Callable[[Path], dict[str, str]],
+) -> None:
+    file = write_source(tmp_path / "source")
+    text = (
+        file.read_text()
+        .replace(", poisoned/room.yaml", "")
+        .replace("[main, mainDiffMat]", "[main]")
+    )
+    needed = "[radiance, depth, normal_geometric, base_color, roughness, metallic]"
+    text = text.replace("[radiance, depth, instance, valid]", needed)
+    found, entries = {}, {}
+    for name, more in (("plain", ""), ("seen", SENSOR), ("again", SENSOR.replace("1\n", "2\n"))):
+        file.write_text(text + more)
+        assert run_dataset(file, tmp_path / name).made == 2
+        renders = tmp_path / name / "renders"
+        found[name] = checksums(renders)
+        (manifest,) = renders.rglob("manifest.json")
+        entries[name] = json.loads(manifest.read_text())["views"]
+        del found[name][manifest.relative_to(renders).as_posix()]
+    truth = found["plain"]
+    assert {name: found["seen"][name] for name in truth} == truth
+    added = found["seen"].keys() - truth.keys()
+    assert {Path(name).name for name in added} == NAMES and len(added) == 2 * len(NAMES)
+    # Another seed changes the noise and nothing else; no two views have the same.
+    assert found["again"].keys() == found["seen"].keys()
+    assert {name for name in truth if found["again"][name] != truth[name]} == set()
+    assert all(found["again"][name] != found["seen"][name] for name in added)
+    assert len({found["seen"][name] for name in added}) == len(added)
+    for view, entry in entries["seen"].items():
+        told = {**entry, "files": {k: v for k, v in entry["files"].items() if "sensor" not in k}}
+        assert told.pop("sensor")["noise"]["iso"] == 800
+        assert told == entries["plain"][view]
+        assert {Path(v).name for k, v in entry["files"].items() if "sensor" in k} == NAMES

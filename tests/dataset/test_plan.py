@@ -111,12 +111,15 @@ def test_mistakes_are_told_with_their_places(tmp_path: Path) -> None:
         load_dataset(tmp_path / "dataset.yaml")
     said = str(caught.value)
     for fragment in (
-        "7 mistakes", ":1:1: seeed: unknown key (did you mean 'seed'?)",
+        "7 mistakes",
+        ":1:1: seeed: unknown key (did you mean 'seed'?)",
         ":3:14: rooms[0].types[0]: found 'living_rom' (did you mean 'living_room'?)",
-        ":3:34: rooms[0].count: expected at least 1", ":4:12: rooms[1].files",
-        ":5:18: variants[1]: main is given twice", ":6:29: budget.error: a view stops by one",
+        ":3:34: rooms[0].count: expected at least 1",
+        ":4:12: rooms[1].files",
+        ":5:18: variants[1]: main is given twice",
+        ":6:29: budget.error: a view stops by one",
         ":7:9: splits: train, val and test are 1.1 together, not 1",
-    ):  # fmt: skip
+    ):
         assert fragment in said
 
 

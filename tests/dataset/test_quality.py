@@ -61,9 +61,14 @@ def test_a_sound_view_has_none() -> None:
     found = assess(view(), error=0.1)
     assert found["faults"] == []
     assert found["measures"] == {
-        "bright_nits": 200.0, "blown_share": 0.0, "error": 0.05, "seen_share": 1.0,
-        "nearest_m": 2.0, "close_share": 0.0, "instances": 4,
-    }  # fmt: skip
+        "bright_nits": 200.0,
+        "blown_share": 0.0,
+        "error": 0.05,
+        "seen_share": 1.0,
+        "nearest_m": 2.0,
+        "close_share": 0.0,
+        "instances": 4,
+    }
 
 
 def test_noise_is_held_against_the_budget_alone() -> None:

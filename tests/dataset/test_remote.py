@@ -14,11 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd.dataset import lease as leases
-from openrooms_usd.dataset.lease import Lease, leased
+from openrooms_usd.dataset import scratch as leases
 from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.remote import RemoteFolder
-from openrooms_usd.dataset.scratch import root_of, store_at
+from openrooms_usd.dataset.scratch import Lease, leased, root_of, store_at
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.errors import InputError, MissingPackageError, OutputError
@@ -80,10 +79,18 @@ def test_what_is_known_of_views_is_the_same_behind_a_url(remote: RemoteFolder) -
     jobs = [Job(room, "main", 4, f"key_{room.number}", (0, 1)) for room in rooms]
     entry = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
     view = {
-        "unit": "u", "room": "r", "variant": "main", "split": "train", "source": {},
-        "entry": entry, "told": [], "rejected": [], "pixels": {}, "files": {},
+        "unit": "u",
+        "room": "r",
+        "variant": "main",
+        "split": "train",
+        "source": {},
+        "entry": entry,
+        "told": [],
+        "rejected": [],
+        "pixels": {},
+        "files": {},
         "quality": {"measures": {}, "faults": ["it is dark"]},
-    }  # fmt: skip
+    }
     with store_at(remote.url) as store:
         store.write_plan(jobs)
         store.fail(jobs[0], 0, {"code": "render", "reason": "no light"})
@@ -97,60 +104,89 @@ def test_what_is_known_of_views_is_the_same_behind_a_url(remote: RemoteFolder) -
     assert found.faults == {"it is dark": 1}
 
 
-@pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name, seconds in (("BEAT_S", 0.05), ("STALE_S", 0.5), ("REST_S", 0.1)):
-        monkeypatch.setattr(leases, name, seconds)
+class Clock(threading.Event):
+    """Time that passes at once; something may happen meanwhile."""
+
+    def __init__(self, meanwhile: Callable[[], object] = lambda: None) -> None:
+        super().__init__()
+        self.meanwhile, self.seconds = meanwhile, 0.0
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.seconds += timeout or 0.0
+        self.meanwhile()
+        return self.is_set()
 
 
-@pytest.mark.usefixtures("quick")
 def test_one_run_has_it_at_a_time(remote: RemoteFolder) -> None:
-    with leased(remote), pytest.raises(OutputError, match="is making this dataset"):
-        Lease(remote).take()
-    with leased(remote) as second:
-        second.check()
+    first = Lease(remote, Clock())
+    first.take()
+    with pytest.raises(OutputError, match="is making this dataset"):
+        Lease(remote, Clock(first.beat)).take()
+    first.check()
+    first.give_back()
+    second = Lease(remote, Clock())
+    second.take()
+    second.check()
+    second.give_back()
     assert remote.names("") == []
 
 
-@pytest.mark.usefixtures("quick")
-def test_the_lease_of_the_dead_is_taken_over(remote: RemoteFolder) -> None:
+@pytest.mark.parametrize(
+    ("row", "waited_s"),
+    [
+        ({"host": "elsewhere", "process": 1}, leases.STALE_S),
+        ({"host": socket.gethostname(), "process": 2**22}, 0.0),
+    ],
+)
+def test_the_lease_of_the_dead_is_taken_over(
+    row: dict[str, object], waited_s: float, remote: RemoteFolder
+) -> None:
     """On another machine once it rests; on this one as soon as its process is gone."""
-    rows = ({"host": "elsewhere", "process": 1}, {"host": socket.gethostname(), "process": 2**22})
-    for row in rows:
-        remote.put_text(leases.FILE, json.dumps({**row, "run": "x", "beat": 3}))
-        with leased(remote) as own:
-            own.check()
+    remote.put_text(leases.LEASE, json.dumps({**row, "run": "x", "beat": 3}))
+    own = Lease(remote, clock := Clock())
+    own.take()
+    own.check()
+    assert clock.seconds == waited_s + leases.REST_S
 
 
-@pytest.mark.usefixtures("quick")
+def test_of_two_that_take_over_together_one_is_told(remote: RemoteFolder) -> None:
+    other = json.dumps({"host": "elsewhere", "process": 1, "run": "x"})
+    own = Lease(remote, Clock(lambda: remote.put_text(leases.LEASE, other)))
+    with pytest.raises(OutputError, match="process 1 of elsewhere is making"):
+        own.take()
+
+
 def test_who_loses_it_is_told(remote: RemoteFolder) -> None:
-    with leased(remote) as own:
-        remote.put_text(leases.FILE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
-        deadline = time.monotonic() + _PATIENCE_S
-        while not own.lost:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
-        with pytest.raises(OutputError, match="taken this dataset over"):
-            own.check()
-    assert remote.names("") == [leases.FILE]
+    own = Lease(remote, Clock())
+    own.take()
+    own.beat()
+    own.check()
+    remote.put_text(leases.LEASE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
+    own.keep()
+    with pytest.raises(OutputError, match="taken this dataset over"):
+        own.check()
+    own.give_back()
+    assert remote.names("") == [leases.LEASE]
 
 
-@pytest.mark.usefixtures("quick")
 def test_what_its_keeper_was_saying_is_not_said_after_the_end(
     remote: RemoteFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    put, began = remote.put_text, threading.Event()
+    monkeypatch.setattr(leases, "REST_S", 0.0)
+    monkeypatch.setattr(leases, "BEAT_S", 0.0)
+    put, began, ended = remote.put_text, threading.Event(), threading.Event()
 
-    def slow(name: str, text: str, *, new: bool = False) -> bool:
+    def late(name: str, text: str, *, new: bool = False) -> bool:
         if not new:
             began.set()
-            time.sleep(0.2)
+            ended.wait()
         return put(name, text, new=new)
 
-    monkeypatch.setattr(remote, "put_text", slow)
-    with leased(remote):
+    monkeypatch.setattr(remote, "put_text", late)
+    with leased(remote) as own:
         assert began.wait(_PATIENCE_S)
-    time.sleep(0.3)
+        end = own.end
+        monkeypatch.setattr(own, "end", lambda: (end(), ended.set()))
     assert remote.names("") == []
 
 
@@ -185,9 +221,10 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         port = probe.getsockname()[1]
     words = [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)]
     quiet = subprocess.DEVNULL
-    with pytest.MonkeyPatch.context() as patch, subprocess.Popen(
-        words, stdout=quiet, stderr=quiet
-    ) as process:  # fmt: skip
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        subprocess.Popen(words, stdout=quiet, stderr=quiet) as process,
+    ):
         patch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{port}")
         patch.setenv("AWS_ACCESS_KEY_ID", "nobody")
         patch.setenv("AWS_SECRET_ACCESS_KEY", "nothing")
@@ -230,8 +267,9 @@ def test_a_run_behind_a_url_has_the_same_bytes(
     assert not [name for name in remote.names("") if "/.orusd." in f"/{name}"]
 
     assert status_of(url).as_dict() | {"root": 0} == status_of(local).as_dict() | {
-        "root": 0, "failures": status_of(url).as_dict()["failures"],
-    }  # fmt: skip
+        "root": 0,
+        "failures": status_of(url).as_dict()["failures"],
+    }
     assert verify(url).damages == ()
 
     home = "renders/room_good/main/view_0"

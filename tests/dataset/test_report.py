@@ -13,9 +13,8 @@ from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.records import LEFT_OUT, SCENE
 from openrooms_usd.dataset.report import charts, wording
 from openrooms_usd.dataset.report.contact import spread
-from openrooms_usd.dataset.report.contents import contents
 from openrooms_usd.dataset.report.page import write_report
-from openrooms_usd.dataset.report.sections import cost_table
+from openrooms_usd.dataset.report.sections import contents, cost_table
 from openrooms_usd.dataset.stats import Stats
 from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.errors import InputError, MissingPackageError
@@ -56,12 +55,20 @@ def record_of(unit: str, name: str) -> dict[str, Any]:
         "depth": {"estimated_robust_error": 0.0},
     }
     return {
-        "unit": unit, "room": "", "variant": "", "split": "", "source": {}, "told": [],
-        "quality": {"measures": {}, "faults": [f"it is dark {name}"]}, "rejected": [gone],
+        "unit": unit,
+        "room": "",
+        "variant": "",
+        "split": "",
+        "source": {},
+        "told": [],
+        "quality": {"measures": {}, "faults": [f"it is dark {name}"]},
+        "rejected": [gone],
         "entry": {"resolution": [], "K": [], "world_from_camera": [], "channels": channels},
-        "pixels": {name: 10, "wall": 30}, "materials": {f"wood/{name}": 40}, "depth": [0, 30, 10],
+        "pixels": {name: 10, "wall": 30},
+        "materials": {f"wood/{name}": 40},
+        "depth": [0, 30, 10],
         "files": {"a": {"sha256": "", "bytes": 1000}},
-    }  # fmt: skip
+    }
 
 
 def job(planned: PlannedRoom, variant: str = "main", views: int = 2) -> Job:

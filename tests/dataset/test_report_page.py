@@ -35,8 +35,8 @@ def report(tmp_path_factory: pytest.TempPathFactory, write_source: Callable[[Pat
 
 
 @pytest.fixture(scope="module")
-def page(report: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
-    with opened(report, tmp_path_factory.mktemp("chromium")) as found:
+def page(report: Path) -> Iterator[Page]:
+    with opened(report) as found:
         yield found
 
 

@@ -79,8 +79,12 @@ def test_a_clock_that_jumps_changes_nothing(
         patch.setenv("FAKETIME_CACHE_DURATION", "1")
         patch.setenv("FAKETIME_DONT_FAKE_MONOTONIC", "1")
         patch.setenv("NO_FAKE_STAT", "1")
-        told = subprocess.run([sys.executable, "-c", "import time; print(time.time())"],
-                              capture_output=True, text=True, check=True).stdout  # fmt: skip
+        told = subprocess.run(
+            [sys.executable, "-c", "import time; print(time.time())"],
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
         assert float(told) < time.time() - 300 * 86400
         process = start(file, out, 2)
     for pattern, jump in (("scenes/*/*/layers/*", "+365d"), ("records/*/*/view_0.json", "-365d")):

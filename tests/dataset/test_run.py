@@ -75,10 +75,18 @@ def share(store: Store, job: Job) -> None:
 def finish(store: Store, job: Job, view: int) -> None:
     entry = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
     record = {
-        "unit": f"{job.name}/view_{view}", "room": job.room.name, "variant": job.variant,
-        "split": job.room.split, "source": {}, "entry": entry, "told": [],
-        "quality": {"measures": {}, "faults": []}, "rejected": [], "pixels": {}, "files": {},
-    }  # fmt: skip
+        "unit": f"{job.name}/view_{view}",
+        "room": job.room.name,
+        "variant": job.variant,
+        "split": job.room.split,
+        "source": {},
+        "entry": entry,
+        "told": [],
+        "quality": {"measures": {}, "faults": []},
+        "rejected": [],
+        "pixels": {},
+        "files": {},
+    }
     store.finish(job, view, record, {})
 
 
@@ -169,9 +177,11 @@ def test_what_has_failed_is_not_lost_besides(
 
 
 def test_a_disk_that_takes_no_record_of_a_failure_stops_nothing(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending],
+    source: Path,
+    tmp_path: Path,
+    pretend: Callable[[Fate], Pretending],
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     pretend(lambda job, view: "fails" if (job, view) == (GOOD, 0) else "")
     write = atomic.write_text
 

@@ -60,9 +60,13 @@ def root(tmp_path: Path) -> Path:
                 "files": {"a": {"sha256": "", "bytes": 100}, "b": {"sha256": "", "bytes": 1}},
             }
             timing = {
-                "compose": 8.0, "translation": 4.0, "render": 2.0, "output": 1.0, "threads": 2,
+                "compose": 8.0,
+                "translation": 4.0,
+                "render": 2.0,
+                "output": 1.0,
+                "threads": 2,
                 "channels": {"radiance": 1.0 + view},
-            }  # fmt: skip
+            }
             store.finish(one, view, record, timing)
     return tmp_path
 

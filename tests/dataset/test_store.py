@@ -17,11 +17,18 @@ JOB = Job(PlannedRoom("room_a", 0, {"file": "a.yaml", "sha256": "0"}, "train"), 
 
 ENTRY = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
 RECORD: dict[str, Any] = {
-    "unit": "room_a/main/view_0", "room": "room_a", "variant": "main", "split": "train",
-    "source": {}, "entry": ENTRY, "told": [], "pixels": {}, "files": {},
+    "unit": "room_a/main/view_0",
+    "room": "room_a",
+    "variant": "main",
+    "split": "train",
+    "source": {},
+    "entry": ENTRY,
+    "told": [],
+    "pixels": {},
+    "files": {},
     "quality": {"measures": {}, "faults": ["it is dark"]},
     "rejected": [],
-}  # fmt: skip
+}
 
 
 @pytest.fixture
@@ -60,8 +67,10 @@ def test_status_counts_and_tells_reasons(store: Store) -> None:
     assert (found.units, found.finished, found.left) == (3, 1, 1)
     (failure,) = found.failures
     assert (failure.unit, failure.reason, failure.attempts) == (
-        "room_a/main/view_1", "no light", 2,
-    )  # fmt: skip
+        "room_a/main/view_1",
+        "no light",
+        2,
+    )
     assert found.faults == {"it is dark": 1}
     assert found.as_dict()["failed"] == 1
 

@@ -78,8 +78,9 @@ def test_every_environment_has_another(environment: dict[str, object]) -> None:
     assert found[0].environment != found[1].environment != room.lights.environment
     assert all(lights.lamps["a"].on for lights in found)
     given = {key: value for key, value in environment.items() if key in ("from", "file")}
-    assert {k: v for k, v in found[0].environment.model_dump(by_alias=True).items()
-            if k in given} == given  # fmt: skip
+    assert {
+        k: v for k, v in found[0].environment.model_dump(by_alias=True).items() if k in given
+    } == given
 
 
 def test_lamps_of_which_nobody_says_how_bright_they_are_are_other_too() -> None:

@@ -35,13 +35,26 @@ def test_a_moment_is_one_everywhere(changes: dict[str, object], expected: str) -
 @pytest.mark.parametrize(
     "changes",
     [
-        {"date": "2023-02-29"}, {"date": "1700-01-01"}, {"date": "2026-6-1"}, {"date": 20260621},
-        {"time": "24:00"}, {"time": "12:60"}, {"time": "noon"}, {"time": 12.5},
-        {"utc_offset": "../etc/passwd"}, {"utc_offset": ""}, {"utc_offset": True},
-        {"utc_offset": "/etc/localtime"}, {"utc_offset": 15.5}, {"utc_offset": float("nan")},
-        {"latitude": 90.1}, {"longitude": "13"}, {"turbidity": 10.5}, {"ground": [1, 1]},
+        {"date": "2023-02-29"},
+        {"date": "1700-01-01"},
+        {"date": "2026-6-1"},
+        {"date": 20260621},
+        {"time": "24:00"},
+        {"time": "12:60"},
+        {"time": "noon"},
+        {"time": 12.5},
+        {"utc_offset": "../etc/passwd"},
+        {"utc_offset": ""},
+        {"utc_offset": True},
+        {"utc_offset": "/etc/localtime"},
+        {"utc_offset": 15.5},
+        {"utc_offset": float("nan")},
+        {"latitude": 90.1},
+        {"longitude": "13"},
+        {"turbidity": 10.5},
+        {"ground": [1, 1]},
     ],
-)  # fmt: skip
+)
 def test_what_is_no_moment_or_place_is_refused(changes: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
         sky(**changes)

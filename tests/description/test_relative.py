@@ -40,9 +40,13 @@ def test_the_room_s_own_names_are_taken() -> None:
 
 def test_circles_may_go_over_both_keys() -> None:
     found = mistakes(
-        "name: a, on: b", "name: b, relative_to: c", "name: c, on: a",
-        "name: d, relative_to: d", "name: e, on: a, relative_to: f", "name: f",
-    )  # fmt: skip
+        "name: a, on: b",
+        "name: b, relative_to: c",
+        "name: c, on: a",
+        "name: d, relative_to: d",
+        "name: e, on: a, relative_to: f",
+        "name: f",
+    )
     assert [row.split(": ", 2)[1:] for row in found] == [
         ["alignment.objects[0].on", f"'a' on 'b' {CIRCLE}"],
         ["alignment.objects[1].relative_to", f"'b' relative to 'c' {CIRCLE}"],

@@ -39,10 +39,12 @@ def test_circles_are_refused(supports: tuple[int, ...]) -> None:
     found = mistakes(*supports, "floor", 1)
     # What stands on the circle without being part of it is not to blame.
     assert [row.split(": ", 2)[1:] for row in found] == [
-        [f"alignment.objects[{row}].support",
-         "goes round in a circle; something must stand on the floor"]
+        [
+            f"alignment.objects[{row}].support",
+            "goes round in a circle; something must stand on the floor",
+        ]
         for row in range(len(supports))
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize("support", ["table", "0", "-1", "1.5", "[1]", "true"])

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import re
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from jsonschema import Draft202012Validator
 from pydantic import ValidationError
 
-from openrooms_usd.description import Room, reading
+from openrooms_usd.description import Room, parse_room, reading
 from openrooms_usd.description.model import MISTAKE
 from openrooms_usd.description.schema import (
     DATASET_FILE,
@@ -23,6 +24,8 @@ from openrooms_usd.description.schema import (
     schema_text,
 )
 
+TEXT = (Path(__file__).parents[2] / "docs" / "description.md").read_text(encoding="utf-8")
+SNIPPETS = re.findall(r"^```yaml\n(.*?)^```$", TEXT, flags=re.MULTILINE | re.DOTALL)
 ROOT = Path(__file__).parents[2]
 VALIDATOR = Draft202012Validator(room_schema())
 EXAMPLES = sorted(
@@ -143,3 +146,28 @@ def test_schema_and_models_agree_about_single_values(data: st.DataObject) -> Non
         assert not by_schema or kinds <= beyond | text
     else:
         assert by_schema
+
+
+@pytest.mark.parametrize("snippet", SNIPPETS, ids=lambda text: text.split(":", 1)[0])
+def test_each_example_loads(snippet: str) -> None:
+    parse_room(snippet)
+
+
+def test_every_key_is_in_the_reference() -> None:
+    models = room_schema()
+    keys = {key for model in models["$defs"].values() for key in model.get("properties", {})}
+    keys |= set(models["properties"])
+    assert [key for key in sorted(keys) if f"`{key}`" not in TEXT] == []
+    assert len(SNIPPETS) > 8
+
+
+def test_the_message_in_the_reference_is_real() -> None:
+    shown = re.search(r"^```text\nerror: (.*?)^```$", TEXT, flags=re.MULTILINE | re.DOTALL)
+    assert shown is not None
+    wrong = (
+        "name: a\n\nlayout:\n  hieght: 3\n\n\nalignment:\n  objects:\n"
+        "    - {category: chiar, at: [1, 1]}\n"
+    )
+    with pytest.raises(Exception, match="2 mistakes") as caught:
+        parse_room(wrong)
+    assert shown[1] == f"{caught.value}\n"

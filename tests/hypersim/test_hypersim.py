@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import h5py
@@ -15,6 +16,7 @@ from openrooms_usd.render.datasets import DatasetOptions, FinishedRoom
 from openrooms_usd.render.reading import read_render
 from orusd_hypersim import HypersimDataset
 from orusd_hypersim.dataset import scene_name
+from orusd_hypersim.hdf5 import write_array
 
 HEIGHT, WIDTH = 18, 24
 # Neither in the middle nor with square pixels: both show in the matrices.
@@ -73,8 +75,11 @@ def write_render(folder: Path, count: int) -> Path:
         (folder / name).mkdir(parents=True)
         found = channels(number)
         exr.write_channels(folder / name / "channels.exr", found)
-        views[name] = {"resolution": [WIDTH, HEIGHT], "K": K.tolist(),
-                       "world_from_camera": pose(number).tolist()}  # fmt: skip
+        views[name] = {
+            "resolution": [WIDTH, HEIGHT],
+            "K": K.tolist(),
+            "world_from_camera": pose(number).tolist(),
+        }
     legend = {"instance": {"1": "/World/a", "8": "/World/b"}}
     manifest = {"generator": "openrooms_usd 0.1.0", "views": views, "legend": legend, "lights": []}
     (folder / "manifest.json").write_text(json.dumps(manifest))
@@ -153,8 +158,11 @@ def test_color_is_reflectance_times_illumination_and_residual(root: Path, frame:
 @pytest.mark.parametrize("frame", [0, 1])
 def test_positions_project_to_the_pixels_that_show_them(root: Path, frame: int) -> None:
     """As the notebook of the dataset's camera parameters does it, with pixels' true centres."""
-    world, turn, place = read(root, frame, "position"), camera(root, "orientations"), camera(
-        root, "positions")  # fmt: skip
+    world, turn, place = (
+        read(root, frame, "position"),
+        camera(root, "orientations"),
+        camera(root, "positions"),
+    )
     there = np.isfinite(world).all(axis=-1)
     assert not there[0].any() and there[1:].all()
     points = (world[there] - place[frame]) @ turn[frame]
@@ -204,8 +212,9 @@ def test_tables_say_the_split_and_the_unit(root: Path) -> None:
     with (root / "analysis/metadata_images_split_scene_v1.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [(r["scene_name"], r["camera_name"], r["frame_id"]) for r in rows] == [
-        ("ai_001_007", "cam_00", "0"), ("ai_001_007", "cam_00", "1")
-    ]  # fmt: skip
+        ("ai_001_007", "cam_00", "0"),
+        ("ai_001_007", "cam_00", "1"),
+    ]
     assert {row["split_partition_name"] for row in rows} == {"val"}
     scene = root / "scenes/ai_001_007/_detail/metadata_scene.csv"
     assert scene.read_text() == "parameter_name,parameter_value\nmeters_per_asset_unit,1.0\n"
@@ -216,3 +225,91 @@ def test_names_count_rooms_and_variants() -> None:
     assert scene_name(3456, "mainDiffLight") == "ai_204_456"
     with pytest.raises(InputError, match="no room"):
         scene_name(100_000, "main")
+
+
+def test_a_frame_has_its_channels_and_its_camera(root: Path) -> None:
+    source = open_source(root, form="hypersim", split="val")
+    assert len(source) == 2
+    names = ["depth", "distance", "position", "normal", "irradiance", "instance", "valid"]
+    found, truth = source.read(1, names), channels(1)
+    np.testing.assert_allclose(found.K, K, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.world_from_camera, pose(1), atol=1e-12)
+    assert found.size == (WIDTH, HEIGHT)
+    for name in ("depth", "distance", "position"):
+        np.testing.assert_allclose(found.images[name], truth[name], rtol=1e-6, atol=1e-5)
+    for name in ("normal", "irradiance"):
+        np.testing.assert_allclose(found.images[name], truth[name], rtol=HALF, atol=HALF)
+    assert (found.images["instance"] == truth["instance"]).all()
+    assert (found.images["valid"] == (truth["depth"] > 0)).all()
+    assert found.about == {"room": "ai_001_007", "variant": "cam_00", "split": "val"}
+
+
+def test_colour_is_diffuse_and_residual(root: Path) -> None:
+    found = open_source(root, form="hypersim").read(0, ["radiance", "diffuse", "residual"]).images
+    off = np.abs(found["diffuse"] + found["residual"] - found["radiance"])
+    assert (off <= 1e-3 + HALF * np.abs(found["residual"])).all()
+
+
+def test_what_is_not_there_is_told(root: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no view is there"):
+        open_source(root, form="hypersim", split="train")
+    source = open_source(root, form="hypersim")
+    with pytest.raises(InputError, match="do not tell 'base_color'"):
+        source.read(0, ["base_color"])
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("metadata_camera_parameters.csv", "M_cam_from_uv_00", "another"),
+        ("metadata_camera_parameters.csv", f"{HEIGHT},{WIDTH}", f"{HEIGHT},wide"),
+        ("metadata_camera_parameters.csv", f"{HEIGHT},{WIDTH}", f"{HEIGHT},inf"),
+        ("metadata_camera_parameters.csv", f"{HEIGHT},{WIDTH}", f"{HEIGHT},0"),
+        ("metadata_camera_parameters.csv", "scene_name", "scene"),
+        ("scenes/ai_001_007/_detail/metadata_scene.csv", "meters_per_asset_unit", "unit"),
+        ("analysis/metadata_images_split_scene_v1.csv", "frame_id", "frame"),
+    ],
+)
+def test_a_table_that_is_none_is_named(
+    file: str, old: str, new: str, root: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(root, copy)
+    text = (copy / file).read_text()
+    assert old in text
+    (copy / file).write_text(text.replace(old, new))
+    with pytest.raises(InputError, match=Path(file).name):
+        open_source(copy, form="hypersim").read(0, ["depth"])
+
+
+def test_arrays_that_are_no_pictures_or_cameras_are_refused(root: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(root, copy)
+    scene = copy / "scenes/ai_001_007"
+    depth = scene / "images/scene_cam_00_geometry_hdf5/frame.0000.depth_meters.hdf5"
+    write_array(depth, np.ones((HEIGHT, WIDTH, 3)))
+    source = open_source(copy, form="hypersim")
+    with pytest.raises(InputError, match=r"depth_meters\.hdf5: 'distance' has the shape"):
+        source.read(0, ["depth"])
+    write_array(scene / "_detail/cam_00/camera_keyframe_positions.hdf5", np.ones((2, 1)))
+    with pytest.raises(InputError, match=r"cam_00: its arrays are no cameras"):
+        open_source(copy, form="hypersim").read(1, ["depth"])
+
+
+@pytest.mark.parametrize("kind", ["text", "group", "outside", "words"])
+def test_foreign_files_stay_data(kind: str, tmp_path: Path) -> None:
+    from orusd_hypersim.hdf5 import read_array
+
+    path = tmp_path / "a.hdf5"
+    if kind == "text":
+        path.write_text("no HDF5")
+    else:
+        with h5py.File(path, "w") as file:
+            if kind == "group":
+                file.create_group("dataset")
+            elif kind == "outside":
+                file["dataset"] = h5py.ExternalLink("other.hdf5", "/dataset")
+            else:
+                file["dataset"] = "words"
+    with pytest.raises(InputError):
+        read_array(path)

@@ -13,11 +13,13 @@ from benchmarks.scenes import SMALL_ROOM
 from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.sample import Sample
 
-CHANNELS = (
-    "radiance", "irradiance", "depth", "distance", "position", "normal", "normal_geometric",
-    "normal_camera", "base_color", "semantic", "instance", "valid", "radiance_i", "direct_i",
-    "unoccluded_i", "visibility_i", "mask_i", "environment",
-)  # fmt: skip
+CHANNELS = tuple(
+    (
+        "radiance irradiance depth distance position normal normal_geometric normal_camera"
+        " base_color semantic instance valid radiance_i direct_i unoccluded_i visibility_i mask_i"
+        " environment"
+    ).split()
+)
 EXACT = ("depth", "distance", "position", "normal_geometric", "instance")
 
 
@@ -30,11 +32,20 @@ def render(scene: Path, out: Path, size: tuple[int, int], channels: str, *words:
     done = CliRunner().invoke(
         orusd,
         [
-            "render", str(scene), "-o", str(out), "--resolution", f"{size[0]}x{size[1]}",
-            "--channels", channels, "--spp", "2", *camera,
+            "render",
+            str(scene),
+            "-o",
+            str(out),
+            "--resolution",
+            f"{size[0]}x{size[1]}",
+            "--channels",
+            channels,
+            "--spp",
+            "2",
+            *camera,
         ],
         catch_exceptions=False,
-    )  # fmt: skip
+    )
     assert done.exit_code == 0, done.output
     return out
 

@@ -63,9 +63,10 @@ def test_a_dataset_is_chosen_from(dataset: Path) -> None:
     assert names == [row["unit"] for row in rows]
     train = open_source(dataset, split="train", variants=["mainDiffMat"], views=["view_1"])
     expected = [
-        row for row in rows
+        row
+        for row in rows
         if row["split"] == "train" and row["unit"].endswith("mainDiffMat/view_1")
-    ]  # fmt: skip
+    ]
     assert len(train) == len(expected) == 1
     found = train.read(0, ["radiance", "depth"])
     assert found.about == {key: expected[0][key] for key in ("room", "variant", "split")}
@@ -82,14 +83,19 @@ def test_a_room_without_lights_has_none_of_each(tmp_path: Path) -> None:
     depth = np.ones((6, 8, 1), np.float32)
     exr.write_channels(tmp_path / "view_0" / "channels.exr", {"depth": depth})
     manifest = {
-        "generator": "openrooms_usd 0.1.0", "lights": [],
+        "generator": "openrooms_usd 0.1.0",
+        "lights": [],
         "channels": {"depth": {}, "direct_i": {}, "mask_i": {}},
-        "views": {"view_0": {
-            "resolution": [8, 6], "K": [[9.0, 0, 4], [0, 9.0, 3], [0, 0, 1]],
-            "world_from_camera": np.eye(4).tolist(),
-            "files": {"channels": "view_0/channels.exr"}, "channels": {"depth": {}},
-        }},
-    }  # fmt: skip
+        "views": {
+            "view_0": {
+                "resolution": [8, 6],
+                "K": [[9.0, 0, 4], [0, 9.0, 3], [0, 0, 1]],
+                "world_from_camera": np.eye(4).tolist(),
+                "files": {"channels": "view_0/channels.exr"},
+                "channels": {"depth": {}},
+            }
+        },
+    }
     (tmp_path / "manifest.json").write_text(json.dumps(manifest))
     source = open_source(tmp_path)
     found = source.read(0, ("depth", "direct_i", "mask_i"))

@@ -107,11 +107,21 @@ def test_of_compact_renders_only_what_is_needed_is_fetched(
     names = ("radiance", "depth", "distance", "position", "instance")
     complete, compact = (
         open_source(
-            render(composed_demo, tmp_path / how, (48, 36), ",".join(names),
-                   "--renderer", "preview", "--camera", "view_0", "--storage", how)
+            render(
+                composed_demo,
+                tmp_path / how,
+                (48, 36),
+                ",".join(names),
+                "--renderer",
+                "preview",
+                "--camera",
+                "view_0",
+                "--storage",
+                how,
+            )
         )
         for how in ("complete", "compact")
-    )  # fmt: skip
+    )
     a, b = complete.read(0, names), compact.read(0, names)
     np.testing.assert_array_equal(a.images["depth"], b.images["depth"])
     np.testing.assert_array_equal(a.images["instance"], b.images["instance"])
@@ -214,8 +224,9 @@ def test_the_cache_is_of_bounded_size(server: Server, dataset: Path, tmp_path: P
         assert sum(path.stat().st_size for path in kept) <= 2.5 * size
     # The one that was not read for longest went.
     assert sorted(path.parent.relative_to(path.parents[4]).as_posix() for path in kept) == [
-        "renders/room_one/main/view_0", "renders/room_one/mainDiffMat/view_0",
-    ]  # fmt: skip
+        "renders/room_one/main/view_0",
+        "renders/room_one/mainDiffMat/view_0",
+    ]
     assert len([path for path in server.asked if path.endswith(".exr")]) == 3
 
 

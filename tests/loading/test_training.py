@@ -1,5 +1,6 @@
 """Batches of torch: what is in them, and the same for any number of workers."""
 
+import re
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.toning import Exposure
 from openrooms_usd.loading.transforms import Compose
 
+PAGE = Path(__file__).parents[2] / "docs/loading.md"
 CHANNELS = ("radiance", "depth", "position", "instance")
 CHANGE = Compose([HorizontalFlip(), RandomCrop(16, 12)])
 
@@ -206,3 +208,24 @@ def test_what_goes_wrong_in_a_view_is_told(dataset: Path) -> None:
         views[0]
     with pytest.raises(IndexError):
         views[8]
+
+
+@pytest.mark.slow
+def test_the_python_of_the_page_runs_in_order(
+    dataset: Path,
+    torch: ModuleType,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (tmp_path / "homes").symlink_to(dataset)
+    monkeypatch.chdir(tmp_path)
+    shown = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)
+    names: dict[str, object] = {}
+    for block in shown:
+        exec(block, names)
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith("(192, 256, 3)")
+    assert (
+        said[-1] == "torch.Size([2, 3, 192, 256]) torch.Size([2, 192, 256]) torch.Size([2, 3, 3])"
+    )

@@ -105,9 +105,11 @@ def check_light(sample: Sample) -> None:
     share = sample.lights["visibility_i"]
     assert share.min() >= 0.0 and share.max() <= 1.0 + 1e-5
     np.testing.assert_allclose(
-        share * sample.lights["unoccluded_i"], sample.lights["direct_i"],
-        rtol=2e-3, atol=1e-4 * sample.lights["direct_i"].max(),
-    )  # fmt: skip
+        share * sample.lights["unoccluded_i"],
+        sample.lights["direct_i"],
+        rtol=2e-3,
+        atol=1e-4 * sample.lights["direct_i"].max(),
+    )
 
 
 @pytest.mark.parametrize("chain", CHAINS)

@@ -69,10 +69,12 @@ def layout() -> str:
         for a, low, b, high in parts if number in holes else [(0, 0, length, HEIGHT)]:
             if b > a and high > low:
                 one, other = (start + (end - start) * t / length for t in (a, b))
-                quads.append((
-                    f"{SCENE}_wall",
-                    [(*one, low), (*other, low), (*other, high), (*one, high)],
-                ))  # fmt: skip
+                quads.append(
+                    (
+                        f"{SCENE}_wall",
+                        [(*one, low), (*other, low), (*other, high), (*one, high)],
+                    )
+                )
     return obj(quads)
 
 
@@ -123,22 +125,37 @@ def scene(*, shapes: str | None = None, sky: str = "0.00000001", head: str = "")
     own = [
         shape(SCENE, f"layoutMesh/{SCENE}/uv_mapped.obj", LAYOUT_STEPS, shell),
         shape(SCENE, f"layoutMesh/{SCENE}/container.obj", LAYOUT_STEPS, shell),
-        shape(chair, f"uv_mapped/{chair}/alignedNew.obj", moved(-0.5, 30, snap + push),
-              ["03001627_abc_part0", "03001627_abc_part1"]),
-        shape(chair, f"uv_mapped/{chair}/alignedNew.obj", moved(0.6, -75, snap),
-              ["03001627_abc_part0", "03001627_abc_part1"]),
-        shape("04379243/none", "uv_mapped/04379243/none/alignedNew.obj",
-              '<scale x="1.8" y="1.6" z="1.8"/><translate x="1.0" y="-0.95" z="-0.4"/>'),
+        shape(
+            chair,
+            f"uv_mapped/{chair}/alignedNew.obj",
+            moved(-0.5, 30, snap + push),
+            ["03001627_abc_part0", "03001627_abc_part1"],
+        ),
+        shape(
+            chair,
+            f"uv_mapped/{chair}/alignedNew.obj",
+            moved(0.6, -75, snap),
+            ["03001627_abc_part0", "03001627_abc_part1"],
+        ),
+        shape(
+            "04379243/none",
+            "uv_mapped/04379243/none/alignedNew.obj",
+            '<scale x="1.8" y="1.6" z="1.8"/><translate x="1.0" y="-0.95" z="-0.4"/>',
+        ),
         shape(lamp, f"uv_mapped/{lamp}/aligned_shape.obj", hang, ["ceiling_lamp_15650_part1"]),
         shape("door/7", "uv_mapped/door/7/alignedNew.obj", door, ["door_7_part0"]),
         shape("window/3", "uv_mapped/window/3/alignedNew.obj", f'<scale value="1"/>{LAYOUT_STEPS}'),
         shape(lamp, f"uv_mapped/{lamp}/aligned_light.obj", hang, (), " ".join(map(str, RADIANCE))),
-    ]  # fmt: skip
+    ]
     bsdfs = [
-        textured(shell[0], "clay_large", 0.5), plain(shell[1]), textured(shell[2], "carpet_loop"),
-        textured("03001627_abc_part0", "wood_oak"), plain("03001627_abc_part1"),
-        textured("ceiling_lamp_15650_part1", "gold_leaf"), plain("door_7_part0"),
-    ]  # fmt: skip
+        textured(shell[0], "clay_large", 0.5),
+        plain(shell[1]),
+        textured(shell[2], "carpet_loop"),
+        textured("03001627_abc_part0", "wood_oak"),
+        plain("03001627_abc_part1"),
+        textured("ceiling_lamp_15650_part1", "gold_leaf"),
+        plain("door_7_part0"),
+    ]
     return f"""<?xml version="1.0" ?>{head}
 <scene verion="0.5.0"><integrator type="path"/>
 {"".join(bsdfs)}{"".join(own) if shapes is None else shapes}

@@ -63,16 +63,32 @@ LIGHTS = [
         ELSEWHERE, "elsewhere", "", "elsewhere", True, np.eye(4), np.zeros(3), np.ones(3), 0.0
     ),
     LightRecord(
-        LAMP, "lamp", "/World/Furniture/lamp", "lamp", True, turned(0.5, [0.3, 2.0, 2.4]),
-        np.array([0.3, 0.5, 0.2]), np.array(RADIANCE), 800.0, kelvin=3000.0, instance=3,
+        LAMP,
+        "lamp",
+        "/World/Furniture/lamp",
+        "lamp",
+        True,
+        turned(0.5, [0.3, 2.0, 2.4]),
+        np.array([0.3, 0.5, 0.2]),
+        np.array(RADIANCE),
+        800.0,
+        kelvin=3000.0,
+        instance=3,
     ),
     LightRecord(
-        WINDOW, "window", "/World/Room/W", "opening", True,
+        WINDOW,
+        "window",
+        "/World/Room/W",
+        "opening",
+        True,
         np.array([[-1.0, 0, 0, -0.8], [0, 0, 1, 4.0], [0, 1, 0, 1.5], [0, 0, 0, 1]]),
-        np.array([1.2, 1.4, 0.0]), np.array([500.0, 600.0, 700.0]), 3000.0,
-        gaussians=GAUSSIANS, fit_error=FIT_ERROR,
+        np.array([1.2, 1.4, 0.0]),
+        np.array([500.0, 600.0, 700.0]),
+        3000.0,
+        gaussians=GAUSSIANS,
+        fit_error=FIT_ERROR,
     ),
-]  # fmt: skip
+]
 
 
 def cast(K: np.ndarray, pose: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
@@ -113,16 +129,22 @@ def write_view(
     write_exr(
         folder / "channels.exr",
         {
-            "radiance": light(100.0), "depth": depth[..., None], "normal_camera": camera_normals,
+            "radiance": light(100.0),
+            "depth": depth[..., None],
+            "normal_camera": camera_normals,
             "base_color": rng.random((height, width, 3)) * seen,
             "roughness": rng.random((height, width, 1)) * seen,
             "metallic": rng.random((height, width, 1)) * seen,
-            "semantic": np.where(labels == 1, 44, 43) * seen, "instance": labels,
-            "material": np.where(labels == 1, 0, 3) * seen, "emission_mask": bulb * 1.0,
-            "valid": seen * 1.0, "friction": 0.5 * seen,
-            "irradiance": light(400.0), "irradiance_direct": light(200.0),
+            "semantic": np.where(labels == 1, 44, 43) * seen,
+            "instance": labels,
+            "material": np.where(labels == 1, 0, 3) * seen,
+            "emission_mask": bulb * 1.0,
+            "valid": seen * 1.0,
+            "friction": 0.5 * seen,
+            "irradiance": light(400.0),
+            "irradiance_direct": light(200.0),
         },
-    )  # fmt: skip
+    )
     write_exr(
         folder / "lights.exr",
         {
@@ -162,8 +184,13 @@ def make_render(
     }
     legend = {"instance": {"1": "/World/Room/Floor", "2": "/World/Room/Walls/Wall_0"}}
     lights = [light.as_dict() for light in LIGHTS]
-    manifest = {"views": entries, "lights": lights, "legend": legend, "channels": {},
-                "generator": "openrooms_usd 0.1.0"}  # fmt: skip
+    manifest = {
+        "views": entries,
+        "lights": lights,
+        "legend": legend,
+        "channels": {},
+        "generator": "openrooms_usd 0.1.0",
+    }
     (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     return read_render(folder)
 

@@ -8,7 +8,7 @@ import pytest
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset
-from orusd_openrooms.depthshadows import depth_shadow
+from orusd_openrooms.lightfiles import depth_shadow
 from orusd_openrooms.records import Light
 
 ROWS, COLUMNS = 48, 64

@@ -9,8 +9,8 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset, environments
+from orusd_openrooms.frame import area_mean
 from orusd_openrooms.readers import read_environments, read_light
-from orusd_openrooms.resampling import area_mean
 from orusd_openrooms.rgbe import ERROR, write_rgbe
 from tests.openrooms.synthetic import make_render
 
@@ -41,9 +41,10 @@ def test_legacy_stores_red_where_the_format_has_blue(render: RenderedScene, tmp_
 def test_even_light_gives_pi_times_it() -> None:
     even = np.full((2, 3, 16, 32, 3), [1.0, 2.0, 3.0], np.float32)
     np.testing.assert_allclose(
-        environments.irradiance(even), np.broadcast_to([np.pi, 2 * np.pi, 3 * np.pi], (2, 3, 3)),
+        environments.irradiance(even),
+        np.broadcast_to([np.pi, 2 * np.pi, 3 * np.pi], (2, 3, 3)),
         rtol=1e-6,
-    )  # fmt: skip
+    )
 
 
 def test_a_cosine_of_light_gives_two_thirds_of_pi() -> None:

@@ -75,8 +75,11 @@ def test_a_window_in_front_of_the_camera(folder: Path, render: RenderedScene) ->
     seen = render.views["view_0"].lights["mask"][WINDOW][..., 0] > 0
     rows, columns = np.nonzero(seen)
     assert found["box2D"] == {
-        "x1": columns.min(), "x2": columns.max(), "y1": rows.min(), "y2": rows.max(),
-    }  # fmt: skip
+        "x1": columns.min(),
+        "x2": columns.max(),
+        "y1": rows.min(),
+        "y2": rows.max(),
+    }
     assert (folder / f"light_1/box{WINDOW}.json").is_file()
 
 
@@ -105,12 +108,21 @@ def test_the_loaders_join_every_light(folder: Path) -> None:
         assert np.concatenate([a.reshape(1, 3) for a in axes], axis=0).shape == (3, 3)
         assert np.sum(src["intensity"] * 0.5) > 0
         if parameters["isWindow"]:
-            joined = np.concatenate([
-                src["intensity"] * 0.5, src["axis"], np.array(src["lamb"]).reshape(1),
-                src["intensitySky"] * 0.5, src["axisSky"], np.array(src["lambSky"]).reshape(1),
-                src["intensityGrd"] * 0.5, src["axisGrd"], np.array(src["lambGrd"]).reshape(1),
-                np.zeros(1, dtype=np.float32),
-            ], axis=0)  # fmt: skip
+            joined = np.concatenate(
+                [
+                    src["intensity"] * 0.5,
+                    src["axis"],
+                    np.array(src["lamb"]).reshape(1),
+                    src["intensitySky"] * 0.5,
+                    src["axisSky"],
+                    np.array(src["lambSky"]).reshape(1),
+                    src["intensityGrd"] * 0.5,
+                    src["axisGrd"],
+                    np.array(src["lambGrd"]).reshape(1),
+                    np.zeros(1, dtype=np.float32),
+                ],
+                axis=0,
+            )
             assert joined.shape == (22,)
             approximate = name.replace("mask", "imDSNoOccluApprox").replace("png", "hdr")
             true = name.replace("mask", "imDSNoOcclu").replace(".png", ".rgbe")

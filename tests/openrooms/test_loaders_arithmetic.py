@@ -21,11 +21,13 @@ pytestmark = pytest.mark.slow
 
 SCENE = "scene0000_00"
 ROWS, COLUMNS = 12, 16
-CHANNELS = (
-    "radiance", "base_color", "normal_camera", "roughness", "metallic", "depth", "valid",
-    "emission_mask", "diffuse", "specular", "environment", "environment_direct", "direct_i",
-    "unoccluded_i", "visibility_i", "mask_i", "instance", "material",
-)  # fmt: skip
+CHANNELS = tuple(
+    (
+        "radiance base_color normal_camera roughness metallic depth valid emission_mask diffuse"
+        " specular environment environment_direct direct_i unoccluded_i visibility_i mask_i"
+        " instance material"
+    ).split()
+)
 
 
 @pytest.fixture(scope="module")
@@ -141,8 +143,10 @@ def test_specular_light_of_the_rendering_layer(folder: Path, view: RenderedView)
     v = unit(-points)[:, :, None]
     h = unit(directions + v)
     n = normals[:, :, None]
-    dots = {k: np.clip((a * b).sum(-1), 0, 1) for k, a, b in
-            (("nv", n, v), ("nh", n, h), ("nl", n, directions), ("vh", v, h))}  # fmt: skip
+    dots = {
+        k: np.clip((a * b).sum(-1), 0, 1)
+        for k, a, b in (("nv", n, v), ("nh", n, h), ("nl", n, directions), ("vh", v, h))
+    }
     k, alpha2 = (rough + 1.0) ** 2 / 8.0, rough**4
     fresnel = 0.05 + 0.95 * 2.0 ** ((-5.55472 * dots["vh"] - 6.98316) * dots["vh"])
     d = dots["nh"] ** 2 * (alpha2 - 1.0) + 1.0
@@ -168,14 +172,18 @@ def lights(folder: Path) -> list[tuple[Path, dict[str, Any], dict[str, Any]]]:
     """The mask, box and source of each light."""
     masks = sorted((folder / "light_1").glob("mask*.png"))
     return [
-        (mask, opened(mask.with_name(mask.name.replace("mask", "box").replace("png", "dat"))),
-         opened(mask.with_name(mask.name.replace("mask", "lightSrc").replace("png", "dat"))))
+        (
+            mask,
+            opened(mask.with_name(mask.name.replace("mask", "box").replace("png", "dat"))),
+            opened(mask.with_name(mask.name.replace("mask", "lightSrc").replace("png", "dat"))),
+        )
         for mask in masks
-    ]  # fmt: skip
+    ]
 
 
-def through_window(box: dict[str, Any], src: dict[str, Any], points: np.ndarray,
-                   normals: np.ndarray) -> np.ndarray:  # fmt: skip
+def through_window(
+    box: dict[str, Any], src: dict[str, Any], points: np.ndarray, normals: np.ndarray
+) -> np.ndarray:
     """The renderer of windows: a sharp sun by its directions, what is wide by the rectangle."""
     rng = np.random.default_rng(0)
     x, y = (0.5 * box[f"{axis}Axis"] * box[f"{axis}Len"] for axis in "xy")

@@ -85,9 +85,10 @@ class Loaded:
     def lights(self) -> list[dict]:
         folder = self.root / "main_xml" / SCENE
         pairs = zip(
-            sorted(folder.glob("light_3SG-SkyGrd_*.dat")), sorted(folder.glob("box*.dat")),
+            sorted(folder.glob("light_3SG-SkyGrd_*.dat")),
+            sorted(folder.glob("box*.dat")),
             strict=True,
-        )  # fmt: skip
+        )
         # Our own files, so that they may be opened as loaders do.
         return [{**pickle.loads(a.read_bytes()), **pickle.loads(b.read_bytes())} for a, b in pairs]
 

@@ -18,9 +18,9 @@ from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.materials import Texture
 from openrooms_usd.usd.meshes import read_meshes
 from orusd_openrooms.pickles import write_pickled
-from orusd_openrooms.scenes.poses import scene_frame
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import whole
+from orusd_openrooms.scenes.scene import scene_frame
 from tests.openrooms.scenefiles import DOOR, FOV, RADIANCE, WINDOW, scene, write_dataset
 
 KIND = "openrooms-xml"
@@ -192,9 +192,12 @@ def test_fixes_are_operations_of_their_own(composed: Usd.Stage) -> None:
     chair = UsdGeom.Xformable(composed.GetPrimAtPath("/World/Furniture/chair_e4ea79"))
     ops = {op.GetOpName(): op.Get() for op in chair.GetOrderedXformOps()}
     assert list(ops) == [
-        "xformOp:translate:placed_1", "xformOp:translate:placed", "xformOp:translate",
-        "xformOp:rotateXYZ", "xformOp:scale",
-    ]  # fmt: skip
+        "xformOp:translate:placed_1",
+        "xformOp:translate:placed",
+        "xformOp:translate",
+        "xformOp:rotateXYZ",
+        "xformOp:scale",
+    ]
     assert list(ops["xformOp:translate:placed"]) == pytest.approx([0.0, 0.0, -0.07])
     assert list(ops["xformOp:translate:placed_1"]) == pytest.approx([0.02, 0.03, 0.0])
 

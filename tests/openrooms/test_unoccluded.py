@@ -10,10 +10,10 @@ import pytest
 
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import RenderedScene, read_render
-from orusd_openrooms import OpenRoomsDataset, unoccluded
+from orusd_openrooms import OpenRoomsDataset, lightfiles
+from orusd_openrooms.lightfiles import approximate
 from orusd_openrooms.readers import read_light
 from orusd_openrooms.records import Light, Lobe, lights_of
-from orusd_openrooms.unoccluded import approximate
 
 ONE = np.ones(3)
 
@@ -93,7 +93,7 @@ def test_both_ways_to_integrate_agree(monkeypatch: pytest.MonkeyPatch) -> None:
     light = window(Lobe(np.array([0.1, 0.98, 0.15]), 1.0, ONE), (3.0, 3.0, 0.0))
     found = []
     for limit in (0.0, 100.0):
-        monkeypatch.setattr(unoccluded, "_SHARP_LOBE", limit)
+        monkeypatch.setattr(lightfiles, "_SHARP_LOBE", limit)
         found.append(at(light, [0.2, 1.0, -0.3], [0.0, 0.6, 0.8], camera(2)))
     np.testing.assert_allclose(found[0], found[1], rtol=0.03)
 
@@ -113,9 +113,7 @@ def test_the_file_of_a_window_with_an_even_sky(render: RenderedScene, tmp_path: 
     """From depth, intrinsics and pose to the file: the floor of the synthetic room."""
     shutil.copytree(render.folder, tmp_path / "day")
     manifest = json.loads((tmp_path / "day/manifest.json").read_text())
-    sky = {
-        "name": "sky", "axis": [0, 1, 0], "sharpness": 0.0, "amplitude": [100.0, 200.0, 300.0]
-    }  # fmt: skip
+    sky = {"name": "sky", "axis": [0, 1, 0], "sharpness": 0.0, "amplitude": [100.0, 200.0, 300.0]}
     for light in manifest["lights"]:
         light["gaussians"] = [sky]
     (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))

@@ -20,14 +20,13 @@ PICTURE = (160, 120)
 
 
 @pytest.fixture(scope="module")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
+def shown() -> Iterator[Shown]:
     """Serves a page and opens it in a browser, until the tests of a file have ended."""
     with ExitStack() as stack:
 
         def show(app: App) -> Page:
             server = stack.enter_context(serving(app))
-            scratch = tmp_path_factory.mktemp("chromium")
-            page = stack.enter_context(opened(server.address, scratch, webgl=True, size=(900, 600)))
+            page = stack.enter_context(opened(server.address, webgl=True, size=(900, 600)))
             page.wait("document.body.dataset.ready == 'yes'")
             return page
 

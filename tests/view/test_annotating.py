@@ -185,8 +185,10 @@ def test_what_is_refused_is_said_and_the_picture_is_as_it_was(scene: Path, shown
     page.click(*seen(page, "/World/Furniture/chair_1"))
     where = f"{ROOM}.bounds(['/World/Furniture/chair_1'])"
     before = np.array(page.evaluate(where))
-    page.evaluate("Object.assign(document.getElementById('width'), {value: -1})"
-                  ".dispatchEvent(new Event('change'))")  # fmt: skip
+    page.evaluate(
+        "Object.assign(document.getElementById('width'), {value: -1})"
+        ".dispatchEvent(new Event('change'))"
+    )
     page.wait(
         "document.getElementById('told').className == 'wrong' && document.body.dataset.busy == '0'"
     )
@@ -247,9 +249,9 @@ def generated(tmp_path: Path) -> Path:
 
 
 @contextmanager
-def alone(app: App, scratch: Path) -> Iterator[Page]:
+def alone(app: App) -> Iterator[Page]:
     """A page that is closed before the next one: both would read the same layers."""
-    with serving(app) as server, opened(server.address, scratch, webgl=True) as page:
+    with serving(app) as server, opened(server.address, webgl=True) as page:
         page.resize(900, 600)
         page.wait("document.body.dataset.ready == 'yes'")
         yield page
@@ -266,7 +268,7 @@ def test_a_generated_room_keeps_a_material_and_a_place(generated: Path, tmp_path
     rest = [f"/World/Furniture/{name}" for name in objects(generated) if name != stand]
     meant = {one for one in before if one.startswith(f"{path}/")}
     start = box(generated, stand)
-    with alone(materials_app(held), tmp_path / "one") as page:
+    with alone(materials_app(held)) as page:
         page.evaluate(f"{ROOM}.hide({json.dumps(rest)})")
         page.click(*seen(page, path))
         choose(page, "scope", "object")
@@ -275,7 +277,7 @@ def test_a_generated_room_keeps_a_material_and_a_place(generated: Path, tmp_path
     after = worn(generated)
     assert {one for one in after if after[one][0] == "zebrano"} == meant
     assert all(after[one] == before[one] for one in set(before) - meant)
-    with alone(objects_app(held), tmp_path / "two") as page:
+    with alone(objects_app(held)) as page:
         choose(page, "object", stand)
         page.key("ArrowLeft")
         idle(page)

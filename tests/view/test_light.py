@@ -154,10 +154,13 @@ def test_pictures_are_toned_as_those_of_renders(page: Page, baked: Path) -> None
     """The exposure, the white and the curve, by `openrooms_usd.render.tone`."""
     page.evaluate(f"{ROOM}.meter()")
     told: dict[str, Any] = page.evaluate(f"{ROOM}.tone")
-    width, height = 160, page.evaluate(
-        "Math.round(160 * document.getElementById('view').clientHeight"
-        " / document.getElementById('view').clientWidth)"
-    )  # fmt: skip
+    width, height = (
+        160,
+        page.evaluate(
+            "Math.round(160 * document.getElementById('view').clientHeight"
+            " / document.getElementById('view').clientWidth)"
+        ),
+    )
     ask = f"Array.from({ROOM}.{{}}({width}, {height}))"
     light = np.array(page.evaluate(ask.format("radiance")), np.float32).reshape(height, width, 4)
     tone = fitted_tone("photograph", light[..., :3])

@@ -88,8 +88,9 @@ def test_moments_share_the_controls_of_lights_that_are_called_alike(tmp_path: Pa
     light = app.state()["light"]
     assert light["moments"] == ["noon", "night"]
     assert [(one["name"], one["kind"]) for one in light["lights"]] == [
-        ("lamp", "lamp"), ("elsewhere", "elsewhere"),
-    ]  # fmt: skip
+        ("lamp", "lamp"),
+        ("elsewhere", "elsewhere"),
+    ]
     # Of light and moment.
     assert light["layers"] == [[0, 0], [1, 0], [1, 1]]
     told = light["atlases"][ATLAS_PATH]

@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import load_room
-from openrooms_usd.view.outline import plan_of
+from openrooms_usd.view.room import plan_of
 
 ROOM = """\
 layout:

@@ -10,7 +10,7 @@ from pxr import Usd
 
 import openrooms_usd as ou
 from openrooms_usd.importing import import_capture
-from openrooms_usd.view import offline
+from openrooms_usd.view import shell
 from openrooms_usd.view.room import room_app, room_state
 from tests.chromium import Page, needs_chromium, opened
 from tests.conftest import REAL
@@ -81,9 +81,13 @@ def test_generated_and_scanned_rooms_show_what_the_preview_renderer_sees(
     page = shown(room_app(scene))
     cameras = [camera["name"] for camera in room_state(scene)["cameras"]][:2]
     rendered = ou.render(
-        scene, tmp_path / "render", channels="part", resolution=SIZE, renderer="preview",
+        scene,
+        tmp_path / "render",
+        channels="part",
+        resolution=SIZE,
+        renderer="preview",
         cameras=cameras,
-    )  # fmt: skip
+    )
     for camera in cameras:
         page.click_on(f"#camera-{camera}")
         page.wait(f"document.body.dataset.camera == '{camera}'")
@@ -213,20 +217,20 @@ def test_mouse_and_keys_move_the_eye(page: Page) -> None:
     page.click_on("#walk")
     walking = np.array(page.evaluate(eye))
     assert walking[2] == pytest.approx(1.6, abs=0.02)
-    page.key_down("w")
+    page.page.keyboard.down("w")
     page.wait(f"Math.hypot(...{eye}.map((v, k) => v - {walking.tolist()}[k])) > 0.3")
-    page.key_up("w")
+    page.page.keyboard.up("w")
     assert page.evaluate(f"{eye}[2]") == pytest.approx(1.6, abs=0.02)
     page.click_on("#walk")
 
 
 def test_the_page_in_a_file_shows_the_same(composed_demo: Path, tmp_path: Path) -> None:
     app = room_app(composed_demo)
-    offline.write(app, tmp_path / "page.html")
+    shell.write(app, tmp_path / "page.html")
     text = (tmp_path / "page.html").read_bytes()
-    offline.write(app, tmp_path / "again.html")
+    shell.write(app, tmp_path / "again.html")
     assert text == (tmp_path / "again.html").read_bytes()
-    with opened(tmp_path / "page.html", tmp_path / "scratch", webgl=True, size=(900, 600)) as page:
+    with opened(tmp_path / "page.html", webgl=True, size=(900, 600)) as page:
         page.wait("document.body.dataset.ready == 'yes'")
         picture = pixels(drawn(page, tmp_path))[:, :560]
         assert picture.std(axis=(0, 1)).min() > 0.05

@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 
+from openrooms_usd.cli.viewing import view
 from openrooms_usd.description.model import Model, Number
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.view.app import App, Command
+from openrooms_usd.view.room import room_app, room_state
 from openrooms_usd.view.server import MOST_BYTES, TOKEN_HEADER, Server, serving
+from tests.small import Stage as Build
 
 
 class Step(Model):
@@ -32,10 +36,13 @@ def served(tmp_path: Path) -> Iterator[Server]:
         return dict(place)
 
     app = App(
-        page="source", title="a <chair>", state=lambda: dict(place),
-        resources={"room.glb": lambda: b"glTF\0\xff"}, commands={"move": Command(Step, move)},
+        page="source",
+        title="a <chair>",
+        state=lambda: dict(place),
+        resources={"room.glb": lambda: b"glTF\0\xff"},
+        commands={"move": Command(Step, move)},
         watched=(tmp_path / "edits.usda",),
-    )  # fmt: skip
+    )
     with serving(app) as server:
         yield server
 
@@ -78,11 +85,11 @@ def test_nothing_is_done_without_the_token(served: Server) -> None:
 
 @pytest.mark.parametrize(
     "path",
-    [
-        "/page/../app.py", "/page/%2e%2e/app.py", "/page//etc/passwd", "/resource/../state",
-        "/resource/room.yaml", "/etc/passwd", "/page/", "/command/move", "/page/..%5capp.py",
-    ],
-)  # fmt: skip
+    (
+        "/page/../app.py /page/%2e%2e/app.py /page//etc/passwd /resource/../state"
+        " /resource/room.yaml /etc/passwd /page/ /command/move /page/..%5capp.py"
+    ).split(),
+)
 def test_no_file_is_reached_by_its_path(served: Server, path: str) -> None:
     assert asked(served, path)[0] == 404
 
@@ -90,10 +97,15 @@ def test_no_file_is_reached_by_its_path(served: Server, path: str) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        (b"{", "JSON"), ({"by": "2"}, "by"), ({"by": 1, "z": 2}, "z"), ({}, "by"), ([], ""),
-        (b'{"by": NaN}', "by"), (b"\xff\xfe", ""),
+        (b"{", "JSON"),
+        ({"by": "2"}, "by"),
+        ({"by": 1, "z": 2}, "z"),
+        ({}, "by"),
+        ([], ""),
+        (b'{"by": NaN}', "by"),
+        (b"\xff\xfe", ""),
     ],
-)  # fmt: skip
+)
 def test_what_a_command_does_not_take_is_refused(served: Server, body: object, said: str) -> None:
     status, text = asked(served, "/command/move", body)
     assert status == 400 and said in json.loads(text)["error"]["message"]
@@ -108,9 +120,10 @@ def test_what_cannot_be_done_is_said_with_place_and_remedy(served: Server) -> No
 
 def test_nobody_fills_the_memory(served: Server) -> None:
     request = urllib.request.Request(
-        f"http://127.0.0.1:{served.server_port}/command/move", b"{}",
+        f"http://127.0.0.1:{served.server_port}/command/move",
+        b"{}",
         {TOKEN_HEADER: served.token, "Content-Length": str(MOST_BYTES + 1)},
-    )  # fmt: skip
+    )
     with pytest.raises(urllib.error.HTTPError) as refused:
         urllib.request.urlopen(request, timeout=20)
     assert refused.value.code == 413
@@ -146,3 +159,31 @@ def test_a_port_that_is_taken_is_said(served: Server) -> None:
 def test_it_listens_on_this_machine_alone(served: Server) -> None:
     assert served.server_address[0] == "127.0.0.1"
     assert served.address.startswith("http://127.0.0.1:")
+
+
+def test_a_room_is_written_as_a_page(composed_demo: Path, tmp_path: Path) -> None:
+    target = tmp_path / "room.html"
+    done = CliRunner().invoke(view, [str(composed_demo), "--export", str(target)])
+    assert done.exit_code == 0 and str(target) in done.output
+    text = target.read_text()
+    assert 'data-resource="room.glb"' in text and "traced.png" not in text
+    # Nothing of the machine that made it.
+    assert str(composed_demo.parent) not in text
+
+
+def test_any_stage_has_a_page(tmp_path: Path) -> None:
+    made = Build(up="Y", metres=0.01, path=tmp_path / "box.usda")
+    made.box("/Box", 100.0)
+    made.camera((0, 0, 400), (0, 0, 0), up=(0, 1, 0))
+    made.stage.Save()
+    state = room_state(tmp_path / "box.usda")
+    assert [prim["path"] for prim in state["prims"]] == ["/Box", "/Camera"]
+    (camera,) = state["cameras"]
+    assert [row[3] for row in camera["world_from_camera"][:3]] == pytest.approx([0, -4, 0])
+    assert room_app(tmp_path / "box.usda").resources["room.glb"]()[:4] == b"glTF"
+
+
+def test_what_is_not_there_is_told(tmp_path: Path) -> None:
+    for name in ("room.usda", "scan.ply"):
+        with pytest.raises(InputError, match="no such file"):
+            CliRunner().invoke(view, [str(tmp_path / name)], catch_exceptions=False)

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 import openrooms_usd as ou
-from openrooms_usd.view import offline
+from openrooms_usd.view import shell
 from openrooms_usd.view.room import room_app
 from tests.chromium import Page, needs_chromium, opened
 from tests.conftest import SMALL_ROOM
@@ -58,8 +58,8 @@ def page(
     """Both in one page, which is a file."""
     scratch, (scene, _) = tmp_path_factory.mktemp("page"), rooms["noon"]
     app = room_app(scene, light=[lit for _, lit in rooms.values()])
-    offline.write(app, scratch / "day.html")
-    with opened(scratch / "day.html", scratch / "chromium", webgl=True, size=(900, 600)) as page:
+    shell.write(app, scratch / "day.html")
+    with opened(scratch / "day.html", webgl=True, size=(900, 600)) as page:
         page.wait("document.body.dataset.ready == 'yes'")
         yield page
 

@@ -39,16 +39,21 @@ def write_render(folder: Path, seed: int, names: tuple[str, ...] = VIEWS) -> Non
         np.save(folder / name / "environment_sg.npy", depth)
         (folder / name / "depth.png").write_bytes(b"a picture")
         views[name] = {
-            "resolution": [8, 6], "K": [[9.0, 0, 4], [0, 9.0, 3], [0, 0, 1]],
+            "resolution": [8, 6],
+            "K": [[9.0, 0, 4], [0, 9.0, 3], [0, 0, 1]],
             "world_from_camera": np.eye(4).tolist(),
             "files": {"channels": f"{name}/channels.exr"},
             "fits": {"files": {"environment_sg": f"{name}/environment_sg.npy"}},
             "channels": {"depth": {"preview": f"{name}/depth.png"}},
-        }  # fmt: skip
+        }
     manifest = {
-        "generator": "openrooms_usd 0.1.0", "format": 1, "views": views, "report": {"losses": []},
-        "legend": {"semantic": {"1": "wall"}}, "lights": [],
-    }  # fmt: skip
+        "generator": "openrooms_usd 0.1.0",
+        "format": 1,
+        "views": views,
+        "report": {"losses": []},
+        "legend": {"semantic": {"1": "wall"}},
+        "lights": [],
+    }
     (folder / "manifest.json").write_text(json.dumps(manifest))
 
 
@@ -152,8 +157,11 @@ def test_shards_are_no_larger_than_asked(rooms: list[FinishedRoom], tmp_path: Pa
     # What is no shard any more goes.
     again = written(rooms, tmp_path, files=("channels.exr",))
     assert [*again] == [
-        "shards.json", "test/test-000000.tar", "train/train-000000.tar", "val/val-000000.tar"
-    ]  # fmt: skip
+        "shards.json",
+        "test/test-000000.tar",
+        "train/train-000000.tar",
+        "val/val-000000.tar",
+    ]
 
 
 @pytest.mark.parametrize("name", ["light.exr", "../manifest.json", "/etc/hostname", ""])

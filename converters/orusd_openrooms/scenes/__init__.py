@@ -1,12 +1,12 @@
 """OpenRooms' own scene files, in and out; ``records`` says what such a file holds.
 
 In: ``importer`` is the story. ``reading`` (of a file that may be hostile), ``roots`` (where the
-dataset's files are), ``sceneobjects`` (what shapes are), ``poses`` and ``viewpoints`` (where
-everything stands), ``shell`` (the room's plan), ``models`` and ``materials`` (what shows it),
-``standins`` (what stands for what is not there), ``scene`` (all of it together).
+dataset's files are), ``sceneobjects`` (what shapes are), ``shell`` (the room's plan), ``models``
+and ``materials`` (what shows it), ``standins`` (what stands for what is not there), ``scene`` (all
+of it together).
 
 Out: ``exporter`` is what is registered, ``export`` the story. ``objects`` (what of a stage becomes
-a shape), ``layoutfiles`` with ``thinshell`` (the shell's meshes), ``modelfiles`` (the others' and
-their steps), ``microfacet`` (materials and their maps), ``lightboxes`` (the panorama, and what
-loaders read of lights), ``objtext`` and ``writing`` (the files' text).
+a shape), ``layoutfiles`` (the shell's meshes), ``modelfiles`` (the others' and their steps),
+``microfacet`` (materials and their maps), ``lightboxes`` (the panorama, and what loaders read of
+lights), ``objtext`` (the files' text).
 """

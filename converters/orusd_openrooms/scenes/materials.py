@@ -29,9 +29,11 @@ Find = Callable[[Named], Path | None]
 PICTURES: Final = ("albedo", "normal", "roughness", "metallic")
 # Names by which folders of maps are read.
 _NAMES: Final = {
-    "albedo": "Color.png", "normal": "NormalGL.png", "roughness": "Roughness.png",
+    "albedo": "Color.png",
+    "normal": "NormalGL.png",
+    "roughness": "Roughness.png",
     "metallic": "Metalness.png",
-}  # fmt: skip
+}
 # Texture coordinates of the released layouts have this many units in a metre.
 USUAL_REPEATS: Final = 8.952
 _DIGITS: Final = 6

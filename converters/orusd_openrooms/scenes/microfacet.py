@@ -19,9 +19,11 @@ Array = NDArray[np.float64]
 
 _FOLDER: Final = "BRDFOriginDataset"
 _FILES: Final = {
-    "albedo": "diffuse_tiled.png", "normal": "normal_tiled.png", "roughness": "rough_tiled.png",
+    "albedo": "diffuse_tiled.png",
+    "normal": "normal_tiled.png",
+    "roughness": "rough_tiled.png",
     "metallic": "metallic_tiled.png",
-}  # fmt: skip
+}
 _F0: Final = 0.05
 
 
@@ -111,9 +113,11 @@ def mapping(surface: Surface) -> Array:
 
 def _pictures(surface: Surface) -> Iterator[tuple[str, Picture]]:
     values: tuple[tuple[str, Value | None], ...] = (
-        ("albedo", surface.base_color), ("normal", surface.normal),
-        ("roughness", surface.roughness), ("metallic", surface.metallic),
-    )  # fmt: skip
+        ("albedo", surface.base_color),
+        ("normal", surface.normal),
+        ("roughness", surface.roughness),
+        ("metallic", surface.metallic),
+    )
     for kind, value in values:
         if isinstance(value, Picture):
             yield kind, value

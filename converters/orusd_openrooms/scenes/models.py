@@ -100,8 +100,10 @@ class CadModel:
             found = None if bsdf is None else pictures_of(bsdf, find)
             if bsdf is None or found is None:
                 continue
-            own = {kind: f"textures/{path.parent.parent.name}_{path.name}"
-                   for kind, path in found.items()}  # fmt: skip
+            own = {
+                kind: f"textures/{path.parent.parent.name}_{path.name}"
+                for kind, path in found.items()
+            }
             pictures |= {own[kind]: path for kind, path in found.items()}
             surfaces[part] = surface_of(bsdf, {kind: f"./{file}" for kind, file in own.items()})
         yield FILE, _written(self.pieces, surfaces)

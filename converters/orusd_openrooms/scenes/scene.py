@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, category
-from openrooms_usd.geometry.rotations import inverse, pose
+from openrooms_usd.geometry.rotations import inverse, is_rotation, nearest_rotation, pose
 from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.library.wavefront import read_obj
 from orusd_openrooms.scenes.models import CadModel, extent_of_file, file_of
-from orusd_openrooms.scenes.poses import Pose, pose_of, scene_frame
 from orusd_openrooms.scenes.reading import read_scene
-from orusd_openrooms.scenes.records import SceneFile, Shape
+from orusd_openrooms.scenes.records import SceneFile, Shape, Step, whole
 from orusd_openrooms.scenes.roots import Roots, named
 from orusd_openrooms.scenes.sceneobjects import SceneObject, contents
 from orusd_openrooms.scenes.shell import RELEASE_HEIGHT_M, Hole, Shell, shell_around, shell_of
@@ -25,10 +24,68 @@ from orusd_openrooms.scenes.standins import extent_of
 
 Array = NDArray[np.float64]
 OpeningKind = Literal["window", "door", "opening"]
-
 MARK: Final = "imported.txt"
-"""Says of a folder that an import has made it, so that nothing in it stands for anything."""
+# From their world, Y up, to ours where no layout says it.
+_UPRIGHT: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+# Files have six decimals; what a scale between two rotations shears more than this is told.
+_SHEAR: Final = 1e-4
+_TILT: Final = 1e-3
 
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where an object stands in our world.
+
+    Attributes:
+        measured: (4, 4) from the model's axes: scale, rotation, translation.
+        fixes: (3,) each, the shifts that follow, metres.
+        shear: By how much the file's matrix is more than these, relative; 0 as a rule.
+    """
+
+    measured: Array
+    fixes: tuple[Array, ...]
+    shear: float
+
+    @property
+    def final(self) -> Array:
+        """(4, 4) after all shifts."""
+        moved = self.measured.copy()
+        moved[:3, 3] += sum(self.fixes, np.zeros(3))
+        return moved
+
+
+def scene_frame(layout: tuple[Step, ...] | None) -> Array:
+    """(4, 4) from our world to the scene's: that of the layout where it stands upright."""
+    if layout is not None:
+        matrix = whole(layout)
+        up = matrix[:3, 2]
+        if is_rotation(matrix[:3, :3], _TILT) and np.abs(up - [0.0, 1.0, 0.0]).max() < _TILT:
+            return pose(nearest_rotation(matrix[:3, :3]), matrix[:3, 3])
+    return pose(_UPRIGHT.T)
+
+
+def pose_of(steps: tuple[Step, ...], world_from_scene: Array) -> Pose:
+    """Where steps take a model.
+
+    Args:
+        steps: Of its shape.
+        world_from_scene: (4, 4) rigid.
+    """
+    first = next((i for i, step in enumerate(steps) if step.kind == "translate"), len(steps))
+    own, later = steps[: first + 1], steps[first + 1 :]
+    if any(step.kind != "translate" for step in later):
+        own, later = steps, ()
+    measured = world_from_scene @ whole(own)
+    fixes = tuple(world_from_scene[:3, :3] @ step.matrix[:3, 3] for step in later)
+    scale = np.linalg.norm(measured[:3, :3], axis=0)
+    turn = nearest_rotation(measured[:3, :3] / scale)
+    squared = measured.copy()
+    squared[:3, :3] = turn * scale
+    shear = float(np.abs(squared[:3, :3] - measured[:3, :3]).max() / scale.max())
+    return Pose(squared, tuple(fix for fix in fixes if fix.any()), shear if shear > _SHEAR else 0.0)
+
+
+"""Says of a folder that an import has made it, so that nothing in it stands for anything."""
 # Holes that begin higher are windows, metres.
 _THRESHOLD_M: Final = 0.15
 # What is fitted to a hole is larger than it by this, metres.
@@ -102,10 +159,6 @@ class Scene:
 
 def load_scene(source: Path, options: Mapping[str, str]) -> Scene:
     """Read a scene and find what it names.
-
-    Args:
-        source: The scene file.
-        options: Of the importer.
 
     Raises:
         InputError: The scene or a file that it names is broken or hostile.

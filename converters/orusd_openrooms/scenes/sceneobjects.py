@@ -19,8 +19,11 @@ CONTAINER: Final = "container.obj"
 # A lamp's two files, and the one that stands for both of them here.
 _SHADE, _LIGHT, WHOLE = "aligned_shape.obj", "aligned_light.obj", "alignedNew.obj"
 _BUILT_IN: Final[dict[str, Kind]] = {
-    "door": "door", "window": "window", "curtain": "curtain", "ceiling_lamp": "lamp",
-}  # fmt: skip
+    "door": "door",
+    "window": "window",
+    "curtain": "curtain",
+    "ceiling_lamp": "lamp",
+}
 _LAMPS: Final = "03636649"
 _SAME_M: Final = 1e-5
 

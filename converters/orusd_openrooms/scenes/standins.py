@@ -20,26 +20,43 @@ Array = NDArray[np.float64]
 _WORDS: Final[tuple[tuple[str, str], ...]] = (
     ("leather", "leather suede alligator crocodile snakeskin ostrich stingray nubuck hide skin"),
     ("rubber", "rubber silicone tire latex elastomer elastane"),
-    ("plastic", "plastic acrylic pvc resin polymer abs sls cmx acetate polyurethane polycarbonate "
-     "bakelite epoxy styrofoam polystyrene celluloid powder"),
-    ("rough_stone", "concrete brick bricks cement gravel slate terracotta plaster stucco roughcast "
-     "road street sidewalk flagstone lavastone travertine ceramic roof rust wallpaper vinyl bone "
-     "court stream stone asphalt foam ground forest rocky"),
-    ("fabric", "fabric carpet linen cotton wool velvet canvas denim silk knit felt cloth textile "
-     "satin tweed jersey fleece rug burlap polyester nylon lace woven corduroy towel jute fur "
-     "tapestry weave braid jacquard moquette sofa upholstery sisal microfiber crochet synthetic "
-     "plaid tartan yarn hemp ripstop flannel chenille rope camouflage viscose polyamide tulle "
-     "hair padded paper book"),
-    ("metal", "metal metallic steel iron aluminium aluminum bronze copper cooper brass gold silver "
-     "chrome titanium zinc tin nickel rusty rusted galvanized platinum lead oxidized corrugated "
-     "foil cast anodized magnesium chromium pewter plate dmd"),
-    ("wood", "wood parquet plywood planks plank oak walnut bamboo cork bark timber laminate mdf "
-     "osb pine cherry maple ash mahogany beech teak cedar rattan wicker chipboard veneer ebony "
-     "hardwood floorboards crate birch elm cardboard"),
-    ("specular_stone", "marble granite polished terrazzo onyx porcelain mosaic quartz agate glazed "
-     "glass jade"),
+    (
+        "plastic",
+        "plastic acrylic pvc resin polymer abs sls cmx acetate polyurethane polycarbonate "
+        "bakelite epoxy styrofoam polystyrene celluloid powder",
+    ),
+    (
+        "rough_stone",
+        "concrete brick bricks cement gravel slate terracotta plaster stucco roughcast "
+        "road street sidewalk flagstone lavastone travertine ceramic roof rust wallpaper vinyl "
+        "bone court stream stone asphalt foam ground forest rocky",
+    ),
+    (
+        "fabric",
+        "fabric carpet linen cotton wool velvet canvas denim silk knit felt cloth textile "
+        "satin tweed jersey fleece rug burlap polyester nylon lace woven corduroy towel jute fur "
+        "tapestry weave braid jacquard moquette sofa upholstery sisal microfiber crochet synthetic "
+        "plaid tartan yarn hemp ripstop flannel chenille rope camouflage viscose polyamide tulle "
+        "hair padded paper book",
+    ),
+    (
+        "metal",
+        "metal metallic steel iron aluminium aluminum bronze copper cooper brass gold silver "
+        "chrome titanium zinc tin nickel rusty rusted galvanized platinum lead oxidized corrugated "
+        "foil cast anodized magnesium chromium pewter plate dmd",
+    ),
+    (
+        "wood",
+        "wood parquet plywood planks plank oak walnut bamboo cork bark timber laminate mdf "
+        "osb pine cherry maple ash mahogany beech teak cedar rattan wicker chipboard veneer ebony "
+        "hardwood floorboards crate birch elm cardboard",
+    ),
+    (
+        "specular_stone",
+        "marble granite polished terrazzo onyx porcelain mosaic quartz agate glazed glass jade",
+    ),
     ("paint", "paint painted lacquer coating coated enamel matte"),
-)  # fmt: skip
+)
 _UNKNOWN: Final = "rough_stone"
 _NAME: Final = re.compile(r"(?:^|/)Material__([^/]+)")
 # By which factors a height that follows from the floor may differ from the usual one.

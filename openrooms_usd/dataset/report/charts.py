@@ -90,9 +90,14 @@ def bars(
 
 
 def histogram(
-    bins: Mapping[float, float], ends: Callable[[float], float], below: str, beside: str,
-    *, at_least: tuple[float, float], log: bool = False,
-) -> str:  # fmt: skip
+    bins: Mapping[float, float],
+    ends: Callable[[float], float],
+    below: str,
+    beside: str,
+    *,
+    at_least: tuple[float, float],
+    log: bool = False,
+) -> str:
     """A column for each bin.
 
     Args:

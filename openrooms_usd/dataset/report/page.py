@@ -10,7 +10,6 @@ from openrooms_usd import atomic
 from openrooms_usd.dataset.records import Record
 from openrooms_usd.dataset.report import charts, contact, sections, wording
 from openrooms_usd.dataset.report.blocks import Chart
-from openrooms_usd.dataset.report.contents import contents
 from openrooms_usd.dataset.scratch import Root, fetch_all, store_at
 from openrooms_usd.dataset.stats import Stats, stats_of
 from openrooms_usd.dataset.status import Status, status_of
@@ -84,7 +83,7 @@ def write_report(
             facts=list(_facts(stats, status)),
             strips=strips,
             channels=contact.channels(store, MAIN),
-            contents=_numbered("contents", *contents(stats)),
+            contents=_numbered("contents", *sections.contents(stats)),
             errors=_numbered("errors", sections.errors_chart(stats)),
             phases=_numbered("phases", sections.phases_chart(stats)),
             per_channel=sections.channels_table(stats),

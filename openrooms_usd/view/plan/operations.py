@@ -123,9 +123,13 @@ def _move_wall(plan: Drawing, given: MoveWall) -> Drawing:
 def _add_opening(plan: Drawing, given: AddOpening) -> Drawing:
     left, right, bottom, top = given.rectangle
     return fittings.add_opening(
-        plan, Hole(left, right, bottom, top),
-        wall=given.wall, partition=given.partition, kind=given.kind, snap=given.snap,
-    )  # fmt: skip
+        plan,
+        Hole(left, right, bottom, top),
+        wall=given.wall,
+        partition=given.partition,
+        kind=given.kind,
+        snap=given.snap,
+    )
 
 
 def _set_opening(plan: Drawing, given: SetOpening) -> Drawing:

@@ -79,8 +79,11 @@ def from_above(points: Array, box: Box, height: float) -> Picture:
     counts, _, _ = np.histogram2d(
         seen[:, 1], seen[:, 0], bins=(rows, columns), range=((bottom, top), (left, right))
     )
-    share = np.log1p(counts) / max(float(np.log1p(np.percentile(counts[counts > 0], 99))), 1e-9) \
-        if counts.any() else counts  # fmt: skip
+    share = (
+        np.log1p(counts) / max(float(np.log1p(np.percentile(counts[counts > 0], 99))), 1e-9)
+        if counts.any()
+        else counts
+    )
     pixels = np.empty((rows, columns, 4), np.uint8)
     pixels[..., :3] = _INK
     alpha = _FAINTEST + (255.0 - _FAINTEST) * np.clip(share, 0.0, 1.0)

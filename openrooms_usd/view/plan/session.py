@@ -5,21 +5,23 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 
 from openrooms_usd.description.layout import named_openings, named_partitions
 from openrooms_usd.description.model import Model, Switch, Whole
 from openrooms_usd.errors import InputError
+from openrooms_usd.importing import ROOM, import_capture
 from openrooms_usd.view.app import App, Command, Nothing
 from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.drawing import Drawing
 from openrooms_usd.view.plan.fittings import hole_in
-from openrooms_usd.view.plan.history import History
 from openrooms_usd.view.plan.operations import OPERATIONS, Given, Operation
 from openrooms_usd.view.plan.pictures import Picture, from_above, heights, of_wall, view_box
 
+_DESCRIPTIONS: Final = (".yaml", ".yml")
+Kept = TypeVar("Kept")
 POINTS = "points.png"
 
 
@@ -175,11 +177,16 @@ def _outline(plan: Drawing) -> dict[str, Any]:
         along = (end - start) / max(float(np.linalg.norm(end - start)), 1e-9)
         half, at = 0.5 * (one.width or 0.0), one.at or 0.0
         hole = hole_in(plan, one)
-        openings.append({
-            "name": name, "kind": one.kind, "wall": one.wall, "partition": one.partition,
-            "line": [(start + along * (at + way * half)).tolist() for way in (-1.0, 1.0)],
-            "rectangle": [hole.left, hole.right, hole.bottom, hole.top],
-        })  # fmt: skip
+        openings.append(
+            {
+                "name": name,
+                "kind": one.kind,
+                "wall": one.wall,
+                "partition": one.partition,
+                "line": [(start + along * (at + way * half)).tolist() for way in (-1.0, 1.0)],
+                "rectangle": [hole.left, hole.right, hole.bottom, hole.top],
+            }
+        )
     return {
         "corners": [list(corner) for corner in plan.corners],
         "openings": openings,
@@ -188,3 +195,74 @@ def _outline(plan: Drawing) -> dict[str, Any]:
             for name, one in named_partitions(plan.partitions)
         ],
     }
+
+
+class History(Generic[Kept]):
+    """States in the order in which they came about, and which of them is now.
+
+    Args:
+        first: The state at the beginning.
+    """
+
+    def __init__(self, first: Kept) -> None:
+        self._states = [first]
+        self._now = 0
+
+    @property
+    def now(self) -> Kept:
+        """The present state."""
+        return self._states[self._now]
+
+    @property
+    def done(self) -> int:
+        """How many steps can be taken back."""
+        return self._now
+
+    @property
+    def undone(self) -> int:
+        """How many steps that were taken back can be done again."""
+        return len(self._states) - 1 - self._now
+
+    def do(self, state: Kept) -> None:
+        """Go on to a state; what was taken back before is forgotten."""
+        self._states = [*self._states[: self._now + 1], state]
+        self._now += 1
+
+    def undo(self) -> None:
+        """Take the last step back, if there is one."""
+        self._now = max(0, self._now - 1)
+
+    def redo(self) -> None:
+        """Do the step again that was taken back last, if there is one."""
+        self._now = min(len(self._states) - 1, self._now + 1)
+
+
+def room_file(source: Path, out: Path | None = None, importer: str = "scan") -> Path:
+    """The description to draw in.
+
+    Args:
+        source: A ``room.yaml``, a folder with one, or a scan.
+        out: The folder that a scan is imported to.
+        importer: What reads a scan.
+
+    Raises:
+        InputError: The scan cannot be read, or there is no folder to import it to.
+        OutputError: There is a room in that folder already.
+    """
+    if (source / ROOM).is_file():
+        source = source / ROOM
+    if source.suffix in _DESCRIPTIONS:
+        if out is not None:
+            raise InputError(
+                "a room.yaml is changed where it is",
+                place=source,
+                remedy="leave --out away, or copy its folder first",
+            )
+        return source
+    if out is None:
+        raise InputError(
+            "a scan needs a folder in which its room.yaml is written",
+            place=source,
+            remedy="give one: `--out DIR`",
+        )
+    return import_capture(importer, source, out).file

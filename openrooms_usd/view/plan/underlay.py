@@ -125,12 +125,7 @@ def _found(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[s
 
 
 def first_drawing(layout: PolygonLayout | CapturedLayout, under: Underlay) -> Drawing:
-    """The plan that a description begins with: what it says, else what was found, else a box.
-
-    Args:
-        layout: The section.
-        under: What was captured.
-    """
+    """The plan that a description begins with: what it says, else what was found, else a box."""
     if layout.polygon is not None:
         return drawing_of_section(layout, under)
     wanted = str(layout.room) if isinstance(layout, ScanLayout) else "0"
@@ -153,9 +148,12 @@ def drawing_of_section(layout: PolygonLayout | CapturedLayout, under: Underlay) 
     assert layout.polygon is not None, "asked for where there is one"
     captured = under.capture.height if under.capture is not None else None
     plan = Drawing(
-        layout.polygon, layout.height or captured or ROOM_HEIGHT, (), layout.partitions,
+        layout.polygon,
+        layout.height or captured or ROOM_HEIGHT,
+        (),
+        layout.partitions,
         layout.wall_thickness,
-    )  # fmt: skip
+    )
     return replace(plan, openings=tuple(_whole(one, plan) for one in layout.openings))
 
 
@@ -163,8 +161,12 @@ def _whole(opening: Opening, plan: Drawing) -> Opening:
     """An opening with all its measures."""
     start, end = plan.line(opening)
     width, height, sill = USUAL_OPENINGS[opening.kind]
-    usual = {"at": 0.5 * float(np.linalg.norm(end - start)), "width": width, "height": height,
-             "sill": sill}  # fmt: skip
+    usual = {
+        "at": 0.5 * float(np.linalg.norm(end - start)),
+        "width": width,
+        "height": height,
+        "sill": sill,
+    }
     given = {name: getattr(opening, name) for name in usual}
     return opening.model_copy(
         update={name: usual[name] if value is None else value for name, value in given.items()}
@@ -185,9 +187,12 @@ def drawing_of_built(built: Plan) -> Drawing:
     )
     corners = tuple((float(x), float(y)) for x, y in built.corners)
     return Drawing(
-        corners, built.height, tuple(_opening(cut) for cut in built.cuts), partitions,
+        corners,
+        built.height,
+        tuple(_opening(cut) for cut in built.cuts),
+        partitions,
         built.thickness,
-    )  # fmt: skip
+    )
 
 
 def _middle_line(wall: Wall) -> tuple[Point, Point]:

@@ -29,7 +29,7 @@ from openrooms_usd.view.plan.fittings import (
     remove_partition,
     set_opening,
 )
-from openrooms_usd.view.plan.history import History
+from openrooms_usd.view.plan.session import History
 
 BOX = ((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0))
 L_SHAPE = ((0.0, 0.0), (6.0, 0.0), (6.0, 3.0), (4.2, 3.0), (4.2, 5.0), (0.0, 5.0))

@@ -15,13 +15,12 @@ from openrooms_usd.description import load_room
 from openrooms_usd.description.layout import Partition
 from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.importing import import_capture
-from openrooms_usd.view.plan.beginning import room_file
 from openrooms_usd.view.plan.corners import move_wall
 from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.drawing import Drawing
 from openrooms_usd.view.plan.fittings import add_opening, set_height
 from openrooms_usd.view.plan.pictures import from_above, heights, of_wall
-from openrooms_usd.view.plan.session import Session, Taken, Wanted
+from openrooms_usd.view.plan.session import Session, Taken, Wanted, room_file
 
 BOX = ((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0))
 
@@ -54,8 +53,9 @@ def test_points_are_seen_where_they_are_from_above(tmp_path: Path) -> None:
     alpha = pixels(picture.png, tmp_path)[..., 3]
     cell = 5.0 / alpha.shape[1]
     rows, columns = np.nonzero(alpha)
-    assert sorted(zip(((columns + 0.5) * cell).round(1), (4 - (rows + 0.5) * cell).round(1),
-                      strict=True)) == [(1.0, 3.0), (4.0, 1.0)]  # fmt: skip
+    assert sorted(
+        zip(((columns + 0.5) * cell).round(1), (4 - (rows + 0.5) * cell).round(1), strict=True)
+    ) == [(1.0, 3.0), (4.0, 1.0)]
     assert from_above(points, (0.0, 5.0, 0.0, 4.0), 2.6).png == picture.png
 
 
