@@ -1,6 +1,5 @@
 """What parts weigh, what of a room can be moved, and what it takes to move a door or a drawer."""
 
-from functools import cache
 from typing import Final, Literal
 
 from numpy.typing import ArrayLike
@@ -8,6 +7,7 @@ from numpy.typing import ArrayLike
 from openrooms_usd.categories.makes import ANY, BOARD, GENERAL, Construction, Row
 from openrooms_usd.categories.record import Losses, Support, given
 from openrooms_usd.categories.registry import record
+from openrooms_usd.codedigest import remembered
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.assignment.kinds import kind_of, known_as
 from openrooms_usd.library.friction.references import density
@@ -88,7 +88,7 @@ def losses(category: str, kind: Literal["hinge", "rail"]) -> Losses:
     return _RAIL if kind == "rail" else given(known.hinges, _HINGE) if known else _HINGE
 
 
-@cache
+@remembered
 def _row(category: str, part: str, substance: Substance | None) -> Row:
     known = record(category)
     rows = (*(given(known.makes, ()) if known else ()), *GENERAL)

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Final
@@ -43,6 +42,7 @@ from openrooms_usd.stages.following import Following
 from openrooms_usd.stages.placement import FLOOR, Placement, Source, Stand, Supports
 from openrooms_usd.stages.poses import author_described, moved_by_hand
 from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.threads import mapped
 from openrooms_usd.untrusted import check_path
 
 ASSETS: Final = "assets"
@@ -185,9 +185,8 @@ def _publish(context: StageContext, assets: Iterable[Asset]) -> None:
     """Write every distinct asset; the order and the number of threads change nothing."""
     distinct = {asset.name: asset for asset in assets}
     folder = context.folder / ASSETS
-    with ThreadPoolExecutor(max(1, context.workers)) as pool:
-        for _ in pool.map(partial(publish, folder), distinct.values()):
-            pass
+    for _ in mapped(partial(publish, folder), distinct.values(), context.workers):
+        pass
     for name in distinct:
         context.keep(f"{ASSETS}/{name}")
 

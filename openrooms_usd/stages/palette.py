@@ -1,7 +1,6 @@
 """The palette: all swatches of a room as textures in files and as materials in USD."""
 
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -16,6 +15,7 @@ from openrooms_usd.library.ownmaterials import OwnMaterial, publish, read_materi
 from openrooms_usd.stages.appearance import Appearance, Color, appearance_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.swatches import F0, Swatch
+from openrooms_usd.threads import mapped
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
@@ -67,9 +67,10 @@ class Palette:
         sets = {s for swatch in distinct if (s := swatch.textures(self._resolution))}
         missing = [s for s in sorted(sets, key=_stem) if not self._kept(s)]
         folder = self._context.folder / TEXTURES
-        with ThreadPoolExecutor(max(1, self._context.workers)) as pool:
-            for _ in pool.map(lambda s: textures.cached(s, folder, _stem(s)), missing):
-                pass
+        for _ in mapped(
+            lambda s: textures.cached(s, folder, _stem(s)), missing, self._context.workers
+        ):
+            pass
 
     def _kept(self, wanted: textures.Material) -> bool:
         """Name the files of a set as needed; whether all of them are there."""

@@ -2,7 +2,7 @@
 
 import os
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from openrooms_usd.categories.record import UNLABELED, given
 from openrooms_usd.categories.registry import records
 from openrooms_usd.categories.words import category_of, library_words, named_in, plain
+from openrooms_usd.codedigest import remembered
 from openrooms_usd.description.alignment import FileObject, ScanAlignment
 from openrooms_usd.description.scanned import ScannedObject
 from openrooms_usd.library.assets import Asset, Model
@@ -180,7 +181,7 @@ def _unit_of(model: CadModel) -> float | None:
     return next((unit for unit in units if (lengths * unit <= most).all()), None)
 
 
-@cache
+@remembered
 def _synsets() -> dict[str, str]:
     """The library's categories by the numbers that ShapeNet files them under."""
     return {synset: name for name, told in records() for synset in given(told.synsets, ())}

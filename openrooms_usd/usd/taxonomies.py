@@ -8,12 +8,12 @@ class's own words, and else unlabeled; what is several of COCO's at once, as cut
 A class is known by its number; 0 is ``unlabeled`` in all.
 """
 
-from functools import cache
 from typing import Final
 
 from openrooms_usd import names
 from openrooms_usd.categories.record import UNLABELED, Classes
 from openrooms_usd.categories.registry import record, records
+from openrooms_usd.codedigest import remembered
 
 # The class list of the released dataset; the position is the number in its label images.
 OPENROOMS45: Final = (
@@ -110,7 +110,7 @@ _NUMBERS: Final = {
 }
 
 
-@cache
+@remembered
 def classes() -> dict[str, Classes]:
     """What each of our categories is in those lists, by name."""
     return {name: told.classes for name, told in sorted(records())}

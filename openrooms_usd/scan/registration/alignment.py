@@ -1,7 +1,6 @@
 """Aligns CADs to all objects of a scan: retrieval, pose search, and a test of the result."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
@@ -30,6 +29,7 @@ from openrooms_usd.scan.registration.template import directions, posed, template
 from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls, walls_of
 from openrooms_usd.scan.results import FoundObject, FoundRoom
+from openrooms_usd.threads import mapped
 
 Array = NDArray[np.float64]
 
@@ -153,10 +153,10 @@ class _Scene:
             except RefusedError as refusal:
                 return refusal
 
-        with ThreadPoolExecutor(max(workers, 1)) as pool:
-            for done, (hint, fit) in enumerate(zip(hints, pool.map(fitted, hints), strict=True), 1):
-                progress(f"object {done} of {len(hints)}", done / len(hints))
-                yield hint, fit
+        fits = mapped(fitted, hints, workers)
+        for done, (hint, fit) in enumerate(zip(hints, fits, strict=True), 1):
+            progress(f"object {done} of {len(hints)}", done / len(hints))
+            yield hint, fit
 
     def fitted(self, hint: Hint) -> tuple[Evidence, Sizes]:
         """The points of an object, and its best fits of free and of true size."""

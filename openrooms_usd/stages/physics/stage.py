@@ -18,6 +18,7 @@ from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
+from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.physics.ahead import search_ahead
 from openrooms_usd.stages.physics.assets import RigidAsset
@@ -86,20 +87,21 @@ def _check_names(context: StageContext, section: Physics, known: Sequence[str]) 
         )
 
 
-def _code() -> str:
-    """Of the code that bodies hang on; how parts are made stands in the records of categories."""
-    return code_digest(__name__, *registry.modules())
+def _code(category: str) -> str:
+    """Of the code that a body hangs on; how its parts are made stands in its category's record."""
+    kind = kind_of(category)
+    known = (registry.module_of(kind),) if kind in registry.BUILT else ()
+    return code_digest(__name__, *known)
 
 
 def _files(
     context: StageContext, assets: Iterable[RigidAsset]
 ) -> tuple[dict[int, str], dict[Path, RigidAsset]]:
     """The layer of each asset by its ``id``, and those that are still to be written."""
-    code = _code()
     wanted: dict[int, str] = {}
     missing: dict[Path, RigidAsset] = {}
     for asset in assets:
-        file = f"{BODIES}/{asset.title}_{asset.digest(code)}.usda"
+        file = f"{BODIES}/{asset.title}_{asset.digest(_code(asset.category))}.usda"
         wanted[id(asset)] = file
         target = context.keep(file)
         arrays = context.keep(f"{file.removesuffix('.usda')}.usdc")
