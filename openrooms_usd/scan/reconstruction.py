@@ -188,11 +188,11 @@ def _within(cloud: Cloud, storey: Storey | None) -> Cloud:
 
 
 def find_furniture(
-    layout: FoundLayout,
+    cloud: Cloud,
+    rooms: Sequence[FoundRoom],
     models: Sequence[CadModel],
     hints: Sequence[Hint] | None = None,
     categories: Mapping[int, Sequence[str]] | None = None,
-    rooms: Sequence[FoundRoom] | None = None,
     unresolved: Literal["leave_out", "keep"] = "keep",
     workers: int = 1,
     progress: Progress = silent,
@@ -200,18 +200,18 @@ def find_furniture(
     """Align CADs to the objects of a scan, and make their poses physically plausible.
 
     Args:
-        layout: The rooms.
+        cloud: The scan, in the level frame.
+        rooms: Those of its rooms that are composed.
         models: CADs to choose from.
         hints: The objects, in the level frame; None: every labelled instance.
         categories: The CADs' categories that a label may mean, best first.
-        rooms: Those that are composed; None: all.
         unresolved: What becomes of objects that penetrate others or walls, or float.
         workers: Threads; the result never depends on it.
         progress: Called with every object, and the finished fraction.
     """
-    composed = layout.rooms if rooms is None else tuple(rooms)
-    away = elsewhere(layout.cloud, hints, composed)
-    cloud = _without(layout.cloud, away)
+    composed = tuple(rooms)
+    away = elsewhere(cloud, hints, composed)
+    cloud = _without(cloud, away)
     here = None if hints is None else [hint for hint in hints if hint.instance not in away]
     share = nested(progress, "", 0.0, _ALIGNING_SHARE)
     aligned = align(cloud, here, models, composed, categories, workers, share)

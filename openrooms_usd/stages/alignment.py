@@ -20,7 +20,6 @@ from openrooms_usd.description.alignment import (
     named_objects,
 )
 from openrooms_usd.description.generate import GeneratedAlignment
-from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Asset, publish
@@ -60,7 +59,7 @@ class AlignmentStage:
         alignment = _explicit(room)
         captured: list[str] = []
         if isinstance(alignment, ScanAlignment):
-            captured = _scanned_inputs(alignment, room, source)
+            captured = _cad_files(alignment, source)
         elif isinstance(alignment, CapturedAlignment):
             captured = capture_inputs(alignment, source)
         files = [item.file for item in _described(alignment) if isinstance(item, FileObject)]
@@ -104,15 +103,13 @@ def _described(
     return alignment.further if isinstance(alignment, ScanAlignment) else alignment.objects
 
 
-def _scanned_inputs(alignment: ScanAlignment, room: Room, source: Path) -> list[str]:
-    """The scan, and all files of all CADs."""
-    layout = room.layout
-    scan = capture_inputs(layout, source) if isinstance(layout, ScanLayout) else []
+def _cad_files(alignment: ScanAlignment, source: Path) -> list[str]:
+    """All files of all CADs; what was found in the scan is a file of the layout's."""
     if alignment.cad is None:
-        return scan
+        return []
     check_path(source / alignment.cad)
     files = [path for path in (source / alignment.cad).rglob("*") if path.is_file()]
-    return [*scan, *sorted(os.path.relpath(path, source) for path in files)]
+    return sorted(os.path.relpath(path, source) for path in files)
 
 
 def _placements(context: StageContext, floor: float) -> Iterator[Placement]:

@@ -21,7 +21,7 @@ from openrooms_usd.progress import Progress, silent
 from openrooms_usd.untrusted import check_path, kind_of
 
 if TYPE_CHECKING:
-    from pxr import Usd
+    from pxr import Sdf, Usd
 
 # What writes the layer of every stage, beside the stage itself.
 _RUNNER: Final = "openrooms_usd.stages.runner"
@@ -200,6 +200,14 @@ def completed(before: str, counted: Iterable[str]) -> str:
     names = sorted(name for name in counted if _COUNTED.fullmatch(name))
     code = code_digest(*names, apart=_APART) if names else ""
     return hashlib.sha256(f"{before} {code}".encode()).hexdigest()
+
+
+def record_of(layer: "Sdf.Layer", stage: str) -> dict[str, Any]:
+    """What a stage noted in its layer when it wrote it; nothing in other layers."""
+    data: Any = layer.customLayerData
+    for key in (names.NAMESPACE, "stages", stage):
+        data = data.get(key, {}) if isinstance(data, dict) else {}
+    return data if isinstance(data, dict) else {}
 
 
 def code_of(stage: Stage) -> tuple[str, ...]:

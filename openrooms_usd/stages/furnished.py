@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from openrooms_usd.categories.words import plain
 from openrooms_usd.description.alignment import ScanAlignment, named_objects
-from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.placement.correcting import moved_by
@@ -21,7 +20,7 @@ from openrooms_usd.stages.catalogue import Catalogue
 from openrooms_usd.stages.instances import told_left_out
 from openrooms_usd.stages.placement import Placement
 from openrooms_usd.stages.reports import keep_overlay, keep_report
-from openrooms_usd.stages.scanned import scanned_room
+from openrooms_usd.stages.scanned import found_in
 from openrooms_usd.stages.segmented import segmented
 from openrooms_usd.stages.shelf import Shelf
 from openrooms_usd.stages.substitutes import UNKNOWN
@@ -40,30 +39,30 @@ def furnish(
     Raises:
         InputError: The layout is not found in a scan, or a CAD cannot be read.
     """
-    layout = context.room.layout
-    if not isinstance(layout, ScanLayout):
+    found_scan = found_in(context.stage)
+    if found_scan is None:
         raise InputError(
             "furniture is found in the scan of the layout, and there is none",
             place="alignment",
             remedy="give `layout: {from: scan, scan: FILE}` too",
         )
-    scanned = segmented(context, alignment, scanned_room(context, layout))
-    shelf = Shelf(context, alignment, scanned)
+    scan = segmented(context, alignment, found_scan)
+    shelf = Shelf(context, alignment, scan)
     found = find_furniture(
-        scanned.layout,
+        scan.cloud,
+        scan.composed,
         shelf.models,
         shelf.hints,
         shelf.categories,
-        scanned.rooms,
         alignment.unresolved,
         context.workers,
         context.progress,
     )
     left = [instance for instance in shelf.instances if instance.meaning.kind != "thing"]
     found = replace(found, rejected=(*(i.left_out for i in left), *found.rejected))
-    keep_report(context, furniture_report(found, scanned.scan_from_level))
+    keep_report(context, furniture_report(found, scan.scan_from_level))
     bounds = {model.id: model.extent for model in shelf.models}
-    keep_overlay(context, scanned.layout, found.objects, bounds)
+    keep_overlay(context, scan.cloud, scan.rooms, found.objects, bounds)
     words = {hint.instance: hint.word or hint.category or "" for hint in shelf.hints or ()}
     told = _told_elsewhere([words.get(number, "") for number in found.elsewhere])
     context.notes.extend([*told_left_out(left), *told, *_told(found, len(left))])

@@ -20,7 +20,7 @@ from openrooms_usd.geometry.uv import centred
 from openrooms_usd.geometry.walls import Wall, walls_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.beyond import author_beyond
-from openrooms_usd.stages.captures import capture_inputs, capture_of
+from openrooms_usd.stages.captures import capture_inputs, capture_of, capture_path
 from openrooms_usd.stages.joinery import author_mesh, author_opening, set_value, wall_path
 from openrooms_usd.stages.openings import Cut, captured_cuts, described_cuts
 from openrooms_usd.stages.partitions import (
@@ -186,17 +186,18 @@ def _finish(layout: PolygonLayout | CapturedLayout) -> Finish:
 
 
 def _capture(layout: CapturedLayout, context: StageContext) -> Capture:
-    """What an importer read; of a scan what was found in it, with a report beside the layer."""
+    """What an importer read; of a scan what was found in it, which is kept beside the layer."""
     if not isinstance(layout, ScanLayout):
         return capture_of(context, layout)
     # What finds rooms in points takes a second to import.
     from openrooms_usd.scan.reconstruction import layout_report
-    from openrooms_usd.stages.scanned import scanned_room
+    from openrooms_usd.stages.scanned import keep_found, scanned
 
-    scanned = scanned_room(context, layout)
-    keep_report(context, layout_report(scanned.layout, scanned.scan_from_level))
-    keep_overlay(context, scanned.layout)
-    return scanned.capture
+    room = scanned(layout, capture_path(context, layout), context.source)
+    keep_found(context, room.found())
+    keep_report(context, layout_report(room.layout, room.scan_from_level))
+    keep_overlay(context, room.layout.cloud, room.layout.rooms)
+    return room.capture
 
 
 def _author_room(stage: Usd.Stage, plan: Plan, room_type: str) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from pxr import Sdf, Tf, Usd, UsdMedia, Vt
 
@@ -13,7 +13,7 @@ from openrooms_usd.codedigest import counting
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import StageError, writing
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.stages.base import Stage, StageContext, completed
+from openrooms_usd.stages.base import Stage, StageContext, completed, record_of
 from openrooms_usd.stages.draft import Draft
 from openrooms_usd.usd import activation
 from openrooms_usd.usd import layers as usd_layers
@@ -72,7 +72,7 @@ def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
         layer = Sdf.Layer.OpenAsAnonymous(str(path), metadataOnly=True)
     except Tf.ErrorException:
         return False
-    record = _record(layer, stage.name)
+    record = record_of(layer, stage.name)
     files: Iterable[str] = record.get("files", ())
     if record.get("fingerprint") != completed(wanted, record.get("counted", ())):
         return False
@@ -80,13 +80,6 @@ def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
         return False
     draft.keep(stage.name, files)
     return True
-
-
-def _record(layer: Sdf.Layer, stage: str) -> dict[str, Any]:
-    data: Any = layer.customLayerData
-    for key in (names.NAMESPACE, "stages", stage):
-        data = data.get(key, {}) if isinstance(data, dict) else {}
-    return data if isinstance(data, dict) else {}
 
 
 def run(

@@ -1,13 +1,17 @@
-"""What stages find in a scan: the room as a capture, the furniture as CADs at their poses."""
+"""What the layout finds in a scan: the room as a capture, and a file of it all beside its layer.
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+The alignment reads that file, and looks for nothing again: `keep_found` and `found_in`.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pxr import Usd
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.capture import (
@@ -21,21 +25,23 @@ from openrooms_usd.capture import (
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import SCANNED_HEIGHT
+from openrooms_usd.scan.artefact import FoundScan, digest_of, read_found, write_found
 from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms, without_rooms
-from openrooms_usd.scan.registration.hints import Box, Hint
+from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import Flat, flat_of
 from openrooms_usd.scan.rooms.layout import LayoutOptions
-from openrooms_usd.stages.base import StageContext, input_file
-from openrooms_usd.stages.captures import capture_path
+from openrooms_usd.stages.base import StageContext, record_of
 from openrooms_usd.stages.drawn import drawn_room
-from openrooms_usd.stages.instances import hint_of
 
 Array = NDArray[np.float64]
 
 # What openings of a flat's outline are in: none of its inner walls.
 _OUTER: Final = "outside"
 _ALONE: Final = "no other room stands wall to wall with room 0, which is taken alone"
+_LAYOUT: Final = "layout"
+# The file of what was found, in the folder of its layer.
+_FILE: Final = re.compile(r"found-([0-9a-f]{16})\.npz")
 # Ceilings whose heights differ by less are one, metres.
 _SAME_HEIGHT_M: Final = 0.1
 # Least confidence of each word.
@@ -49,25 +55,30 @@ class ScannedRoom:
     Attributes:
         capture: As of any other captured room.
         layout: All that was found.
-        rooms: Those that were chosen.
+        chosen: The numbers of the rooms that were chosen.
         scan_from_level: (4, 4) to the frame of reports: the scan's own axes, metres.
-        boxes: Around those things that were told apart but have no name, by their numbers.
     """
 
     capture: Capture
     layout: FoundLayout
-    rooms: tuple[FoundRoom, ...]
+    chosen: tuple[int, ...]
     scan_from_level: Array
-    boxes: Mapping[int, Box] = field(default_factory=dict)
 
-
-def scanned_room(context: StageContext, layout: ScanLayout) -> ScannedRoom:
-    """Find the room of a scan.
-
-    Raises:
-        InputError: The scan cannot be read, or shows too little of a room.
-    """
-    return scanned(layout, capture_path(context, layout), context.source)
+    def found(self) -> FoundScan:
+        """What is to be kept of it."""
+        captured = tuple(
+            (box.label, Box(box.center, box.size, turn).moved(self.layout.level.level_from_scan))
+            for box in self.capture.boxes
+            for turn in [Rotation.from_matrix(box.rotation).as_quat(scalar_first=True)]
+        )
+        return FoundScan(
+            self.capture.source,
+            self.layout.cloud,
+            self.layout.rooms,
+            self.chosen,
+            self.scan_from_level,
+            captured,
+        )
 
 
 def scanned(layout: ScanLayout, path: Path, folder: Path) -> ScannedRoom:
@@ -82,59 +93,97 @@ def scanned(layout: ScanLayout, path: Path, folder: Path) -> ScannedRoom:
         SparseScanError: It shows too little of a room, and nobody drew one.
         InputError: It cannot be read, or has no such room.
     """
-    found, capture = _read(layout, path, folder)
-    if layout.polygon is not None:
-        found = replace(found, rooms=(drawn_room(layout),))
-        rooms, flat = found.rooms, None
-    else:
-        rooms, flat = _chosen(found, layout.room, path)
-    shown = _as_capture(capture, found, rooms)
-    if flat is not None:
-        shown = _flat_capture(shown, flat)
-    elif layout.room == "all" and len(found.rooms) > 1:
-        shown = replace(shown, notes=(*shown.notes, _ALONE))
-    scan_from_level = in_metres(capture.source_from_world) @ found.level.scan_from_level
-    return ScannedRoom(shown, found, rooms, scan_from_level)
+    return taken(layout, path, *find(layout, path, folder))
 
 
-def found_rooms(layout: ScanLayout, folder: Path) -> tuple[Array, tuple[FoundRoom, ...]]:
-    """The points of a scan, and the rooms that are taken of it; a stage finds them done next.
+def find(layout: ScanLayout, path: Path, folder: Path) -> tuple[FoundLayout, Capture]:
+    """All rooms of a scan; none where a person drew the room, because nothing is looked for.
 
     Args:
-        layout: The section of a description.
-        folder: Where its files' names begin.
-
-    Returns:
-        (N, 3) in the level frame, metres, and the rooms in the same.
+        layout: The section of a description; which room it takes changes nothing.
+        path: The scan.
+        folder: Where names of files in options begin.
 
     Raises:
         SparseScanError: It shows too little of a room.
-        InputError: It cannot be read, or has no such room.
+        InputError: It cannot be read.
     """
-    path = input_file(folder, layout.file, folders=True)
-    found, _ = _read(layout, path, folder)
-    if layout.polygon is not None:
-        return found.cloud.points, (drawn_room(layout),)
-    return found.cloud.points, _chosen(found, layout.room, path)[0]
-
-
-def _read(layout: ScanLayout, path: Path, source: Path) -> tuple[FoundLayout, Capture]:
-    asked = tuple(sorted(layout.asked.items()))
-    stamp = path.stat().st_mtime_ns, path.stat().st_size
+    capture = read_capture(layout.reader, path, layout.asked, folder)
+    if capture.cloud is None:
+        raise InputError(
+            f"the importer {layout.reader!r} gives no points",
+            place=path,
+            remedy="use `importer: scan`, or one that reads point clouds",
+        )
     options = LayoutOptions(
         simplicity=layout.simplicity, partial=layout.partial, storey=layout.storey
     )
-    drawn = layout.polygon is not None
-    return _found(layout.reader, options, path, asked, source, stamp, drawn=drawn)
+    try:
+        found = (find_rooms if layout.polygon is None else without_rooms)(capture.cloud, options)
+    except InputError as error:
+        error.place = error.place or str(path)
+        raise
+    return found, capture
+
+
+def taken(layout: ScanLayout, path: Path, found: FoundLayout, capture: Capture) -> ScannedRoom:
+    """The room of a scan that a description chooses.
+
+    Args:
+        layout: The section of the description.
+        path: The scan, for messages.
+        found: All rooms.
+        capture: What was read.
+
+    Raises:
+        InputError: There is no such room.
+    """
+    flat = None
+    if layout.polygon is not None:
+        found, chosen = replace(found, rooms=(drawn_room(layout),)), (0,)
+    else:
+        chosen, flat = _chosen(found, layout.room, path)
+    shown = _as_capture(capture, found, [found.rooms[number] for number in chosen])
+    if flat is not None:
+        shown = _flat_capture(shown, flat)
+    elif layout.polygon is None and layout.room == "all" and len(found.rooms) > 1:
+        shown = replace(shown, notes=(*shown.notes, _ALONE))
+    scan_from_level = in_metres(capture.source_from_world) @ found.level.scan_from_level
+    return ScannedRoom(shown, found, chosen, scan_from_level)
+
+
+def keep_found(context: StageContext, found: FoundScan) -> None:
+    """Keep what was found beside the layer, for the stages above it.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
+    arrays = found.arrays()
+    target = context.keep(f"found-{digest_of(arrays)}.npz")
+    if not target.is_file():
+        write_found(target, arrays)
+
+
+def found_in(stage: Usd.Stage) -> FoundScan | None:
+    """What the layout of a composed stage was found in; None where that was no scan.
+
+    Raises:
+        InputError: The file of it is missing, or not what was written.
+    """
+    for layer in stage.GetLayerStack():
+        for file in record_of(layer, _LAYOUT).get("files", ()):
+            if (match := _FILE.fullmatch(file)) is not None:
+                return read_found(Path(layer.realPath).parent / _LAYOUT / file, match[1])
+    return None
 
 
 def _chosen(
     found: FoundLayout, wanted: int | Literal["all"], path: Path
-) -> tuple[tuple[FoundRoom, ...], Flat | None]:
-    """The rooms that are composed, and what they are together; None for one alone."""
+) -> tuple[tuple[int, ...], Flat | None]:
+    """Which rooms are composed, and what they are together; None for one alone."""
     flat = flat_of(found.rooms) if wanted == "all" else None
     if flat is not None:
-        return tuple(found.rooms[number] for number in flat.members), flat
+        return tuple(flat.members), flat
     number = 0 if wanted == "all" else wanted
     if number >= len(found.rooms):
         raise InputError(
@@ -142,55 +191,7 @@ def _chosen(
             place=path,
             remedy=f"`room` is `all`, or a number of these: {_areas(found.rooms)}",
         )
-    return (found.rooms[number],), None
-
-
-@lru_cache(maxsize=1)
-def _found(
-    reader: str,
-    options: LayoutOptions,
-    path: Path,
-    asked: tuple[tuple[str, str], ...],
-    source: Path,
-    stamp: tuple[int, int],
-    *,
-    drawn: bool,
-) -> tuple[FoundLayout, Capture]:
-    """All rooms of a scan: two stages ask for the same, one after the other.
-
-    None where a person drew the room: then nothing is looked for.
-    """
-    capture = read_capture(reader, path, dict(asked), source)
-    if capture.cloud is None:
-        raise InputError(
-            f"the importer {reader!r} gives no points",
-            place=path,
-            remedy="use `importer: scan`, or one that reads point clouds",
-        )
-    try:
-        found = (without_rooms if drawn else find_rooms)(capture.cloud, options)
-    except InputError as error:
-        error.place = error.place or str(path)
-        raise
-    return found, capture
-
-
-def captured_hints(scanned: ScannedRoom) -> list[Hint] | None:
-    """The boxes of a capture whose points have no instances, in the level frame.
-
-    Returns:
-        None where the points say themselves what is an object, or the capture has no boxes.
-    """
-    instances, boxes = scanned.layout.cloud.instance, scanned.capture.boxes
-    if not boxes or (instances is not None and instances.any()):
-        return None
-    hints = []
-    for number, box in enumerate(boxes, 1):
-        turn = Rotation.from_matrix(box.rotation).as_quat(scalar_first=True)
-        around = Box(box.center, box.size, turn).moved(scanned.layout.level.level_from_scan)
-        bottom = float(around.center[2] - 0.5 * box.size[2])
-        hints.append(hint_of(number, (box.label,), bottom, box=around))
-    return hints
+    return (number,), None
 
 
 def in_metres(source_from_world: Array) -> Array:

@@ -7,6 +7,7 @@ from typing import Final
 
 from openrooms_usd import adapters
 from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.boxes import boxes_of
@@ -15,7 +16,6 @@ from openrooms_usd.scan.segmentation.contract import Segmenter, Segments, checke
 from openrooms_usd.scan.segmentation.labelled import SHELL_CLASSES, things_of
 from openrooms_usd.scan.segmentation.naming import UNNAMED
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.scanned import ScannedRoom
 from openrooms_usd.usd.taxonomies import NYU40
 
 _BY_SHAPE: Final = "shapes"
@@ -25,25 +25,25 @@ _REMEDY: Final = (
 )
 
 
-def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedRoom) -> ScannedRoom:
+def segmented(context: StageContext, alignment: ScanAlignment, scan: FoundScan) -> FoundScan:
     """The room with the things of its scan told apart, where the scan itself does not do so.
 
     Raises:
         InputError: No segmenter has that name, or it fails.
         MissingPackageError: The segmenter needs a package that is not installed.
     """
-    cloud = scanned.layout.cloud
+    cloud = scan.cloud
     if alignment.segmenter is None:
         told = cloud.instance is not None and bool(cloud.instance.any())
-        if alignment.objects is not None or scanned.capture.boxes or told:
-            return scanned
+        if alignment.objects is not None or scan.captured or told:
+            return scan
         if alignment.unlabelled == "leave_out":
             context.notes.append(
                 "the scan has no labels, and by `unlabelled: leave_out` no furniture is "
                 "looked for in it"
             )
-            return scanned
-    found, how = _segments(cloud, scanned.rooms, alignment)
+            return scan
+    found, how = _segments(cloud, scan.composed, alignment)
     words = found.words
     if alignment.unlabelled == "boxes":
         words = dict.fromkeys(words, UNNAMED)
@@ -52,8 +52,8 @@ def segmented(context: StageContext, alignment: ScanAlignment, scanned: ScannedR
         cloud, instance=found.instance, words={n: (word,) for n, word in words.items()}
     )
     unnamed = sorted(number for number, word in words.items() if word == UNNAMED)
-    boxes = boxes_of(cloud, found.instance, unnamed, scanned.rooms)
-    return replace(scanned, layout=replace(scanned.layout, cloud=marked), boxes=boxes)
+    boxes = boxes_of(cloud, found.instance, unnamed, scan.composed)
+    return replace(scan, cloud=marked, boxes=boxes)
 
 
 def _segments(

@@ -18,6 +18,7 @@ from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.library.cads import Cad, folder_cads, furniture_cads, merged
 from openrooms_usd.library.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
 from openrooms_usd.names import SHELL
+from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.models.cad import CadModel, Up
 from openrooms_usd.scan.placement.correcting import correction
 from openrooms_usd.scan.registration.hints import Box, Hint
@@ -27,7 +28,6 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.catalogue import Catalogue
 from openrooms_usd.stages.instances import Instance, hint_of, instances_of
 from openrooms_usd.stages.placement import Measured, Placement, Source
-from openrooms_usd.stages.scanned import ScannedRoom, captured_hints
 from openrooms_usd.stages.substitutes import UNKNOWN, sizes_of
 from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
 
@@ -40,7 +40,7 @@ class Shelf:
 
     context: StageContext
     alignment: ScanAlignment
-    scanned: ScannedRoom
+    scan: FoundScan
 
     @cached_property
     def cads(self) -> dict[str, Cad]:
@@ -88,29 +88,29 @@ class Shelf:
     @cached_property
     def instances(self) -> list[Instance]:
         """The instances of the scan, where it is they that become objects."""
-        given = self.alignment.objects is not None or captured_hints(self.scanned) is not None
+        given = self.alignment.objects is not None or captured_hints(self.scan) is not None
         return [] if given else self._in_scan
 
     @cached_property
     def _in_scan(self) -> list[Instance]:
-        return instances_of(self.scanned.layout.cloud) or []
+        return instances_of(self.scan.cloud) or []
 
     @cached_property
     def hints(self) -> list[Hint] | None:
         """What is known of the objects, in the level frame."""
         if self.alignment.objects is not None:
-            level_from_scan: Array = np.linalg.inv(self.scanned.scan_from_level).astype(np.float64)
+            level_from_scan: Array = np.linalg.inv(self.scan.scan_from_level).astype(np.float64)
             known = {instance.number: instance for instance in self._in_scan}
             return [
                 _hint(thing, level_from_scan, known.get(thing.instance))
                 for thing in self.alignment.objects
             ]
         things = [
-            replace(one.hint, box=self.scanned.boxes.get(one.number))
+            replace(one.hint, box=self.scan.boxes.get(one.number))
             for one in self.instances
             if one.meaning.kind == "thing"
         ]
-        return captured_hints(self.scanned) or (things if self.instances else None)
+        return captured_hints(self.scan) or (things if self.instances else None)
 
     def placement(
         self, catalogue: Catalogue, name: str, thing: FoundObject, carrier: str | None
@@ -129,7 +129,7 @@ class Shelf:
             np.linalg.norm(pose[:3, :3], axis=0) * np.ptp(extent, axis=0)
         ).tolist()
         yaw = float(np.degrees(np.arctan2(pose[1, 0], pose[0, 0])))
-        source = Source(self.scanned.capture.source, str(thing.instance), word=thing.word)
+        source = Source(self.scan.source, str(thing.instance), word=thing.word)
         return Placement(
             name, asset, (width, depth, height), x, y, z, yaw, emits=emits, source=source,
             pose=pose, measured=Measured(
@@ -155,6 +155,21 @@ class Shelf:
             file=file, up=cad.up, front=cad.front, unit=1.0,
         )  # fmt: skip
         return catalogue.file(item), False
+
+
+def captured_hints(scan: FoundScan) -> list[Hint] | None:
+    """The boxes of a capture whose points have no instances.
+
+    Returns:
+        None where the points say themselves what is an object, or the capture has no boxes.
+    """
+    instances = scan.cloud.instance
+    if not scan.captured or (instances is not None and instances.any()):
+        return None
+    return [
+        hint_of(number, (word,), float(box.center[2] - 0.5 * box.size[2]), box=box)
+        for number, (word, box) in enumerate(scan.captured, 1)
+    ]
 
 
 def _kind(cad: Cad, folder: Path) -> str:

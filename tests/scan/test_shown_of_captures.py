@@ -7,7 +7,7 @@ import pytest
 
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.scan.shown import shown
-from openrooms_usd.stages.scanned import found_rooms
+from openrooms_usd.stages.scanned import scanned
 
 DOCS = Path(__file__).parents[2] / "docs/datasets.md"
 DEV = "real_dev/data"
@@ -35,7 +35,8 @@ def test_what_is_said_of_captures_holds(
     (said,) = (line for line in text.splitlines() if line.startswith(f"| {row} |"))
     wanted = [float(cell) for cell in said.split("|")[2:6]]
     layout = ScanLayout.model_validate({"from": "scan", "scan": str(real(file)), **more})
-    points, rooms = found_rooms(layout, Path("/"))
+    scan = scanned(layout, Path(layout.file), Path("/")).found()
+    points, rooms = scan.cloud.points, scan.composed
     found = shown(points, rooms)
     measured = [found.floor, found.walls, found.whole, rooms[0].measures["coverage"]]
     assert measured == pytest.approx(wanted, abs=0.011)

@@ -443,7 +443,7 @@ def test_what_runs_in_a_stage_is_in_its_graph(tmp_path: Path) -> None:
     assert set(ran) == ALL
     for stage in runner.stages():
         layer = Sdf.Layer.FindOrOpen(str(tmp_path / f"out/layers/{stage.name}.usda"))
-        known = set(modules(*base.code_of(stage), *runner._record(layer, stage.name)["counted"]))
+        known = set(modules(*base.code_of(stage), *base.record_of(layer, stage.name)["counted"]))
         assert len(ran[stage.name]) >= 5, stage.name
         assert set(ran[stage.name]) <= known, stage.name
     assert "openrooms_usd.library.skylight" in ran["lights"]
