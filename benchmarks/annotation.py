@@ -31,7 +31,7 @@ from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.geometry.polygons import defect
 from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.geometry.walls import Wall
-from openrooms_usd.stages.scanned import scanned
+from openrooms_usd.stages.layout.scanned import scanned
 from openrooms_usd.view.plan import corners, fittings
 from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.drawing import Drawing

@@ -28,7 +28,7 @@ from openrooms_usd.render.denoise import DENOISED, Denoiser, load_denoiser
 from openrooms_usd.render.opened import OpenedStage, open_with
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import MOST_VIEWS, Tile, reduced, write_sheet
-from openrooms_usd.stages.photographs import intrinsics_for
+from openrooms_usd.stages.cameras.photographs import intrinsics_for
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.diagnostics import reading
 from openrooms_usd.usd.layers import open_stage

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Final
 
 from pxr import Sdf, Tf, Usd, UsdMedia, Vt
 
@@ -21,22 +20,13 @@ from openrooms_usd.usd.diagnostics import composition_errors, reason
 from openrooms_usd.usd.preflight import check_stage_file
 from openrooms_usd.version import __version__
 
-_CLASSES: Final = {
-    "layout": "layout.LayoutStage",
-    "alignment": "alignment.AlignmentStage",
-    "materials": "materials.MaterialsStage",
-    "lights": "lights.LightsStage",
-    "cameras": "cameras.CamerasStage",
-    "physics": "physics.stage.PhysicsStage",
-}
-
 
 def stages() -> list[Stage]:
     """One of each stage, from the weakest to the strongest layer."""
-    found = [_CLASSES[name].rpartition(".") for name in names.STAGES]
+    modules = [import_module(f"openrooms_usd.stages.{name}.stage") for name in names.STAGES]
     return [
-        getattr(import_module(f"openrooms_usd.stages.{module}"), name)()
-        for module, _, name in found
+        getattr(module, f"{name.capitalize()}Stage")()
+        for name, module in zip(names.STAGES, modules, strict=True)
     ]
 
 

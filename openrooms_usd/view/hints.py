@@ -19,9 +19,9 @@ from openrooms_usd.edits.arranging import Standing, beside, resized, settled, st
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.stages.instances import instances_of
-from openrooms_usd.stages.scanned import found_in, in_metres
-from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.stages.alignment.instances import instances_of
+from openrooms_usd.stages.alignment.surroundings import surroundings
+from openrooms_usd.stages.layout.scanned import found_in, in_metres
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.semantics import read_label

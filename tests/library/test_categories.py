@@ -115,7 +115,7 @@ def test_no_table_of_categories_stands_beside_the_records() -> None:
         # What goes together in a style: said of several at once.
         "openrooms_usd/library/interiors.py",
         # What is fixed to the shell: which key says its material.
-        "openrooms_usd/stages/surfaces.py",
+        "openrooms_usd/stages/materials/stage.py",
         "openrooms_usd/view/fields.py",
         # The class lists of others, in their own words and numbers.
         "openrooms_usd/usd/taxonomies.py",

@@ -20,10 +20,10 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import flat_of
+from openrooms_usd.stages.alignment.furnished import segmented
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.scanned import scanned
-from openrooms_usd.stages.segmented import segmented
+from openrooms_usd.stages.layout.scanned import scanned
+from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scan.scanned_rooms import RoomScan
 
 HALL = ((0.0, 0.0), (4.0, 0.0), (4.0, 5.0), (0.0, 5.0))

@@ -7,7 +7,7 @@ import pytest
 
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.scan.shown import shown
-from openrooms_usd.stages.scanned import scanned
+from openrooms_usd.stages.layout.scanned import scanned
 
 DOCS = Path(__file__).parents[2] / "docs/datasets.md"
 DEV = "real_dev/data"

@@ -9,8 +9,7 @@ from openrooms_usd.capture import Capture, CapturedBox
 from openrooms_usd.categories.words import library_words, plain
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.library.furniture import category
-from openrooms_usd.stages.captured import Captured, captured_objects
-from openrooms_usd.stages.substitutes import substitute
+from openrooms_usd.stages.alignment.captured import Captured, captured_objects, substitute
 
 THINGS = st.lists(
     st.tuples(st.sampled_from(["chair", "table"]), st.text(max_size=12)), unique=True, max_size=20

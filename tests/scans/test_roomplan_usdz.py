@@ -7,9 +7,9 @@ import pytest
 from pxr import Sdf, Usd
 
 from openrooms_usd.description import parse_room
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scans.roomplan_usdz import (
     assert_same,
     component,

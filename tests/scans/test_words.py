@@ -13,7 +13,7 @@ from openrooms_usd.categories.words import Meaning, meaning, named_in, plain
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import SHELL
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.stages.instances import instances_of, told_left_out
+from openrooms_usd.stages.alignment.instances import instances_of, told_left_out
 from openrooms_usd.usd.taxonomies import NYU40
 
 Real = Callable[[str], Path]

@@ -16,9 +16,9 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.furniture import CATEGORIES
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.runner import run
 from openrooms_usd.usd.meshes import define_mesh, read_meshes
 from openrooms_usd.usd.semantics import read_label

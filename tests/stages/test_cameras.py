@@ -16,10 +16,10 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.viewpoints import PITCH_DEG
 from openrooms_usd.geometry.views import clear
-from openrooms_usd.stages import selection as stage_module
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.cameras import CamerasStage
-from openrooms_usd.stages.selection import Selection
+from openrooms_usd.stages.cameras.selection import Selection
+from openrooms_usd.stages.cameras.stage import CamerasStage
+from openrooms_usd.stages.cameras import selection as stage_module
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.meshes import define_mesh, read_meshes, world_triangles

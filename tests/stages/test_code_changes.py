@@ -23,10 +23,10 @@ from openrooms_usd.library.furniture import CATEGORIES, module_of
 from openrooms_usd.library.textures import Material
 from openrooms_usd.physics.components import Part
 from openrooms_usd.stages import base, runner
-from openrooms_usd.stages.catalogue import Catalogue
+from openrooms_usd.stages.alignment.catalogue import Catalogue
+from openrooms_usd.stages.materials.palette import Swatch
 from openrooms_usd.stages.physics import cache as physics_cache
 from openrooms_usd.stages.physics import stage as physics
-from openrooms_usd.stages.swatches import Swatch
 
 ROOT = Path(__file__).parents[2]
 ALL = set(names.STAGES)
@@ -178,7 +178,7 @@ def asset_names(folder: Path) -> dict[str, str]:
         ("openrooms_usd/library/assets.py", set(CATEGORIES)),
         ("openrooms_usd/draws.py", set(CATEGORIES)),
         ("openrooms_usd/library/textures/rough_stone/brick.py", set()),
-        ("openrooms_usd/stages/layout.py", set()),
+        ("openrooms_usd/stages/layout/stage.py", set()),
     ],
 )
 def test_assets_are_named_by_the_code_of_their_category(

@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.compose import compose_room
 from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.stages.exposure import room_exposure
+from openrooms_usd.stages.cameras.stage import room_exposure
 from openrooms_usd.usd.cameras import read_camera
 from openrooms_usd.usd.lights import define_dome
 

@@ -10,11 +10,11 @@ from pxr import Gf, Sdf, Usd, UsdLux, UsdShade
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.lights import LightsStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.stage import LightsStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.lights import MeshLight, read_lights
 from openrooms_usd.usd.materialreader import read_preview_surface

@@ -8,8 +8,8 @@ from openrooms_usd import names
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.placement import Placement, Stand, Supports
-from openrooms_usd.stages.surroundings import Gap, Surroundings, surroundings
+from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports
+from openrooms_usd.stages.alignment.surroundings import Gap, Surroundings, surroundings
 
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
 

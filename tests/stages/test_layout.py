@@ -9,7 +9,7 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label
 

@@ -24,10 +24,10 @@ from openrooms_usd.library.finishes import (
 from openrooms_usd.library.furniture import category
 from openrooms_usd.library.textures import FAMILIES, substance_of
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.materials import Texture

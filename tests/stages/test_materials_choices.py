@@ -12,7 +12,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.pictures import write_png
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.materialreader import read_preview_surface as read

@@ -9,8 +9,8 @@ from openrooms_usd import names
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.daylight import author_portals
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.daylight import author_portals
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.transforms import author_placement
 

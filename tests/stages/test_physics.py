@@ -14,10 +14,10 @@ from openrooms_usd.library.construction import mass_of_part
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.physics.mass import combined
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.stages.physics.stage import PhysicsStage
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.bindings import bound_material

@@ -6,9 +6,8 @@ import pytest
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.solids import box, sphere
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.placement import Placement, Stand, Supports
-from openrooms_usd.stages.surroundings import Surroundings
-from openrooms_usd.stages.tops import top_at
+from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports, top_at
+from openrooms_usd.stages.alignment.surroundings import Surroundings
 
 
 def _item(name: str, x: float = 0.0, y: float = 0.0, **more: object) -> Placement:

@@ -15,7 +15,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import FoundLayout
 from openrooms_usd.scan.results import FoundRoom
-from openrooms_usd.stages import scanned
+from openrooms_usd.stages.layout import scanned
 from tests.scan.scanned_rooms import RoomScan
 
 HALL = ((0.0, 0.0), (4.0, 0.0), (4.0, 5.0), (0.0, 5.0))
@@ -56,7 +56,7 @@ from pathlib import Path
 from openrooms_usd import capture
 from openrooms_usd.compose import compose_room
 from openrooms_usd.scan import reconstruction
-from openrooms_usd.stages import scanned
+from openrooms_usd.stages.layout import scanned
 from tests.scan.scanned_rooms import RoomScan
 
 HALL = ((0.0, 0.0), (4.0, 0.0), (4.0, 5.0), (0.0, 5.0))

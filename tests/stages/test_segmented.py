@@ -15,7 +15,7 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.contract import Segments
-from openrooms_usd.stages.segmented import segmented
+from openrooms_usd.stages.alignment.furnished import segmented
 
 
 def scan_of(cloud: Cloud, **known: Any) -> FoundScan:

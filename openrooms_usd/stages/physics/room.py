@@ -15,8 +15,8 @@ from openrooms_usd.library.friction import friction_of
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.panels import panel_pieces, slab_hull
-from openrooms_usd.stages.appearance import texels
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.materials.appearance import texels
 from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.authoring import author_physics
 from openrooms_usd.stages.physics.cache import cached_shapes

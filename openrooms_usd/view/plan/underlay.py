@@ -23,9 +23,9 @@ from openrooms_usd.errors import InputError, SparseScanError
 from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.names import ROOM_HEIGHT, SCANNED_HEIGHT
 from openrooms_usd.stages.base import input_file
-from openrooms_usd.stages.layout import Plan, plan_of
-from openrooms_usd.stages.openings import Cut
-from openrooms_usd.stages.scanned import ScannedRoom, find, scanned, taken
+from openrooms_usd.stages.layout.openings import Cut
+from openrooms_usd.stages.layout.scanned import ScannedRoom, find, scanned, taken
+from openrooms_usd.stages.layout.stage import Plan, plan_of
 from openrooms_usd.view.plan.drawing import Drawing, Point
 
 Array = NDArray[np.float64]

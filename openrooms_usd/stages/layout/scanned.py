@@ -22,8 +22,11 @@ from openrooms_usd.capture import (
     Confidence,
     read_capture,
 )
-from openrooms_usd.description.layout import ScanLayout
+from openrooms_usd.description.layout import CapturedLayout, Opening, ScanLayout
 from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.curves import signed_area
+from openrooms_usd.geometry.polygons import counter_clockwise
+from openrooms_usd.geometry.walls import walls_of
 from openrooms_usd.names import SCANNED_HEIGHT
 from openrooms_usd.scan.artefact import FoundScan, digest_of, read_found, write_found
 from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms, without_rooms
@@ -32,18 +35,23 @@ from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import Flat, flat_of
 from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.stages.base import StageContext, record_of
-from openrooms_usd.stages.drawn import drawn_room
+from openrooms_usd.stages.layout.openings import hole_of
 
 Array = NDArray[np.float64]
 
 # What openings of a flat's outline are in: none of its inner walls.
 _OUTER: Final = "outside"
+
 _ALONE: Final = "no other room stands wall to wall with room 0, which is taken alone"
+
 _LAYOUT: Final = "layout"
+
 # The file of what was found, in the folder of its layer.
 _FILE: Final = re.compile(r"found-([0-9a-f]{16})\.npz")
+
 # Ceilings whose heights differ by less are one, metres.
 _SAME_HEIGHT_M: Final = 0.1
+
 # Least confidence of each word.
 _WORDS: Final[tuple[tuple[float, Confidence], ...]] = ((0.75, "high"), (0.4, "medium"))
 
@@ -274,3 +282,40 @@ def _opening(number: int, found: FoundOpening) -> CapturedOpening:
         height=float(np.linalg.norm(up)),
         confidence=next((word for least, word in _WORDS if found.confidence >= least), "low"),
     )
+
+
+def drawn_room(layout: CapturedLayout) -> FoundRoom:
+    """The room that a person drew over a scan, in the level frame; what is sure has confidence 1.
+
+    Whether its openings fit is said where they are cut.
+
+    Args:
+        layout: A section with a polygon.
+    """
+    assert layout.polygon is not None, "asked for where there is one"
+    corners, numbers = counter_clockwise(layout.polygon)
+    walls = walls_of(corners, numbers, layout.wall_thickness)
+    clockwise = signed_area(np.asarray(layout.polygon)) < 0.0
+    # Found walls are numbered along the corners as they run counter-clockwise.
+    place = {number: index for index, number in enumerate(numbers.tolist())}
+    openings = []
+    for one in layout.openings:
+        if one.wall is None or one.kind == "opening":
+            continue
+        wall = walls[one.wall]
+        hole = hole_of(one, wall, clockwise=clockwise)
+        ends = wall.to_plan(np.array([[hole.left, 0.0], [hole.right, 0.0]]))[[0, 1, 1, 0]]
+        levels = np.array([[hole.bottom], [hole.bottom], [hole.top], [hole.top]])
+        rectangle = np.hstack([ends, levels])
+        openings.append(FoundOpening(_type(one), rectangle, 1.0, place[one.wall]))
+    return FoundRoom(
+        normal=np.array([0.0, 0.0, 1.0]),
+        point=np.zeros(3),
+        corners=np.column_stack([corners, np.zeros(len(corners))]),
+        ceiling=layout.height,
+        openings=tuple(openings),
+    )
+
+
+def _type(opening: Opening) -> Literal["door", "window"]:
+    return "window" if opening.kind == "window" else "door"

@@ -15,11 +15,11 @@ from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.geometry.rotations import nearest_rotation
 from openrooms_usd.geometry.rotations import pose as rigid
 from openrooms_usd.library.furniture import Size, part_of
+from openrooms_usd.stages.alignment.captured import Captured
+from openrooms_usd.stages.alignment.catalogue import Catalogue
+from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
+from openrooms_usd.stages.alignment.poses import author_pose
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.captured import Captured
-from openrooms_usd.stages.catalogue import Catalogue
-from openrooms_usd.stages.placement import Measured, Placement, Source
-from openrooms_usd.stages.poses import author_pose
 from openrooms_usd.usd.frames import gf_matrix
 
 Array: TypeAlias = NDArray[np.float64]

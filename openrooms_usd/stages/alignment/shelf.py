@@ -24,11 +24,11 @@ from openrooms_usd.scan.placement.correcting import correction
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.scalelimits import CAD_UNITS_M
 from openrooms_usd.scan.results import FoundObject, Pose
+from openrooms_usd.stages.alignment.captured import UNKNOWN, sizes_of
+from openrooms_usd.stages.alignment.catalogue import Catalogue
+from openrooms_usd.stages.alignment.instances import Instance, hint_of, instances_of
+from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.catalogue import Catalogue
-from openrooms_usd.stages.instances import Instance, hint_of, instances_of
-from openrooms_usd.stages.placement import Measured, Placement, Source
-from openrooms_usd.stages.substitutes import UNKNOWN, sizes_of
 from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
 
 Array = NDArray[np.float64]

@@ -16,8 +16,8 @@ from openrooms_usd.geometry.shell import cut_apart
 from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.geometry.windows import BOARD, EMBED, NOSE, Window, bar, window
 from openrooms_usd.library.timber import follow_grain
-from openrooms_usd.stages.openings import Cut
-from openrooms_usd.stages.trim import REVEAL_M, Finish, has_board
+from openrooms_usd.stages.layout.openings import Cut
+from openrooms_usd.stages.layout.trim import REVEAL_M, Finish, has_board
 from openrooms_usd.usd.joints import author_joint
 from openrooms_usd.usd.meshes import define_mesh
 from openrooms_usd.usd.semantics import label, label_part

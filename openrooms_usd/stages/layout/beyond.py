@@ -9,22 +9,23 @@
 """
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Final
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.geometry.hallways import SHEET_M, Hallway, hallway
+from openrooms_usd.geometry.hallways import SHEET_M, Hallway, door_space, hallway
 from openrooms_usd.geometry.walls import Wall
+from openrooms_usd.library.furniture import Size, make, part_of, styles
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.decor import author_decor
-from openrooms_usd.stages.joinery import author_mesh
-from openrooms_usd.stages.openings import Cut
+from openrooms_usd.stages.layout.joinery import author_mesh
+from openrooms_usd.stages.layout.openings import Cut
 from openrooms_usd.usd.lights import define_mesh_light
 from openrooms_usd.usd.photometry import nits_from_lumen, world_area
+from openrooms_usd.usd.semantics import label
 from openrooms_usd.usd.transforms import author_placement
 
 Array = NDArray[np.float64]
@@ -32,19 +33,96 @@ Array = NDArray[np.float64]
 # What is tried, the most liked first: how deep it is, and how far it goes to both sides of the
 # opening's middle; metres.
 _DEPTHS_M: Final = (1.7, 1.4, 1.15, 0.95, 0.8)
+
 _HALF_LENGTHS_M: Final = (2.2, 1.6, 1.1, 0.75, 0.55)
+
 # Where the door across stands, from the left to the right.
 _DOORS: Final = (0.08, 0.3, 0.5, 0.7, 0.92)
+
 # Between it and another opening of its wall, and beside its own; metres.
 _BESIDE_M: Final = 0.12
+
 # Before windows nothing stands so near, metres.
 _FREE_BEFORE_WINDOWS_M: Final = 3.0
+
 _HEIGHT_M: Final = 2.5
+
 # Above the opening, metres.
 _HEADROOM_M: Final = 0.12
+
 # A leaf that swings out needs its width and this, metres.
 _LEAF_GAP_M: Final = 0.06
+
 _LUMEN, _KELVIN = 800.0, 3000.0
+
+# Free wall beside a picture, and the middle of pictures above the floor, metres.
+_MARGIN_M: Final = 0.12
+
+_EYE_LEVEL_M: Final = 1.5
+
+# A picture's largest width, how thick it is, and which walls are too narrow for one; metres.
+_PICTURE_M: Final = (0.62, 0.022)
+
+_LEAST_M: Final = 0.45
+
+_PICTURE_SHARE, _RUNNER_SHARE = 0.7, 0.55
+
+# Width and thickness of a runner, and the floor before its ends; metres.
+_RUNNER_M: Final = (0.75, 0.008)
+
+_BEFORE_M: Final = 0.3
+
+_RUNNERS: Final = frozenset({"bordered", "fringed", "runner"})
+
+
+class Decoration(NamedTuple):
+    """A thing in a hallway.
+
+    Attributes:
+        name: Of its prim.
+        category: What it is.
+        size: Metres.
+        at: The middle of its base in the frame of the wall, metres.
+    """
+
+    name: str
+    category: str
+    size: Size
+    at: tuple[float, float, float]
+
+
+def decor(size: Hallway, rng: np.random.Generator) -> Iterator[Decoration]:
+    """What a hallway holds, drawn."""
+    thick = _PICTURE_M[1]
+    low, high = door_space(size) or (size.right, size.right)
+    for number, (left, right) in enumerate(((size.left, low), (high, size.right))):
+        space = right - left - 2.0 * _MARGIN_M
+        if space < _LEAST_M - 2.0 * _MARGIN_M or rng.random() > _PICTURE_SHARE:
+            continue
+        wide = min(space, _PICTURE_M[0] * float(rng.uniform(0.7, 1.0)))
+        tall = wide * float(rng.choice((0.75, 1.0, 1.35)))
+        middle = 0.5 * (left + right)
+        at = (middle, size.far - 0.5 * thick - 0.002, _EYE_LEVEL_M - 0.5 * tall)
+        yield Decoration(f"Picture_{number}", "picture", (wide, thick, tall), at)
+    long = size.right - size.left - 2.0 * _BEFORE_M
+    deep = min(_RUNNER_M[0], size.far - size.near - _BEFORE_M)
+    if long > 1.0 and rng.random() < _RUNNER_SHARE:
+        at = (0.5 * (size.left + size.right), 0.5 * (size.near + size.far), 0.0)
+        yield Decoration("Runner", "rug", (long, deep, _RUNNER_M[1]), at)
+
+
+def author_decor(stage: Usd.Stage, path: str, size: Hallway, rng: np.random.Generator) -> None:
+    """Write what a hallway holds below its prim."""
+    for thing in decor(size, rng):
+        prim = UsdGeom.Xform.Define(stage, f"{path}/{thing.name}").GetPrim()
+        author_placement(prim, Gf.Vec3d(*thing.at), 0.0)
+        label(prim, thing.category)
+        known = styles(thing.category, thing.size)
+        if thing.category == "rug":
+            known = tuple(name for name in known if name in _RUNNERS) or known
+        style = known[int(rng.integers(len(known)))]
+        for name, mesh in make(thing.category, thing.size, style, rng).parts.items():
+            author_mesh(stage, f"{prim.GetPath()}/{name}", mesh, part=part_of(name))
 
 
 def author_beyond(context: StageContext, corners: Array, cuts: Sequence[Cut]) -> None:

@@ -25,7 +25,7 @@ from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.geometry.wallruns import Run, free_rings, runs
 from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.geometry.windows import EMBED
-from openrooms_usd.stages.openings import Cut
+from openrooms_usd.stages.layout.openings import Cut
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -32,8 +32,8 @@ from openrooms_usd.library.outside.panorama import HEIGHT
 from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.outside.solid import WOOD, Look, Part, Placed, Solid
 from openrooms_usd.library.pictures import write_png
+from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.surroundings import Surroundings, surroundings
 from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
 from openrooms_usd.usd.meshes import define_mesh
 from openrooms_usd.usd.portals import Portal
