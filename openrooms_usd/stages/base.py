@@ -197,7 +197,7 @@ def completed(before: str, counted: Iterable[str]) -> str:
     Returns:
         64 hexadecimal digits.
     """
-    names = sorted(name for name in counted if _COUNTED.fullmatch(name))
+    names = sorted(name for name in counted if _COUNTED.fullmatch(str(name)))
     code = code_digest(*names, apart=_APART) if names else ""
     return hashlib.sha256(f"{before} {code}".encode()).hexdigest()
 

@@ -15,9 +15,8 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.placement.elsewhere import elsewhere
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.reconstruction import find_rooms
+from openrooms_usd.scan.reconstruction import elsewhere, find_rooms
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import flat_of
 from openrooms_usd.stages.alignment.furnished import segmented

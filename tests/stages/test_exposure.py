@@ -74,8 +74,13 @@ def test_pictures_of_the_sky_are_summed_over_what_the_window_faces(
     pixels = np.zeros((height, 2 * height, 3), np.float32)
     pixels[:, np.abs(columns - 0.5) < 0.25] = 1000.0
     write_exr(tmp_path / "half.exr", pixels)
-    define_dome(stage, names.ENVIRONMENT, radiance=(2, 2, 2), texture=str(tmp_path / "half.exr"),
-                rotation=rotation)  # fmt: skip
+    define_dome(
+        stage,
+        names.ENVIRONMENT,
+        radiance=(2, 2, 2),
+        texture=str(tmp_path / "half.exr"),
+        rotation=rotation,
+    )
     stage.GetPrimAtPath(names.ENVIRONMENT).GetAttribute("inputs:intensity").Set(2.0)
     # A lune of a dome before a vertical plane, turned by a: pi L (1 + cos a) / 2.
     lux = math.pi * 2000.0 * (1 + math.cos(math.radians(rotation))) / 2

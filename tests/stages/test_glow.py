@@ -104,10 +104,14 @@ def test_every_look_glows(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "edit",
-    ["float inputs:intensity = 0", "float inputs:intensity = 77",
-     "float inputs:colorTemperature = 8000", "color3f inputs:color = (1, 0, 0)",
-     "float inputs:exposure = -2"],
-)  # fmt: skip
+    [
+        "float inputs:intensity = 0",
+        "float inputs:intensity = 77",
+        "float inputs:colorTemperature = 8000",
+        "color3f inputs:color = (1, 0, 0)",
+        "float inputs:exposure = -2",
+    ],
+)
 def test_an_edit_of_the_light_is_an_edit_of_the_glow(tmp_path: Path, edit: str) -> None:
     plain = check(compose(tmp_path / "plain", room())[0])
     lights = check(compose(tmp_path / "edited", room(), over("light_bulb", edit))[0])

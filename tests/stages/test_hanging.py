@@ -98,8 +98,11 @@ def test_heights_come_from_the_own_support() -> None:
         item("picture", 0.0, 1.9, relative_to="sofa", on="wall", level=1.0),
     )
     assert {name: stand.z for name, stand in found.items()} == {
-        "lamp": 1.1, "side": 0.5, "sofa": 0.9, "picture": 1.5,
-    }  # fmt: skip
+        "lamp": 1.1,
+        "side": 0.5,
+        "sofa": 0.9,
+        "picture": 1.5,
+    }
     assert found["lamp"].carrier == "side"
     assert found["picture"].y == pytest.approx(2.9)
 

@@ -197,8 +197,9 @@ def test_the_users_own_textures(tmp_path: Path) -> None:
     own = {"file": "slate", "size": "50 cm", "substance": "rough_stone"}
     described = room(floor=own)
     assert list(MaterialsStage().inputs(described, tmp_path)) == [
-        "slate/slate_Color.png", "slate/slate_Roughness.png",
-    ]  # fmt: skip
+        "slate/slate_Color.png",
+        "slate/slate_Roughness.png",
+    ]
     stage = compose(tmp_path, described)
     shown = surface(stage, names.FLOOR)
     assert isinstance(shown.base_color, Texture)

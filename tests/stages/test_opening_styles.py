@@ -80,9 +80,12 @@ def test_styles_are_recorded_and_differ() -> None:
         for name in ("door_0", "door_1", "door_2", "window_0", "window_1")
     }
     assert style == {
-        "door_0": "glazed", "door_1": "", "door_2": "flush", "window_0": "sliding",
+        "door_0": "glazed",
+        "door_1": "",
+        "door_2": "flush",
+        "window_0": "sliding",
         "window_1": "",
-    }  # fmt: skip
+    }
     sizes = {
         name: len(UsdGeom.Mesh(opening(stage, name, "/Leaf/Panel")).GetPointsAttr().Get())
         for name in ("door_0", "door_1", "door_2")

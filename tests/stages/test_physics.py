@@ -98,8 +98,11 @@ def test_what_moves_with_joints_is_an_articulation_of_its_base(stage: Usd.Stage)
     board = f"{names.FURNITURE}/board/Geometry"
     assert list(found) == [f"{board}/Body"]
     assert list(found[f"{board}/Body"].rootPrims) == [f"{board}/Body"]
-    joints = {str(path) for kind in (Kind.RevoluteJoint, Kind.PrismaticJoint)
-              for path, _ in parsed(stage, kind)}  # fmt: skip
+    joints = {
+        str(path)
+        for kind in (Kind.RevoluteJoint, Kind.PrismaticJoint)
+        for path, _ in parsed(stage, kind)
+    }
     members = {str(path) for path in found[f"{board}/Body"].articulatedJoints}
     assert members == {path for path in joints if "/board/" in path} < joints
     apart = {str(path) for path in found[f"{board}/Body"].articulatedBodies}

@@ -82,9 +82,14 @@ def placed_model(
     assert model.file is not None
     file = os.path.relpath(model.file.resolve(), context.source.resolve())
     item = FileObject(
-        **{"from": "file"}, category=thing.label, at=(0.0, 0.0), file=file,
-        up=model.up, front=model.front, unit=1.0,
-    )  # fmt: skip
+        **{"from": "file"},
+        category=thing.label,
+        at=(0.0, 0.0),
+        file=file,
+        up=model.up,
+        front=model.front,
+        unit=1.0,
+    )
     asset = catalogue.file(item, scaled=True)
     built = asset.build()
     pose = model.stands @ built.file_from_object

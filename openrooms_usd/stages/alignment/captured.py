@@ -17,9 +17,7 @@ from openrooms_usd.scan.registration.scalelimits import SCALES
 
 # Captured heights are uncertain by some centimetres: boxes this near to the floor stand on it.
 FLOOR_TOLERANCE: Final = 0.1
-
 UNKNOWN: Final = "box"
-
 """The category that stands for what the library has nothing for."""
 
 # RoomPlan's attributes that say more than the category (CapturedRoom.Object.attributes).

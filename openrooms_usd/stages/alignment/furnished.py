@@ -38,9 +38,7 @@ Array = NDArray[np.float64]
 
 # Objects that placement moved by more than this are counted in a note, metres.
 _COUNTED_MOTION_M: Final = 0.01
-
 _BY_SHAPE: Final = "shapes"
-
 _REMEDY: Final = (
     "Say better by a file (`orusd import scan --segments FILE`), a segmenter of your own "
     "(`alignment: {segmenter: NAME}`) or `objects`; `unlabelled: leave_out` leaves them out"

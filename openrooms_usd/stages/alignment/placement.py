@@ -21,14 +21,10 @@ Array: TypeAlias = NDArray[np.float64]
 Tilt: TypeAlias = tuple[float, float]
 
 FLOOR: Final = "floor"
-
 CEILING: Final = "ceiling"
-
 # Support on the highest top at a place, of all objects on the floor.
 SURFACE: Final = "surface"
-
 WALL: Final = "wall"
-
 # Categories that hang in front of openings on purpose.
 _COVERS: Final = ("curtain",)
 

@@ -131,12 +131,25 @@ class Shelf:
         yaw = float(np.degrees(np.arctan2(pose[1, 0], pose[0, 0])))
         source = Source(self.scan.source, str(thing.instance), word=thing.word)
         return Placement(
-            name, asset, (width, depth, height), x, y, z, yaw, emits=emits, source=source,
-            pose=pose, measured=Measured(
-                measured, thing.residual, thing.coverage, thing.symmetry,
-                "object" if carrier else thing.support, carrier,
+            name,
+            asset,
+            (width, depth, height),
+            x,
+            y,
+            z,
+            yaw,
+            emits=emits,
+            source=source,
+            pose=pose,
+            measured=Measured(
+                measured,
+                thing.residual,
+                thing.coverage,
+                thing.symmetry,
+                "object" if carrier else thing.support,
+                carrier,
             ),
-        )  # fmt: skip
+        )
 
     def _asset(
         self, catalogue: Catalogue, cad: Cad, thing: FoundObject, measured: Array
@@ -151,9 +164,14 @@ class Shelf:
             return made, category(cad.category).emits
         file = os.path.relpath(cad.file.resolve(), self.context.source.resolve())
         item = FileObject(
-            **{"from": "file"}, category=plain(thing.category or "object"), at=(0.0, 0.0),
-            file=file, up=cad.up, front=cad.front, unit=1.0,
-        )  # fmt: skip
+            **{"from": "file"},
+            category=plain(thing.category or "object"),
+            at=(0.0, 0.0),
+            file=file,
+            up=cad.up,
+            front=cad.front,
+            unit=1.0,
+        )
         return catalogue.file(item), False
 
 
@@ -216,9 +234,10 @@ def _hint(thing: ScannedObject, level_from_scan: Array, seen: Instance | None) -
     pose = box = None
     if thing.pose:
         given = Pose(
-            np.array(thing.pose.translation), _unit(thing.pose.rotation_wxyz),
+            np.array(thing.pose.translation),
+            _unit(thing.pose.rotation_wxyz),
             np.array(thing.pose.scale),
-        )  # fmt: skip
+        )
         pose = given.moved(level_from_scan)
     if thing.box:
         middle = Pose(np.array(thing.box.center), _unit(thing.box.rotation_wxyz), np.ones(3))

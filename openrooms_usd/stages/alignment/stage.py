@@ -70,14 +70,11 @@ from openrooms_usd.untrusted import check_path
 from openrooms_usd.usd.activation import is_off
 
 ASSETS: Final = "assets"
-
 _TYPES: Final = Sdf.ValueTypeNames
-
 Array: TypeAlias = NDArray[np.float64]
 
 # A support with a smaller scale is degenerate.
 _MIN_SCALE: Final = 1e-6
-
 # How many names a note lists.
 _MAX_LISTED_NAMES: Final = 5
 

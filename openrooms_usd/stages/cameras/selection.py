@@ -28,40 +28,29 @@ Array = NDArray[np.float64]
 
 # Above this many triangles furniture is cast as its boxes: views need no more to be chosen.
 MANY_TRIANGLES: Final = 2_000_000
-
 # Candidates for each view that is kept, and the least of them.
 _CANDIDATES_PER_VIEW: Final = 48
-
 _LEAST_CANDIDATES: Final[Mapping[str, int]] = {"photograph": 640, "paper": 192}
-
 # Heights above the floor where the description names none, metres.
 _HEIGHTS_M: Final[Mapping[str, tuple[float, float]]] = {
     "photograph": (1.2, 1.6),
     "paper": (1.4, 1.8),
 }
-
 # Where a look at an opening ends, before the inner edge of its wall, metres.
 _BEFORE_OPENING_M: Final = 0.05
-
 # Room between an eye and the ceiling, metres.
 _BELOW_CEILING: Final = 0.25
-
 Ints = NDArray[np.int32]
 
 # Of a thing whose record says nothing, for each metre of its longest side, and at most.
 _WORTH_PER_M: Final = 0.4
-
 _MOST_WORTH_BY_SIZE: Final = 0.8
-
 # Things that are shorter than this, metres, are nobody's subject.
 _SMALL_M: Final = 0.4
-
 # Classes of NYU40 in the shell on which there is nothing to look at, tiles and panels among them.
 _BARE: Final = ("wall", "ceiling", "door")
-
 # How many subjects a room has at most, and points on each.
 _MAX_SUBJECTS: Final = 16
-
 _POINTS: Final = 20
 
 
@@ -141,9 +130,12 @@ class Selection:
         if view.prefer == "paper":
             return sample_views(*where, height=heights, distance=view.distance)
         return photographers_views(
-            *where, height=heights, distance=view.distance, doorways=self.openings,
+            *where,
+            height=heights,
+            distance=view.distance,
+            doorways=self.openings,
             subjects=self.subjects.points.mean(axis=1),
-        )  # fmt: skip
+        )
 
     def _rating(self) -> Rating:
         diagonal = float(np.hypot(*np.ptp(self.polygon, axis=0)))

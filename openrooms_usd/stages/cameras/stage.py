@@ -52,13 +52,10 @@ Array = NDArray[np.float64]
 
 # Mean reflectance of walls, floor, ceiling and furniture.
 _REFLECTANCE: Final = 0.5
-
 # Share of daylight that passes frames, curtains and the depth of the wall.
 _LET_IN: Final = 0.5
-
 # Target of the mean luminance after exposure, as in previews.
 _KEY: Final = 0.27
-
 # So many pixels of a panorama along each side are taken together.
 _BLOCK_PIXELS: Final = 4
 

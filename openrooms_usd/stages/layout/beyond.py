@@ -33,45 +33,29 @@ Array = NDArray[np.float64]
 # What is tried, the most liked first: how deep it is, and how far it goes to both sides of the
 # opening's middle; metres.
 _DEPTHS_M: Final = (1.7, 1.4, 1.15, 0.95, 0.8)
-
 _HALF_LENGTHS_M: Final = (2.2, 1.6, 1.1, 0.75, 0.55)
-
 # Where the door across stands, from the left to the right.
 _DOORS: Final = (0.08, 0.3, 0.5, 0.7, 0.92)
-
 # Between it and another opening of its wall, and beside its own; metres.
 _BESIDE_M: Final = 0.12
-
 # Before windows nothing stands so near, metres.
 _FREE_BEFORE_WINDOWS_M: Final = 3.0
-
 _HEIGHT_M: Final = 2.5
-
 # Above the opening, metres.
 _HEADROOM_M: Final = 0.12
-
 # A leaf that swings out needs its width and this, metres.
 _LEAF_GAP_M: Final = 0.06
-
 _LUMEN, _KELVIN = 800.0, 3000.0
-
 # Free wall beside a picture, and the middle of pictures above the floor, metres.
 _MARGIN_M: Final = 0.12
-
 _EYE_LEVEL_M: Final = 1.5
-
 # A picture's largest width, how thick it is, and which walls are too narrow for one; metres.
 _PICTURE_M: Final = (0.62, 0.022)
-
 _LEAST_M: Final = 0.45
-
 _PICTURE_SHARE, _RUNNER_SHARE = 0.7, 0.55
-
 # Width and thickness of a runner, and the floor before its ends; metres.
 _RUNNER_M: Final = (0.75, 0.008)
-
 _BEFORE_M: Final = 0.3
-
 _RUNNERS: Final = frozenset({"bordered", "fringed", "runner"})
 
 
@@ -202,8 +186,9 @@ def _fitted(
             height = max(_HEIGHT_M, cut.hole.top + _HEADROOM_M)
             size = Hallway(left, right, near, near + depth, height)
             plan = shapely.Polygon(_plan(wall, size))
-            if depth >= least and not any(plan.overlaps(o) or plan.covers(o) or o.covers(plan)
-                                          for o in (house, *ways)):  # fmt: skip
+            if depth >= least and not any(
+                plan.overlaps(o) or plan.covers(o) or o.covers(plan) for o in (house, *ways)
+            ):
                 return size
     return None
 
@@ -215,8 +200,12 @@ def _swings_out(cut: Cut) -> bool:
 def _plan(wall: Wall, size: Hallway) -> Array:
     """(4, 2) what it covers of the land, its walls included."""
     w = SHEET_M
-    ends = [(size.left - w, size.near), (size.right + w, size.near),
-            (size.right + w, size.far + w), (size.left - w, size.far + w)]  # fmt: skip
+    ends = [
+        (size.left - w, size.near),
+        (size.right + w, size.near),
+        (size.right + w, size.far + w),
+        (size.left - w, size.far + w),
+    ]
     return np.array([wall.to_plan(np.array(end)) for end in ends])
 
 

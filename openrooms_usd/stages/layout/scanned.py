@@ -41,17 +41,12 @@ Array = NDArray[np.float64]
 
 # What openings of a flat's outline are in: none of its inner walls.
 _OUTER: Final = "outside"
-
 _ALONE: Final = "no other room stands wall to wall with room 0, which is taken alone"
-
 _LAYOUT: Final = "layout"
-
 # The file of what was found, in the folder of its layer.
 _FILE: Final = re.compile(r"found-([0-9a-f]{16})\.npz")
-
 # Ceilings whose heights differ by less are one, metres.
 _SAME_HEIGHT_M: Final = 0.1
-
 # Least confidence of each word.
 _WORDS: Final[tuple[tuple[float, Confidence], ...]] = ((0.75, "high"), (0.4, "medium"))
 
@@ -146,9 +141,10 @@ def taken(layout: ScanLayout, path: Path, found: FoundLayout, capture: Capture) 
     Raises:
         InputError: There is no such room.
     """
-    flat = None
+    chosen: tuple[int, ...] = (0,)
+    flat: Flat | None = None
     if layout.polygon is not None:
-        found, chosen = replace(found, rooms=(drawn_room(layout),)), (0,)
+        found = replace(found, rooms=(drawn_room(layout),))
     else:
         chosen, flat = _chosen(found, layout.room, path)
     shown = _as_capture(capture, found, [found.rooms[number] for number in chosen])
@@ -180,7 +176,7 @@ def found_in(stage: Usd.Stage) -> FoundScan | None:
     """
     for layer in stage.GetLayerStack():
         for file in record_of(layer, _LAYOUT).get("files", ()):
-            if (match := _FILE.fullmatch(file)) is not None:
+            if (match := _FILE.fullmatch(str(file))) is not None:
                 return read_found(Path(layer.realPath).parent / _LAYOUT / file, match[1])
     return None
 
@@ -228,8 +224,10 @@ def _as_capture(capture: Capture, found: FoundLayout, rooms: Sequence[FoundRoom]
     if not heights:
         notes.append(f"{SCANNED_HEIGHT} m is taken for the room's height")
     elif max(heights) - min(heights) > _SAME_HEIGHT_M:
-        notes.append(f"ceilings from {min(heights):.2f} to {max(heights):.2f} m became one, as "
-                     "high as the highest")  # fmt: skip
+        notes.append(
+            f"ceilings from {min(heights):.2f} to {max(heights):.2f} m became one, as "
+            "high as the highest"
+        )
     return replace(
         capture,
         source_from_world=capture.source_from_world @ found.level.scan_from_level,

@@ -32,7 +32,6 @@ from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.usd.frames import gf_matrix
 
 _TYPES = Sdf.ValueTypeNames
-
 Array = NDArray[np.float64]
 
 # Captured partitions whose top is nearer to the ceiling than this reach it, metres.
@@ -154,9 +153,15 @@ def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[
     )
     cuts += described_cuts(layout.openings, walls, height, before=cuts)
     return Plan(
-        corners, walls, height, layout.wall_thickness, tuple(cuts), capture, sources,
+        corners,
+        walls,
+        height,
+        layout.wall_thickness,
+        tuple(cuts),
+        capture,
+        sources,
         _finish(layout),
-    )  # fmt: skip
+    )
 
 
 def _drawn(
@@ -179,9 +184,14 @@ def _drawn(
     clockwise = signed_area(np.asarray(polygon)) < 0.0
     cuts = described_cuts(layout.openings, walls, height, clockwise=clockwise)
     return Plan(
-        corners, walls, height, layout.wall_thickness, tuple(cuts),
-        finish=_finish(layout), clockwise=clockwise,
-    )  # fmt: skip
+        corners,
+        walls,
+        height,
+        layout.wall_thickness,
+        tuple(cuts),
+        finish=_finish(layout),
+        clockwise=clockwise,
+    )
 
 
 def _finish(layout: PolygonLayout | CapturedLayout) -> Finish:

@@ -97,9 +97,13 @@ def author_nearby(context: StageContext, site: Site, windows: Mapping[str, Porta
 
 
 def _add_ledges(
-    solid: Solid, name: str, portal: Portal, to_scene: NDArray[np.float64], room: Surroundings,
+    solid: Solid,
+    name: str,
+    portal: Portal,
+    to_scene: NDArray[np.float64],
+    room: Surroundings,
     site: Site,
-) -> None:  # fmt: skip
+) -> None:
     face = to_scene @ portal.world_from_portal
     sill = float(portal.world_from_portal[2, 3]) - 0.5 * portal.height - room.floor
     rng, high = generator(site.seed, "outside", "windows"), site.storey > 0

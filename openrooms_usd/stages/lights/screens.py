@@ -117,9 +117,14 @@ def _face(mesh: PlacedMesh) -> tuple[Array, float, float] | None:
 
 
 def _author(
-    context: StageContext, name: str, screen: Screen, mesh: PlacedMesh, frame: Array, width: float,
+    context: StageContext,
+    name: str,
+    screen: Screen,
+    mesh: PlacedMesh,
+    frame: Array,
+    width: float,
     height: float,
-) -> None:  # fmt: skip
+) -> None:
     category = read_label(mesh.prim, names.CATEGORY) or ""
     shows = screen.shows or _SHOWS.get(category, _USUAL)
     aspect = round(width / height, 3)

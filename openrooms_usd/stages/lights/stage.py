@@ -55,7 +55,6 @@ from openrooms_usd.usd.transforms import UPRIGHT, is_upright
 
 # Of a lamp of an unknown category.
 _DEFAULT_LUMEN: Final = 800.0
-
 # UsdLux clamps the colour temperature of black bodies here.
 _MAX_KELVIN: Final = 10_000.0
 

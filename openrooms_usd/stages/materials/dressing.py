@@ -35,12 +35,9 @@ from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.semantics import read_label
 
 ALL: Final = "all"
-
 # Repeats of an object are of so many pieces of their materials, if they are as large, metres.
 _PIECES: Final = 3
-
 _SMALL_M: Final = 0.3
-
 # How much lighter and warmer one piece is than another, at most, as shares: boards differ, and
 # lots of cloth hardly do.
 _SHIFTS: Final[Mapping[Substance, tuple[float, float]]] = {
@@ -50,22 +47,16 @@ _SHIFTS: Final[Mapping[Substance, tuple[float, float]]] = {
     "specular_stone": (0.02, 0.004),
     "rough_stone": (0.04, 0.01),
 }
-
 # What an annotated lamp is made of.
 _LAMP: Final = "bulb"
-
 # Returns the material of one part of an object in a look; None where the part keeps its own.
 Rule = Callable[["Chooser", Part], Swatch | None]
-
 # The families of a substance that suit a place, with weights.
 Suited = Callable[[Substance], Weights]
-
 # Materials of each family that rooms draw from: few enough that rooms share their textures.
 NUMBERS_PER_FAMILY: Final = 64
-
 # Ratio of the probabilities of successive variants of a finish in a room.
 _RARER_FACTOR: Final = 0.5
-
 _COLOR_DECIMALS: Final = 3
 
 
@@ -121,10 +112,16 @@ class Chooser:
             color = finish.colors[int(rng.integers(len(finish.colors)))] if finish.colors else None
         roughness = round(float(rng.uniform(*finish.roughness)), 3) if finish.roughness else None
         swatch = Swatch(
-            finish.substance, family, int(rng.integers(NUMBERS_PER_FAMILY)) if family else 0, name,
+            finish.substance,
+            family,
+            int(rng.integers(NUMBERS_PER_FAMILY)) if family else 0,
+            name,
             color,
-            roughness, finish.metallic, transmission=finish.transmission, pane=finish.pane,
-        )  # fmt: skip
+            roughness,
+            finish.metallic,
+            transmission=finish.transmission,
+            pane=finish.pane,
+        )
         return self._scaled(swatch, name, number)
 
     def _choice(self, finish: Finish, name: str, key: tuple[str, ...]) -> int:
@@ -155,10 +152,14 @@ class Chooser:
         family = _family(look, suited, rng)
         number = int(rng.integers(NUMBERS_PER_FAMILY))
         swatch = Swatch(
-            textures.substance_of(family), family, number if look.number is None else look.number,
-            "", look.color, look.roughness,
+            textures.substance_of(family),
+            family,
+            number if look.number is None else look.number,
+            "",
+            look.color,
+            look.roughness,
             size=look.size or self.context.room.materials.texture_size,
-        )  # fmt: skip
+        )
         return self._scaled(swatch, *key)
 
     def surface(self, place: Place) -> Swatch:

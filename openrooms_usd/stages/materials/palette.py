@@ -24,20 +24,14 @@ from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
 
 # Soda-lime glass (M. Rubin, Solar Energy Materials 12, 1985).
 _GLASS_IOR: Final = 1.52
-
 TEXTURES: Final = "textures"
-
 _Types = Sdf.ValueTypeNames
-
 # OpenRooms' reflectance at normal incidence.
 F0: Final = 0.05
-
 # Families of more than this length have twice the texels along each side, metres, and those of no
 # more than that half as many, unless they show threads: a texel is then about a millimetre.
 _LARGE_FAMILY_M: Final = 1.0
-
 _SMALL_FAMILY_M: Final = 0.3
-
 # A pattern needs that many, however small the family.
 _FEWEST_TEXELS: Final = 256
 

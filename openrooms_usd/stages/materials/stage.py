@@ -36,16 +36,12 @@ from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.semantics import read_label
 
 _BINDING_API: Final = "MaterialBindingAPI"
-
 # The material of each surface, by its path.
 Surfaces = dict[str, Swatch]
-
 # Which field of the section says what a surface of the room is made of.
 _FIELDS: Final[dict[Place, str]] = {"floor": "floor", "wall": "walls", "ceiling": "ceiling"}
-
 # A painted ceiling whose colour is not described is white, whatever the walls are.
 _CEILING: Final = Look(family="paint", color=(0.8, 0.8, 0.785))
-
 # What is fixed to walls and ceilings: the field that says its material, and its usual finish.
 _FIXED: Final[dict[str, tuple[str, str]]] = {
     "skirting": ("trim", "white"),
@@ -57,10 +53,8 @@ _FIXED: Final[dict[str, tuple[str, str]]] = {
     "door": ("trim", "white"),
     "ceiling_lamp": ("trim", "white"),
 }
-
 # What stands in hallways.
 _THINGS: Final = frozenset({"picture", "rug"})
-
 _TILES: Final = Look(substance="specular_stone")
 
 
