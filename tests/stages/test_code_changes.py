@@ -303,7 +303,7 @@ CATEGORY = _replace(CATEGORY, styles={
 
 
 def python(script: str, *arguments: object, **environment: object) -> str:
-    command = [sys.executable, "-c", script, *map(str, arguments)]
+    command = [sys.executable, "-P", "-c", script, *map(str, arguments)]
     known = {**os.environ, **{name: str(value) for name, value in environment.items()}}
     done = subprocess.run(command, env=known, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
