@@ -1,14 +1,15 @@
 """A digest of the code that makes something: modules, and all that they import.
 
 Layers, assets and cached results are kept as long as what determines them is the same, and code
-determines them as much as any input does. A digest covers the text of modules of ours, of those
-that they import, also inside functions, and of the data files beside a module that it names. Every
-change of the text counts, comments too: looking closer would take longer than it saves.
+determines them as much as any input does. A digest covers the syntax trees of modules of ours, of
+those that they import, also inside functions, and the data files beside a module that it names.
 
 What does not count:
 
+- comments, docstrings, and how the text is laid out;
 - packages that a dotted name only passes through, and imports for type checkers alone;
-- modules imported by a computed name: whoever makes one out names it as a root here;
+- modules imported by a computed name. What imports them calls `count`, and `counting` gathers what
+  was called for while something was made;
 - libraries of others. A layer carries its digest, and the same description gives the same bytes
   whatever is installed beside us. Caches, which stay on their machine, add `library_versions`.
 
@@ -16,34 +17,73 @@ Where a package has no source (bytecode alone), its version stands for it.
 """
 
 import hashlib
-import re
+import pkgutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, wraps
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from pathlib import PurePath
-from typing import Final
+from typing import Any, Final, TypeVar
 
+from openrooms_usd.sourcetext import Text, Texts
 from openrooms_usd.version import __version__
+
+_T = TypeVar("_T")
+_texts: Final = cache(Texts)
 
 # What is followed wherever it is imported: the core, its schemas and its converters.
 _OURS: Final = ("openrooms_usd", "orusd_")
 # The distributions that are not called as what they install.
 _DISTRIBUTIONS: Final = {"pxr": "usd-core", "yaml": "PyYAML"}
 
-# Imports as they stand at the beginning of a line. A regular expression takes a tenth of the time
-# of a parser; what it finds in texts between quotes besides does no harm.
-_IMPORT: Final = re.compile(
-    r"^if TYPE_CHECKING:\n(?:[ \t]+[^\n]*\n|\n)+"
-    r"|^[ \t]*from[ \t]+([\w.]+)[ \t]+import[ \t]+(\((?:[^)#]|#[^\n]*)*\)|[^\n]*)"
-    r"|^[ \t]*import[ \t]+([\w., \t]+)",
-    re.MULTILINE,
-)
-_COMMENT: Final = re.compile(r"#[^\n]*")
-_IMPORTED: Final = re.compile(r"([\w.*]+)(?:[ \t]+as[ \t]+\w+)?")
-_FILE_NAME: Final = re.compile(r"""["']([\w-]+\.[a-z]\w{1,4})["']""")
+_counted: ContextVar[tuple[set[str], ...]] = ContextVar("counted", default=())
+
+
+@contextmanager
+def counting() -> Iterator[set[str]]:
+    """Gather the names of modules that `count` is called with while the block runs.
+
+    Threads take part that run in the context of the block, as `threads.mapped` has them.
+    """
+    found: set[str] = set()
+    token = _counted.set((*_counted.get(), found))
+    try:
+        yield found
+    finally:
+        _counted.reset(token)
+
+
+def count(module: str) -> None:
+    """Say that what is being made depends on a module that no import names.
+
+    Args:
+        module: Its full name, whether or not there is such a module; ``package.*`` for all modules
+            of a package.
+    """
+    for found in _counted.get():
+        found.add(module)
+
+
+def remembered(function: Callable[..., _T]) -> Callable[..., _T]:
+    """`functools.cache` for what calls `count`: what it once counted counts at every call."""
+    known: dict[tuple[Any, ...], tuple[_T, frozenset[str]]] = {}
+
+    @wraps(function)
+    def call(*arguments: Any) -> _T:
+        if arguments not in known:
+            with counting() as found:
+                value = function(*arguments)
+            known[arguments] = value, frozenset(found)
+        value, modules = known[arguments]
+        for module in modules:
+            count(module)
+        return value
+
+    return call
 
 
 @dataclass(frozen=True)
@@ -51,7 +91,7 @@ class _Module:
     """What is known of one module.
 
     Attributes:
-        content: A digest of its text and of its data files.
+        content: A digest of its syntax tree and of its data files.
         data: The names of the files beside it that it names.
         imports: The modules of ours that it imports.
         libraries: The packages of others that it imports.
@@ -64,26 +104,30 @@ class _Module:
 
 
 @cache
-def code_digest(*roots: str, leaves: tuple[str, ...] = ()) -> str:
+def code_digest(*roots: str, leaves: tuple[str, ...] = (), apart: tuple[str, ...] = ()) -> str:
     """A digest of modules and of all that they import; the same on every machine.
 
     Files are read once in a process.
 
     Args:
-        roots: Full names of modules.
-        leaves: Modules whose own text counts, but nothing for their imports: those that list many
+        roots: Full names of modules; ``package.*`` for all modules of a package.
+        leaves: Modules whose own code counts, but nothing for their imports: those that list many
             alternatives of which the roots name the one that is used.
+        apart: Modules that do not count, nor what they alone import.
 
     Returns:
         64 hexadecimal digits.
     """
-    known = [f"{name} {module.content if module else ''}" for name, module in _all(roots, leaves)]
+    found = _all(roots, leaves, apart)
+    known = [f"{name} {module.content if module else ''}" for name, module in found]
     return hashlib.sha256("\n".join([__version__, *known]).encode()).hexdigest()
 
 
-def modules(*roots: str, leaves: tuple[str, ...] = ()) -> tuple[str, ...]:
+def modules(
+    *roots: str, leaves: tuple[str, ...] = (), apart: tuple[str, ...] = ()
+) -> tuple[str, ...]:
     """The modules that count for `code_digest`, sorted."""
-    return tuple(name for name, _ in _all(roots, leaves))
+    return tuple(name for name, _ in _all(roots, leaves, apart))
 
 
 @cache
@@ -107,16 +151,29 @@ def library_versions(*roots: str, leaves: tuple[str, ...] = ()) -> tuple[str, ..
     return tuple(told)
 
 
-def _all(roots: tuple[str, ...], leaves: tuple[str, ...]) -> list[tuple[str, _Module | None]]:
+def _all(
+    roots: tuple[str, ...], leaves: tuple[str, ...], apart: tuple[str, ...] = ()
+) -> list[tuple[str, _Module | None]]:
     """The roots and all that they import, in the order of their names."""
     found: dict[str, _Module | None] = {}
-    waiting = list(roots)
+    waiting = [name for root in roots for name in _expanded(root)]
     while waiting:
         name = waiting.pop()
-        if name not in found:
+        if name not in found and name not in apart:
             found[name] = module = _module(name)
             waiting += module.imports if module and name not in leaves else ()
+    _texts().save()
     return sorted(found.items(), key=lambda item: item[0])
+
+
+def _expanded(root: str) -> Iterable[str]:
+    """The modules that a root names."""
+    package, star, _ = root.partition(".*")
+    if not star:
+        return (root,)
+    home = _home(package.partition(".")[0])
+    folder = str(home / package.replace(".", "/")) if home else ""
+    return sorted(f"{package}.{one.name}" for one in pkgutil.iter_modules([folder]))
 
 
 @cache
@@ -125,14 +182,11 @@ def _module(name: str) -> _Module | None:
     path = _path(name)
     if path is None:
         return None
-    source = _read(path) or b""
-    text = source.decode("utf-8", "replace").replace("\\\n", " ")
+    text = _texts().of(_read(path) or b"")
     folder = path.rpartition("/")[0]
-    # What looks for data says where it lies itself.
-    named = set(_FILE_NAME.findall(text)) if "__file__" in text else ()
-    beside = ((file, _read(f"{folder}/{file}")) for file in named)
+    beside = ((file, _read(f"{folder}/{file}")) for file in text.files)
     data = {file: content for file, content in beside if content is not None}
-    content = hashlib.sha256(source)
+    content = hashlib.sha256(text.digest.encode())
     for file in sorted(data):
         content.update(f"\n{file} {hashlib.sha256(data[file]).hexdigest()}".encode())
     imported = set(_imports(text, _package(name, path)))
@@ -150,17 +204,16 @@ def _is_followed(other: str, importer: str) -> bool:
     return other.startswith(_OURS) or other.partition(".")[0] == importer.partition(".")[0]
 
 
-def _imports(text: str, package: str) -> Iterator[str]:
+def _imports(text: Text, package: str) -> Iterator[str]:
     """The modules that a text imports."""
-    for start, names, plain in _IMPORT.findall(text):
-        if plain:
-            yield from _IMPORTED.findall(plain)
-        elif start:
-            home = _absolute(start, package)
-            for name in _IMPORTED.findall(_COMMENT.sub("", names)):
-                # Either a module of a package, or what a module defines.
-                inner = f"{home}.{name}"
-                yield inner if _is_followed(home, package) and _path(inner) else home
+    for start, names in text.imports:
+        home = _absolute(start, package)
+        if not names:
+            yield home
+        for name in names:
+            # Either a module of a package, or what a module defines.
+            inner = f"{home}.{name}"
+            yield inner if _is_followed(home, package) and _path(inner) else home
 
 
 def _absolute(start: str, package: str) -> str:
@@ -191,17 +244,24 @@ def _read(path: str) -> bytes | None:
         path: From the folder that the top package lies in. The module is not asked where it lies,
             because finding that out imports its packages.
     """
-    spec = _spec(path.partition("/")[0].removesuffix(".py"))
-    read = getattr(spec and spec.loader, "get_data", None)
-    if spec is None or spec.origin is None or read is None:
+    top = path.partition("/")[0].removesuffix(".py")
+    home, read = _home(top), getattr(getattr(_spec(top), "loader", None), "get_data", None)
+    if home is None or read is None:
         return None
-    home = PurePath(spec.origin).parents[1 if spec.submodule_search_locations else 0]
     try:
         data = bytes(read(str(home / path)))
     except OSError:
         return None
     # As git does: what holds a zero byte is no text.
     return data if b"\0" in data else data.replace(b"\r\n", b"\n")
+
+
+def _home(top: str) -> PurePath | None:
+    """The folder that a top package lies in; None: it has no source."""
+    spec = _spec(top)
+    if spec is None or spec.origin is None:
+        return None
+    return PurePath(spec.origin).parents[1 if spec.submodule_search_locations else 0]
 
 
 @cache

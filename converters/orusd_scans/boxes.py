@@ -217,12 +217,15 @@ def _row(node: Node, up: Up) -> _Row:
     size = np.array([positive(node.need(key), MAX_SIDE) for key in ("width", "depth", "height")])
     vertical = "z" if up == "Z" else "y"
     middle = node.get(f"c{vertical}")
-    center = np.array([
-        number(
-            middle if middle is not None and axis == vertical else node.need(axis), MAX_COORDINATE_M
-        )
-        for axis in "xyz"
-    ])  # fmt: skip
+    center = np.array(
+        [
+            number(
+                middle if middle is not None and axis == vertical else node.need(axis),
+                MAX_COORDINATE_M,
+            )
+            for axis in "xyz"
+        ]
+    )
     if middle is None:
         center["xyz".index(vertical)] += 0.5 * size[2]
     return _Row(node, label, center, size, _turn(node, up))

@@ -1,7 +1,13 @@
-"""A plain point cloud or mesh becomes a Capture: PLY, PCD, OBJ, GLB, LAS, E57, text and NPZ."""
+"""A plain point cloud or mesh becomes a Capture: PLY, PCD, OBJ, GLB, LAS, E57, text and NPZ.
+
+What the file, or somebody, says is compared with the evidence of all axes and all units. Where that
+is clear it is followed, with a note; where it is not, or contradicts what was asked, the scan is
+refused with the option that settles it. The options are those of the importer: ``--up``,
+``--unit``, or ``up:`` and ``unit:`` in a description.
+"""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -12,18 +18,21 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import clean
+from openrooms_usd.scan.rooms.verticals import Vertical, verticals
+from openrooms_usd.scan.segmentation.labelled import with_labels
 from orusd_scans.formats.laser import read_e57, read_las
 from orusd_scans.formats.meshfile import read_mesh
 from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.frames import in_world, read_frames
+from orusd_scans.records.fields import text
+from orusd_scans.records.jsonfile import read_json
+from orusd_scans.scanaxes import find_up, written
 from orusd_scans.scanned import OTHER_CLASSES, Scanned
-from orusd_scans.scanunits import AUTO, Asked, unit_named
+from orusd_scans.scanunits import AUTO, Asked, find_unit, unit_named
 from orusd_scans.segments import with_segments
-from orusd_scans.standing import Standing, find_standing
 from orusd_scans.surfaces import as_cloud
-from orusd_scans.words import classified, read_words
 from orusd_scans.worldframe import WorldFrame
 
 Array = NDArray[np.float64]
@@ -55,6 +64,59 @@ _EXTENT_PERCENTILES: Final = (1.0, 99.0)
 _MAX_SAMPLE_POINTS: Final = 100_000
 # Scans farther than this from the source's origin get an origin of their own, metres.
 _FAR_FROM_ORIGIN_M: Final = 1000.0
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """How a scan stands.
+
+    Attributes:
+        up: (3,) unit, in the scan's frame.
+        unit: Metres for one unit of it.
+        settled: Options that say what was found where it is not what the file says.
+        notes: What people should know.
+    """
+
+    up: Array
+    unit: float
+    settled: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def find_standing(cloud: Cloud, asked: Asked, source: Path) -> Standing:
+    """Find how a scan stands.
+
+    Args:
+        cloud: Finite points in the file's frame and unit.
+        asked: What is said of it.
+        source: The file, for messages.
+
+    Raises:
+        InputError: What is said is absurd, or the evidence is not clear.
+    """
+    found, notes = verticals(cloud), list[str]()
+    if not found:
+        found = (_as_said(cloud, asked.up),)
+        if not asked.up_said:
+            notes.append(
+                f"{written(asked.up)} is taken for up: the scan shows too little surface to tell"
+                " (`--up` says otherwise)"
+            )
+    unit, name = find_unit(found, asked, source, notes)
+    up = find_up(found, asked, unit, source, notes)
+    settled = {} if np.allclose(up, asked.up, atol=1e-3) else {"up": written(up)}
+    if asked.unit is None and name != "m":
+        settled["unit"] = name
+    return Standing(up, unit, settled, tuple(notes))
+
+
+def _as_said(cloud: Cloud, up: Array) -> Vertical:
+    """The direction that is said, of a scan that shows hardly any surface."""
+    heights = cloud.points @ up
+    across = cloud.points - heights[:, None] * up
+    along = float(np.ptp(np.percentile(heights, (1.0, 99.0))))
+    sizes = np.ptp(np.percentile(across, (1.0, 99.0), axis=0), axis=0)
+    return Vertical(up, 0.0, np.inf, None, (along, float(np.linalg.norm(sizes))))
 
 
 class ScanImporter:
@@ -182,9 +244,10 @@ def _standing(scanned: Scanned, options: Mapping[str, str], source: Path) -> Sta
     """How the scan stands, by what is said of it and what it shows."""
     said = options.get("up")
     asked = Asked(
-        direction(said or scanned.up, source), bool(said),
+        direction(said or scanned.up, source),
+        bool(said),
         unit_named(options.get("unit", AUTO), source),
-    )  # fmt: skip
+    )
     cloud = scanned.cloud
     if scanned.faces is not None:
         cloud, _ = as_cloud(cloud, scanned.faces, _spacing(cloud.points, scanned.faces))
@@ -252,3 +315,30 @@ def upright(up: Array) -> Array:
     # Rodrigues' formula for the rotation about up x z.
     cross = np.array([[0.0, 0.0, -x], [0.0, 0.0, -y], [x, y, 0.0]])
     return np.asarray(np.eye(3) + cross + cross @ cross / (1.0 + z))
+
+
+def classified(cloud: Cloud, path: Path) -> Cloud:
+    """A cloud whose labels are the numbers of another list of classes than NYU40's.
+
+    Raises:
+        InputError: The cloud has no labels, or the file is no table of words.
+    """
+    if cloud.label is None:
+        raise InputError("the scan has no labels that could have classes", place=path)
+    table = {number: words[0] for number, words in read_words(path).items()}
+    numbers, of_point = np.unique(cloud.label, return_inverse=True)
+    names = np.array([table.get(number, "") for number in numbers.tolist()])
+    return with_labels(cloud, names[of_point].tolist())
+
+
+def read_words(path: Path) -> dict[int, tuple[str, ...]]:
+    """Words by numbers, of instances or of classes.
+
+    Raises:
+        InputError: It is no such file.
+    """
+    node = read_json(path)
+    words = node.value if isinstance(node.value, dict) else {}
+    if not words or not all(key.isdecimal() and len(key) < 9 for key in words):
+        raise node.error("this is no table of words by numbers", 'write {"13": "trash can"}')
+    return {int(key): (text(node.need(key)),) for key in words}

@@ -13,8 +13,14 @@ from openrooms_usd.scan.rooms.verticals import Vertical
 Array = NDArray[np.float64]
 
 UNITS: Final = {
-    "m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048, "km": 1000.0,
-}  # fmt: skip
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 0.001,
+    "in": 0.0254,
+    "ft": 0.3048,
+    "km": 1000.0,
+}
 AUTO: Final = "auto"
 # What files are in, as logarithms of odds.
 _USUAL_LOG_ODDS: Final = {
@@ -181,9 +187,14 @@ def _likeliest(found: tuple[Vertical, ...], unit: float) -> Vertical:
 
 def _called(name: str) -> str:
     words = {
-        "m": "metres", "dm": "decimetres", "cm": "centimetres", "mm": "millimetres",
-        "in": "inches", "ft": "feet", "km": "kilometres",
-    }  # fmt: skip
+        "m": "metres",
+        "dm": "decimetres",
+        "cm": "centimetres",
+        "mm": "millimetres",
+        "in": "inches",
+        "ft": "feet",
+        "km": "kilometres",
+    }
     return words.get(name, name)
 
 

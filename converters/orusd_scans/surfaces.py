@@ -69,9 +69,9 @@ def _barycentric(random: Array) -> Array:
 
 def _smooth(count: int, faces: Faces, cross: Array) -> NDArray[np.float32]:
     """(N, 3) normals of points: the mean of their triangles', by area; +Z without any."""
-    sums = np.column_stack([
-        np.bincount(faces.reshape(-1), np.repeat(cross[:, axis], 3), count) for axis in range(3)
-    ])  # fmt: skip
+    sums = np.column_stack(
+        [np.bincount(faces.reshape(-1), np.repeat(cross[:, axis], 3), count) for axis in range(3)]
+    )
     return unit(sums.astype(np.float64), UP).astype(np.float32)
 
 

@@ -29,7 +29,7 @@ from openrooms_usd.render.denoise import DENOISED, is_usable
 from openrooms_usd.render.opening import check_settings, open_for_rendering
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import MOST_VIEWS, Tile, reduced, write_sheet
-from openrooms_usd.stages.photographs import intrinsics_for
+from openrooms_usd.stages.cameras.photographs import intrinsics_for
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.textures import read_texture

@@ -34,13 +34,14 @@ def captured_room(job: Job, folder: Path) -> Room:
     )
 
 
-def coverage_of(job: Job, room: Room, folder: Path) -> dict[str, float] | None:
-    """How much a scan shows of its room (`openrooms_usd.scan.shown`).
+def coverage_of(job: Job, room: Room, folder: Path, scene: Path) -> dict[str, float] | None:
+    """How much a scan shows of its room (`openrooms_usd.scan.shown`); its layout is composed.
 
     Args:
         job: Its source may have a least ``coverage``.
         room: The room, as it is described.
         folder: Where its files' names begin.
+        scene: The folder of the composed room.
 
     Returns:
         The parts of ``floor`` and ``walls`` and of the ``whole``; None where nobody asks, or the
@@ -51,16 +52,21 @@ def coverage_of(job: Job, room: Room, folder: Path) -> dict[str, float] | None:
         InputError: The scan cannot be read.
     """
     # What finds rooms in points takes a second to import.
+    from openrooms_usd.compose import compose_room
     from openrooms_usd.scan.shown import shown
-    from openrooms_usd.stages.scanned import found_rooms
+    from openrooms_usd.stages.layout.scanned import found_in
+    from openrooms_usd.usd.layers import open_stage
 
     least: Any = job.room.source.get("coverage")
     if least is None or not isinstance(room.layout, ScanLayout):
         return None
     try:
-        seen = shown(*found_rooms(room.layout, folder))
+        made = compose_room(room, scene, base=folder, only="layout")
     except SparseScanError as error:
         raise LeftOutError(error.message, place=error.place, remedy=error.remedy) from error
+    found = found_in(open_stage(made.scene))
+    assert found is not None, "it is found in points"
+    seen = shown(found.cloud.points, found.composed)
     if seen.whole < least:
         raise LeftOutError(
             f"the scan shows {seen.floor:.0%} of the floor and {seen.walls:.0%} of the walls, "

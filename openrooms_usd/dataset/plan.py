@@ -253,8 +253,7 @@ def code_of(renderer: str) -> str:
             remedy=f"installed: {', '.join(found)}",
         )
     importers = sorted(point.module for point in adapters.available(adapters.IMPORTERS).values())
-    stages = [f"{_STAGES}.{name}" for name in STAGES if name != "physics"]
-    stages += [f"{_STAGES}.physics.stage", f"{_STAGES}.runner"]
+    stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.stage" for name in STAGES)]
     return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, found[renderer].module)
 
 

@@ -143,7 +143,7 @@ class _OpenRoom:
         held.enter_context(claims.claimed(store.render(job), ledger.RENDER_FILE))
         described = realised(job, dataset.views, folder)
         base = described.folder or folder
-        coverage = coverage_of(job, described, base)
+        coverage = coverage_of(job, described, base, store.scene(job))
         made = compose_room(described, store.scene(job), base=base, workers=task["threads"])
         composed = time.perf_counter() - began
         opened = open_for_rendering(

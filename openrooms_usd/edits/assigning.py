@@ -21,9 +21,9 @@ from openrooms_usd.edits.targets import Scope, object_of, parts_meant
 from openrooms_usd.library.assignment.rooms import Place, families_of
 from openrooms_usd.library.finishes import furniture_families
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.choosing import Chooser
-from openrooms_usd.stages.looks import define_all
-from openrooms_usd.stages.palette import TEXTURES, Palette
+from openrooms_usd.stages.materials.dressing import Chooser
+from openrooms_usd.stages.materials.looks import define_all
+from openrooms_usd.stages.materials.palette import TEXTURES, Palette
 from openrooms_usd.usd.bindings import bound_subsets
 from openrooms_usd.usd.semantics import read_label
 

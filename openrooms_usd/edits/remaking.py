@@ -20,13 +20,12 @@ from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, category, styles
 from openrooms_usd.library.assets import publish
-from openrooms_usd.stages.alignment import ASSETS
+from openrooms_usd.stages.alignment.catalogue import Catalogue
+from openrooms_usd.stages.alignment.stage import ASSETS
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.catalogue import Catalogue
-from openrooms_usd.stages.choosing import Chooser
-from openrooms_usd.stages.dressing import Dresser
-from openrooms_usd.stages.looks import publish_look
-from openrooms_usd.stages.palette import Palette
+from openrooms_usd.stages.materials.dressing import Chooser, Dresser
+from openrooms_usd.stages.materials.looks import publish_look
+from openrooms_usd.stages.materials.palette import Palette
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.placements import author_placed
 from openrooms_usd.usd.semantics import label, read_label

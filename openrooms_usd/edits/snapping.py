@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.rotations import in_plan
-from openrooms_usd.stages.surroundings import Surroundings
+from openrooms_usd.stages.alignment.surroundings import Surroundings
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -2,13 +2,15 @@
 
 Each category that the library builds is a module of ``categories``, which is loaded when somebody
 asks for it: so one room loads the builders of what stands in it. The digest of code does not see
-such imports: what hangs on records names `modules` as roots, or `module_of` for one category.
+such imports: `codedigest.count` is told of them, so that what is made hangs on the records that it
+asked for.
 """
 
 from collections.abc import Iterator
 from importlib import import_module
 from typing import Final
 
+from openrooms_usd import codedigest
 from openrooms_usd.description.categories import CATEGORIES
 from openrooms_usd.furniture import categories
 from openrooms_usd.furniture.others import OTHERS
@@ -30,16 +32,21 @@ def modules() -> tuple[str, ...]:
 
 def built(name: str) -> BuiltCategory:
     """The record of a category that the library builds, one of `BUILT`."""
+    codedigest.count(module_of(name))
     return _load(name)
 
 
 def record(word: str) -> Category | None:
     """What is known of a category; None for words that are none of ours."""
-    return built(word) if word in BUILT else OTHERS.get(word)
+    if word not in OTHERS and word.isidentifier():
+        # Also where nothing has that name: it counts once something has.
+        codedigest.count(module_of(word))
+    return _load(word) if word in BUILT else OTHERS.get(word)
 
 
 def records() -> Iterator[tuple[str, Category]]:
     """All categories, those that the library builds first."""
+    codedigest.count(f"{categories.__name__}.*")
     for name in BUILT:
         yield name, _load(name)
     yield from OTHERS.items()

@@ -9,9 +9,9 @@ in the library, above all the bins of class lists: "otherfurniture", "clutter", 
 
 import re
 from collections.abc import Iterator, Sequence
-from functools import cache
 from typing import Final, Literal, NamedTuple
 
+from openrooms_usd.codedigest import remembered
 from openrooms_usd.furniture.others import OTHERS
 from openrooms_usd.furniture.registry import BUILT, records
 from openrooms_usd.names import SHELL
@@ -114,7 +114,7 @@ def plain(word: str) -> str:
     return name if name[:1].isalpha() else f"thing_{name}".rstrip("_")
 
 
-@cache
+@remembered
 def library_words() -> dict[str, str]:
     """The library's category by a word in plain form: its own name, and other words."""
     built = {name: told for name, told in records() if name in BUILT}

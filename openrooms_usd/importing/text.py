@@ -207,7 +207,7 @@ def _pose(capture: Capture, model: CapturedModel) -> str:
     import numpy as np
     from scipy.spatial.transform import Rotation
 
-    from openrooms_usd.stages.scanned import in_metres
+    from openrooms_usd.stages.layout.scanned import in_metres
 
     matrix = in_metres(capture.source_from_world) @ model.world_from_model
     scale = np.linalg.norm(matrix[:3, :3], axis=0)

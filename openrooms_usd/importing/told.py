@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from openrooms_usd.capture import Capture
 
 if TYPE_CHECKING:
-    from openrooms_usd.stages.captured import Captured
+    from openrooms_usd.stages.alignment.captured import Captured
 
 
 def tells_lights(capture: Capture) -> bool:
@@ -48,8 +48,8 @@ def material_lines(capture: Capture) -> Iterator[str]:
 def _objects(capture: Capture) -> "dict[str, Captured]":
     """The objects of a capture as they will be placed, by their identifiers in it."""
     # What places objects needs USD, which takes a moment to import.
-    from openrooms_usd.stages.aligned import with_boxes
-    from openrooms_usd.stages.captured import captured_objects
+    from openrooms_usd.stages.alignment.aligned import with_boxes
+    from openrooms_usd.stages.alignment.captured import captured_objects
 
     return {one.box.id: one for one in captured_objects(with_boxes(capture), 0.0, (), [])}
 

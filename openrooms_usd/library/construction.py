@@ -1,10 +1,10 @@
 """What parts weigh, what of a room can be moved, and what it takes to move a door or a drawer."""
 
-from functools import cache
 from typing import Final, Literal
 
 from numpy.typing import ArrayLike
 
+from openrooms_usd.codedigest import remembered
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.furniture.construction import ANY, BOARD, GENERAL, Construction, Row
 from openrooms_usd.furniture.record import JointDamping, Support
@@ -88,7 +88,7 @@ def joint_damping_of(category: str, kind: Literal["hinge", "rail"]) -> JointDamp
     return _RAIL if kind == "rail" else (known and known.joint_damping) or _HINGE
 
 
-@cache
+@remembered
 def _row(category: str, part: str, substance: Substance | None) -> Row:
     known = record(category)
     rows = (*(known.construction if known else ()), *GENERAL)

@@ -12,5 +12,5 @@ In the order of the work:
 - `shown`: how much of a room a scan shows;
 - `report`: plans and captions for people.
 
-`reconstruction` runs them; `results` says what was found, in the scan's own frame.
+`reconstruction` runs them; `results`, `artefact` says what was found, in the scan's own frame.
 """

@@ -16,7 +16,6 @@ from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.openings.detection import DOUBTFUL, LIKELY, find_openings
 from openrooms_usd.scan.placement.correcting import moved_by, place
-from openrooms_usd.scan.placement.elsewhere import elsewhere
 from openrooms_usd.scan.placement.leavingout import LeftOut
 from openrooms_usd.scan.placement.violations import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
@@ -35,6 +34,11 @@ Array = NDArray[np.float64]
 VOXEL_M: Final = 0.02
 # Share of the time that alignment takes, of that of furniture.
 _ALIGNING_SHARE: Final = 0.95
+# A thing whose middle point lies farther beyond the inner faces of the walls than this is not of
+# the room, metres: about the thickness of a wall, or the depth of a window's recess.
+_BEYOND_M: Final = 0.25
+# Points of an instance that are looked at: more change nothing.
+_MAX_POINTS: Final = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,11 +192,11 @@ def _within(cloud: Cloud, storey: Storey | None) -> Cloud:
 
 
 def find_furniture(
-    layout: FoundLayout,
+    cloud: Cloud,
+    rooms: Sequence[FoundRoom],
     models: Sequence[CadModel],
     hints: Sequence[Hint] | None = None,
     categories: Mapping[int, Sequence[str]] | None = None,
-    rooms: Sequence[FoundRoom] | None = None,
     unresolved: Literal["leave_out", "keep"] = "keep",
     workers: int = 1,
     progress: Progress = silent,
@@ -200,18 +204,18 @@ def find_furniture(
     """Align CADs to the objects of a scan, and make their poses physically plausible.
 
     Args:
-        layout: The rooms.
+        cloud: The scan, in the level frame.
+        rooms: Those of its rooms that are composed.
         models: CADs to choose from.
         hints: The objects, in the level frame; None: every labelled instance.
         categories: The CADs' categories that a label may mean, best first.
-        rooms: Those that are composed; None: all.
         unresolved: What becomes of objects that penetrate others or walls, or float.
         workers: Threads; the result never depends on it.
         progress: Called with every object, and the finished fraction.
     """
-    composed = layout.rooms if rooms is None else tuple(rooms)
-    away = elsewhere(layout.cloud, hints, composed)
-    cloud = _without(layout.cloud, away)
+    composed = tuple(rooms)
+    away = elsewhere(cloud, hints, composed)
+    cloud = _without(cloud, away)
     here = None if hints is None else [hint for hint in hints if hint.instance not in away]
     share = nested(progress, "", 0.0, _ALIGNING_SHARE)
     aligned = align(cloud, here, models, composed, categories, workers, share)
@@ -286,3 +290,59 @@ def _room(room: LayoutRoom, cloud: Cloud, stands: Level) -> FoundRoom:
 def _area(corners: Array) -> float:
     x, y = corners.T
     return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def elsewhere(
+    cloud: Cloud, hints: Sequence[Hint] | None, rooms: Sequence[FoundRoom]
+) -> frozenset[int]:
+    """The instances that stand in none of some rooms.
+
+    Args:
+        cloud: In the frame of the rooms.
+        hints: The objects; None: every instance of the cloud.
+        rooms: Those that are composed; none: nothing is elsewhere.
+    """
+    if not rooms:
+        return frozenset()
+    numbers = _numbers(cloud) if hints is None else [hint.instance for hint in hints]
+    places = _points(cloud, numbers)
+    for hint in hints or ():
+        if not len(places[hint.instance]) and (known := hint.box or hint.pose) is not None:
+            place = hint.box.center if hint.box is not None else None
+            place = hint.pose.translation if place is None and hint.pose is not None else place
+            assert place is not None, known
+            places[hint.instance] = place[None, :2]
+    return frozenset(
+        number for number, points in places.items() if len(points) and _is_beyond(points, rooms)
+    )
+
+
+def _numbers(cloud: Cloud) -> list[int]:
+    if cloud.instance is None:
+        return []
+    return [int(number) for number in np.unique(cloud.instance) if number > 0]
+
+
+def _points(cloud: Cloud, numbers: Collection[int]) -> dict[int, Array]:
+    """(P, 2) of each instance in the plan, not all of many."""
+    if cloud.instance is None:
+        return {number: np.empty((0, 2)) for number in numbers}
+    order = np.argsort(cloud.instance, kind="stable")
+    ranked = cloud.instance[order]
+    found = {}
+    for number in numbers:
+        begin, end = np.searchsorted(ranked, [number, number + 1])
+        step = max((end - begin) // _MAX_POINTS, 1)
+        found[number] = cloud.points[order[begin:end:step], :2]
+    return found
+
+
+def _is_beyond(points: Array, rooms: Sequence[FoundRoom]) -> bool:
+    import shapely
+
+    places = shapely.points(points)
+    distances = [
+        float(np.median(shapely.distance(shapely.Polygon(room.corners[:, :2]), places)))
+        for room in rooms
+    ]
+    return min(distances) > _BEYOND_M

@@ -94,7 +94,7 @@ class FoundRoom:
             "openings": [o.as_dict() for o in self.openings],
             "doubtful_openings": [o.as_dict() for o in self.doubtful],
             "measures": dict(self.measures),
-        }  # fmt: skip
+        }
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -16,15 +17,18 @@ from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture import registry
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.untrusted import check_path, kind_of
 
 if TYPE_CHECKING:
-    from pxr import Usd
+    from pxr import Sdf, Usd
 
 # What writes the layer of every stage, beside the stage itself.
 _RUNNER: Final = "openrooms_usd.stages.runner"
+# A section counts as it is, whatever else a description might say.
+_APART: Final = ("openrooms_usd.description.categories",)
+# A module that a stage asked for by name, as `codedigest.count` takes it.
+_COUNTED: Final = re.compile(r"openrooms_usd(\.[a-z_]\w*)+(\.\*)?")
 
 
 @dataclass(frozen=True)
@@ -145,7 +149,7 @@ class Stage(Protocol):
 
 
 def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
-    """A hash of everything that a stage's layer depends on.
+    """A hash of everything that a stage's layer depends on, before it has run.
 
     That is: the code that it runs, the stage's section, the room type, the seed, the style, its
     input files, the layers that it reads, and the human edits. The room's name is read by no stage.
@@ -165,7 +169,7 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
     section = getattr(room, stage.name)
     parts: dict[str, Any] = {
         "stage": stage.name,
-        "code": code_digest(*code_of(stage), *_adapters(room)),
+        "code": code_digest(*code_of(stage), *_adapters(room), apart=_APART),
         "section": section and section.model_dump(mode="json"),
         "room": [room.room, room.seed, room.style],
         "inputs": {
@@ -180,12 +184,35 @@ def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], P
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
-def code_of(stage: Stage) -> tuple[str, ...]:
-    """The modules that a stage's layer hangs on, with all that they import.
+def completed(before: str, counted: Iterable[str]) -> str:
+    """The fingerprint of a stage's layer, with the modules that the stage asked for by name.
 
-    Any stage may ask for the record of a category, and records are loaded by name.
+    Equal code on equal inputs asks for equal modules: so a layer is current when those of its last
+    run, and all that its `fingerprint` covers, are what they were.
+
+    Args:
+        before: The `fingerprint`.
+        counted: What `codedigest.counting` found; what is no name of a module of ours is left out.
+
+    Returns:
+        64 hexadecimal digits.
     """
-    return type(stage).__module__, _RUNNER, *registry.modules()
+    names = sorted(name for name in counted if _COUNTED.fullmatch(str(name)))
+    code = code_digest(*names, apart=_APART) if names else ""
+    return hashlib.sha256(f"{before} {code}".encode()).hexdigest()
+
+
+def record_of(layer: "Sdf.Layer", stage: str) -> dict[str, Any]:
+    """What a stage noted in its layer when it wrote it; nothing in other layers."""
+    data: Any = layer.customLayerData
+    for key in (names.NAMESPACE, "stages", stage):
+        data = data.get(key, {}) if isinstance(data, dict) else {}
+    return data if isinstance(data, dict) else {}
+
+
+def code_of(stage: Stage) -> tuple[str, ...]:
+    """The modules that a stage's layer hangs on, beside those that it asks for by name."""
+    return type(stage).__module__, _RUNNER
 
 
 def _adapters(room: Room) -> Iterator[str]:

@@ -5,17 +5,15 @@ import json
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, names
-from openrooms_usd.scan.results import FoundObject, as_text
+from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.results import FoundObject, FoundRoom, as_text
 from openrooms_usd.stages.base import StageContext
-
-if TYPE_CHECKING:
-    from openrooms_usd.scan.reconstruction import FoundLayout
 
 REPORT: Final = "report.json"
 OVERLAY: Final = "overlay.png"
@@ -32,7 +30,8 @@ def keep_report(context: StageContext, report: Mapping[str, Any]) -> None:
 
 def keep_overlay(
     context: StageContext,
-    layout: "FoundLayout",
+    cloud: Cloud,
+    rooms: Sequence[FoundRoom],
     objects: Sequence[FoundObject] = (),
     bounds: Mapping[str, NDArray[np.float64]] | None = None,
 ) -> None:
@@ -40,7 +39,8 @@ def keep_overlay(
 
     Args:
         context: The stage's.
-        layout: The rooms.
+        cloud: The scan, in the level frame.
+        rooms: Those in it.
         objects: What stands in them.
         bounds: (2, 3) least and greatest coordinates of CADs by their ids.
 
@@ -51,7 +51,7 @@ def keep_overlay(
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / OVERLAY
-        write_overlay(path, layout.cloud, layout.rooms, objects, bounds)
+        write_overlay(path, cloud, rooms, objects, bounds)
         _keep(context, path.read_bytes(), OVERLAY)
 
 

@@ -4,15 +4,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final
 
 from pxr import Sdf, Tf, Usd, UsdMedia, Vt
 
 from openrooms_usd import names
+from openrooms_usd.codedigest import counting
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import StageError, writing
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.stages.base import Stage, StageContext
+from openrooms_usd.stages.base import Stage, StageContext, completed, record_of
 from openrooms_usd.stages.draft import Draft
 from openrooms_usd.usd import activation
 from openrooms_usd.usd import layers as usd_layers
@@ -20,22 +20,13 @@ from openrooms_usd.usd.diagnostics import composition_errors, reason
 from openrooms_usd.usd.preflight import check_stage_file
 from openrooms_usd.version import __version__
 
-_CLASSES: Final = {
-    "layout": "layout.LayoutStage",
-    "alignment": "alignment.AlignmentStage",
-    "materials": "materials.MaterialsStage",
-    "lights": "lights.LightsStage",
-    "cameras": "cameras.CamerasStage",
-    "physics": "physics.stage.PhysicsStage",
-}
-
 
 def stages() -> list[Stage]:
     """One of each stage, from the weakest to the strongest layer."""
-    found = [_CLASSES[name].rpartition(".") for name in names.STAGES]
+    modules = [import_module(f"openrooms_usd.stages.{name}.stage") for name in names.STAGES]
     return [
-        getattr(import_module(f"openrooms_usd.stages.{module}"), name)()
-        for module, _, name in found
+        getattr(module, f"{name.capitalize()}Stage")()
+        for name, module in zip(names.STAGES, modules, strict=True)
     ]
 
 
@@ -55,9 +46,14 @@ def create_edits(draft: Draft) -> None:
 
 
 def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
-    """Whether a stage's layer was written from this fingerprint and all its files are there.
+    """Whether a stage's layer is as it would be written now, and all its files are there.
 
     If so, the draft keeps these files.
+
+    Args:
+        stage: The stage.
+        wanted: Its `fingerprint`.
+        draft: The composition.
     """
     path = draft.layer(stage.name)
     if not path.is_file():
@@ -66,21 +62,14 @@ def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
         layer = Sdf.Layer.OpenAsAnonymous(str(path), metadataOnly=True)
     except Tf.ErrorException:
         return False
-    record = _record(layer, stage.name)
+    record = record_of(layer, stage.name)
     files: Iterable[str] = record.get("files", ())
-    if record.get("fingerprint") != wanted:
+    if record.get("fingerprint") != completed(wanted, record.get("counted", ())):
         return False
     if not all((draft.folder(stage.name) / file).exists() for file in files):
         return False
     draft.keep(stage.name, files)
     return True
-
-
-def _record(layer: Sdf.Layer, stage: str) -> dict[str, Any]:
-    data: Any = layer.customLayerData
-    for key in (names.NAMESPACE, "stages", stage):
-        data = data.get(key, {}) if isinstance(data, dict) else {}
-    return data if isinstance(data, dict) else {}
 
 
 def run(
@@ -99,7 +88,7 @@ def run(
         room: The description.
         source: The description's folder.
         draft: The composition that it is for.
-        fingerprint: What the layer is written from; stored in it.
+        fingerprint: What the layer is written from, besides the code that the stage asks for.
         workers: Threads that the stage may use.
         progress: Called with the step and the finished fraction of the stage.
 
@@ -119,12 +108,14 @@ def run(
             weaker = [draft.layer(name) for name in reversed(names.STAGES[:position])]
             with usd_layers.stacked(layer, [edits], weaker) as composed:
                 context = StageContext(room, source, composed, folder, workers, progress)
-                stage.author(context)
-                _write_authorship(composed, stage.name, room, fingerprint)
+                with counting() as counted:
+                    stage.author(context)
+                whole = completed(fingerprint, counted)
+                _write_authorship(composed, stage.name, room, whole)
             kept = set(context.kept())
             arrays = usd_layers.arrays_file(layer, folder)
             kept |= {arrays.name} if arrays else set()
-            _write_record(layer, stage.name, room, fingerprint, kept)
+            _write_record(layer, stage.name, room, whole, kept, counted)
             draft.export(layer, stage.name, kept)
     except Tf.ErrorException as error:
         message = f"USD refuses what the stage {stage.name} writes: {reason(error)}"
@@ -167,7 +158,12 @@ def _reactivated(path: Path, stage: str) -> Sdf.Layer | None:
 
 
 def _write_record(
-    layer: Sdf.Layer, stage: str, room: Room, fingerprint: str, kept: Iterable[str]
+    layer: Sdf.Layer,
+    stage: str,
+    room: Room,
+    fingerprint: str,
+    kept: Iterable[str],
+    counted: Iterable[str],
 ) -> None:
     custom = dict(layer.customLayerData)
     record = {
@@ -175,6 +171,7 @@ def _write_record(
         "seed": str(room.seed),
         "version": __version__,
         "files": Vt.StringArray(sorted(kept)),
+        "counted": Vt.StringArray(sorted(counted)),
     }
     custom[names.NAMESPACE] = {"stages": {stage: record}}
     layer.customLayerData = custom

@@ -8,10 +8,10 @@ class's own words, and else unlabeled; what is several of COCO's at once, as cut
 A class is known by its number; 0 is ``unlabeled`` in all.
 """
 
-from functools import cache
 from typing import Final
 
 from openrooms_usd import names
+from openrooms_usd.codedigest import remembered
 from openrooms_usd.furniture.record import UNLABELED, Classes
 from openrooms_usd.furniture.registry import record, records
 
@@ -110,7 +110,7 @@ _NUMBERS: Final = {
 }
 
 
-@cache
+@remembered
 def classes() -> dict[str, Classes]:
     """What each of our categories is in those lists, by name."""
     return {name: told.classes for name, told in sorted(records())}

@@ -13,17 +13,15 @@ from openrooms_usd import names
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import load_room
 from openrooms_usd.description.alignment import ScanAlignment
-from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.history import History
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.instances import instances_of
-from openrooms_usd.stages.scanned import in_metres, scanned_room
-from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.stages.alignment.instances import instances_of
+from openrooms_usd.stages.alignment.surroundings import surroundings
+from openrooms_usd.stages.layout.scanned import found_in, in_metres
 from openrooms_usd.usd.diagnostics import quiet
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.layers import open_stage
@@ -281,12 +279,8 @@ class Hints(Fields):
 
     def _told(self, stage: Usd.Stage) -> list[int]:
         """The things that the scan itself tells apart; also those that found no place."""
-        room = load_room(self.file)
-        if not isinstance(room.layout, ScanLayout):
-            return []
-        context = StageContext(room, self.file.parent, stage, self.scene.parent)
-        scanned = scanned_room(context, room.layout)
-        known = () if scanned.capture.boxes else instances_of(scanned.layout.cloud) or ()
+        scan = found_in(stage)
+        known = () if scan is None or scan.captured else instances_of(scan.cloud) or ()
         return [one.number for one in known if one.meaning.kind == "thing"]
 
 

@@ -15,7 +15,7 @@ from openrooms_usd.edits.remaking import choices
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.furniture import CATEGORIES
-from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.usd.diagnostics import quiet
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.view.app import App, Command

@@ -60,6 +60,8 @@ RANKS = (
         "progress",
         "removal",
         "scan",
+        "sourcetext",
+        "threads",
         "unfinished",
         "usercache",
         "unpickling",

@@ -1,6 +1,5 @@
 """The digest of code: what counts for it, and what does not."""
 
-import ast
 import compileall
 import shutil
 import zipfile
@@ -9,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd import codedigest
+from openrooms_usd import codedigest, sourcetext
 from openrooms_usd.codedigest import code_digest, library_versions, modules
+from openrooms_usd.threads import mapped
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = {
@@ -50,6 +50,11 @@ def _forgetting() -> Iterator[None]:
 
 
 Write = Callable[[str, str], None]
+
+
+def changed(name: str) -> str:
+    """A file of the sample with something added that counts."""
+    return SAMPLE[name] + ("PLANTED = 1\n" if name.endswith(".py") else "\n")
 
 
 @pytest.fixture
@@ -94,16 +99,14 @@ def write(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Write:
         ("if TYPE_CHECKING:\n    import x\nelse:\n    from . import heavy\n", "heavy.py"),
         ("import orusd_sample.table\n", "table.py"),
         ("import orusd_sample.table\n", "numbers.json"),
-        ("# nothing\n", "root.py"),
     ],
 )
-def test_every_byte_of_what_is_imported_counts(write: Write, source: str, file: str) -> None:
+def test_the_code_of_what_is_imported_counts(write: Write, source: str, file: str) -> None:
     write("root.py", source)
     before = code_digest("orusd_sample.root")
-    text = source if file == "root.py" else SAMPLE[file]
-    write(file, text + "\n")
+    write(file, changed(file))
     assert code_digest("orusd_sample.root") != before
-    write(file, text)
+    write(file, SAMPLE[file])
     assert code_digest("orusd_sample.root") == before
 
 
@@ -121,8 +124,108 @@ def test_every_byte_of_what_is_imported_counts(write: Write, source: str, file: 
 def test_what_is_not_used_does_not_count(write: Write, source: str, file: str) -> None:
     write("root.py", source)
     before = code_digest("orusd_sample.root")
-    write(file, SAMPLE[file] + "\n")
+    write(file, changed(file))
     assert code_digest("orusd_sample.root") == before
+
+
+PLAIN = "class A:\n    x: int = 1\n\n    def f(self, y=2):\n        return f'{y} x'\n"
+SPOKEN = """'''A module.'''  # with a remark
+
+class A:
+    '''A class.'''
+    x: int = 1
+    '''An attribute.'''
+    # Why.
+    def f(
+        self, y=2,
+    ):
+        '''A function.'''
+        return f"{y} x"
+"""
+
+
+def test_comments_docstrings_and_layout_do_not_count(write: Write) -> None:
+    write("root.py", PLAIN)
+    before = code_digest("orusd_sample.root")
+    write("root.py", SPOKEN)
+    assert code_digest("orusd_sample.root") == before
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("= 1", "= 1.0"), ("y=2", "y=-2"), ("int", "float"), ("} x", "}  x"), ("self, ", "self, *, ")],
+)
+def test_everything_else_counts(write: Write, old: str, new: str) -> None:
+    write("root.py", PLAIN)
+    before = code_digest("orusd_sample.root")
+    write("root.py", PLAIN.replace(old, new))
+    assert code_digest("orusd_sample.root") != before
+
+
+def test_what_is_no_python_counts_byte_by_byte(write: Write) -> None:
+    write("root.py", "def (\n")
+    before = code_digest("orusd_sample.root")
+    write("root.py", "def ( # more\n")
+    assert code_digest("orusd_sample.root") != before
+
+
+@pytest.mark.parametrize("spoilt", ["", "[]", '{"a": 1}', '{"a": ["", [["b", 2]], 3]}'])
+def test_digests_are_the_same_without_and_with_any_cache(
+    write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, spoilt: str
+) -> None:
+    write("root.py", "import orusd_sample.table\nimport orusd_sample.inner\n")
+
+    def digest(cache: str) -> str:
+        monkeypatch.setenv("ORUSD_CACHE", cache)
+        forget()
+        return code_digest("orusd_sample.root")
+
+    before, cache = digest("off"), str(tmp_path / "cache")
+    assert digest(cache) == before
+    [kept] = (tmp_path / "cache/code").iterdir()
+    with monkeypatch.context() as patch:
+        patch.setattr(sourcetext, "_said", lambda source: pytest.fail("parsed again"))
+        assert digest(cache) == before
+    kept.write_text(spoilt)
+    assert digest(cache) == before
+
+
+def test_all_modules_of_a_package_count_and_which_there_are(write: Write) -> None:
+    before = code_digest("orusd_sample.inner.*")
+    found = {"orusd_sample.inner.leaf", "orusd_sample.inner.other"}
+    assert set(modules("orusd_sample.inner.*")) == found
+    write("inner/leaf.py", changed("inner/leaf.py"))
+    second = code_digest("orusd_sample.inner.*")
+    write("inner/more.py", "")
+    assert len({before, second, code_digest("orusd_sample.inner.*")}) == 3
+
+
+def test_modules_apart_do_not_count(write: Write) -> None:
+    write("root.py", "from orusd_sample import heavy\n")
+    assert modules("orusd_sample.root", apart=("orusd_sample.heavy",)) == ("orusd_sample.root",)
+
+
+def test_what_is_counted_while_something_is_made() -> None:
+    made = []
+
+    @codedigest.remembered
+    def make(name: str) -> str:
+        codedigest.count(f"of_{name}")
+        made.append(name)
+        return name
+
+    def gathered(*names: str) -> set[str]:
+        with codedigest.counting() as found:
+            list(mapped(make, names, workers=3))
+        return found
+
+    assert gathered("a", "b") == {"of_a", "of_b"}
+    # Made once, and counted for each that needs it, by itself or within another.
+    with codedigest.counting() as outer:
+        assert gathered("b") == {"of_b"}
+    assert outer == {"of_b"}
+    assert sorted(made) == ["a", "b"]
+    assert gathered() == set()
 
 
 def test_of_leaves_the_text_counts_and_not_what_they_import(write: Write) -> None:
@@ -203,51 +306,16 @@ def test_the_versions_of_what_others_wrote_are_told_apart(
     assert code_digest("orusd_sample.root") == before
 
 
-def parsed(name: str) -> set[str]:
-    """The modules of ours that one imports, by its syntax tree and by what files there are."""
-
-    def file(module: str) -> Path | None:
-        home = FOLDERS.get(module.partition(".")[0])
-        inner = home and home.joinpath(*module.split("."))
-        if inner is None:
-            return None
-        choices = (inner.with_suffix(".py"), inner / "__init__.py")
-        return next((path for path in choices if path.is_file()), None)
-
-    found: set[str] = set()
-    source = file(name)
-    assert source is not None
-    waiting: list[ast.AST] = [ast.parse(source.read_text(encoding="utf-8"))]
-    while waiting:
-        node = waiting.pop()
-        if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            for alias in node.names:
-                inner = f"{node.module}.{alias.name}"
-                found.add(inner if file(inner) else str(node.module))
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            waiting += node.orelse
-        else:
-            waiting += ast.iter_child_nodes(node)
-    return {module for module in found if module.partition(".")[0] in FOLDERS}
-
-
-@pytest.mark.one_in(3)
-@pytest.mark.parametrize("part", range(3))
-def test_imports_are_those_of_the_syntax_trees(part: int) -> None:
-    for name in list(MODULES)[part::3]:
-        read = codedigest._module(name)
-        assert read is not None, name
-        known = {other for other in read.imports if not other.startswith("orusd_schemas")}
-        assert known == parsed(name), name
-
-
 def test_every_file_of_data_counts_for_some_module() -> None:
     # Written out for people by commands; no stage reads them.
-    by_hand = set(
-        "starter.yaml room.yaml sky.exr page.css py.typed hosek_wilkie.LICENSE.txt".split()
-    )
+    by_hand = {
+        "starter.yaml",
+        "room.yaml",
+        "sky.exr",
+        "page.css",
+        "py.typed",
+        "hosek_wilkie.LICENSE.txt",
+    }
     there = {
         path.name
         for path in (ROOT / "openrooms_usd").rglob("*.*")
@@ -263,7 +331,7 @@ def test_every_file_of_data_counts_for_some_module() -> None:
 def test_a_copy_of_the_package_has_the_same_digest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = code_digest("openrooms_usd.stages.layout")
+    before = code_digest("openrooms_usd.stages.layout.stage")
     shutil.copytree(
         ROOT / "openrooms_usd",
         tmp_path / "openrooms_usd",
@@ -273,8 +341,8 @@ def test_a_copy_of_the_package_has_the_same_digest(
     assert spec is not None
     forget()
     monkeypatch.setattr(spec, "origin", str(tmp_path / "openrooms_usd" / "__init__.py"))
-    assert code_digest("openrooms_usd.stages.layout") == before
+    assert code_digest("openrooms_usd.stages.layout.stage") == before
     with (tmp_path / "openrooms_usd" / "names.py").open("a") as file:
-        file.write("\n")
+        file.write("PLANTED = 1\n")
     forget()
-    assert code_digest("openrooms_usd.stages.layout") != before
+    assert code_digest("openrooms_usd.stages.layout.stage") != before

@@ -48,9 +48,9 @@ def test_a_whole_scan_is_taken_where_it_lies(tmp_path: Path) -> None:
     (job,) = plan_jobs(load_dataset(file))
     room = captured_room(job, tmp_path)
     assert isinstance(room.layout, ScanLayout) and room.layout.file == "room.npz"
-    found = coverage_of(job, room, tmp_path)
+    found = coverage_of(job, room, tmp_path, tmp_path / "scene")
     assert found is not None and min(found.values()) > 0.97
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["dataset.yaml", "room.npz"]
+    assert {path.name for path in tmp_path.iterdir()} == {"dataset.yaml", "room.npz", "scene"}
 
 
 def test_a_scan_that_shows_little_is_left_out_with_its_reason(tmp_path: Path) -> None:
@@ -58,7 +58,7 @@ def test_a_scan_that_shows_little_is_left_out_with_its_reason(tmp_path: Path) ->
     (job,) = plan_jobs(load_dataset(tmp_path / "dataset.yaml"))
     room = captured_room(job, tmp_path)
     with pytest.raises(LeftOutError, match=r"of the floor and .* of the walls|too little"):
-        coverage_of(job, room, tmp_path)
+        coverage_of(job, room, tmp_path, tmp_path / "scene")
 
 
 def test_a_scan_that_cannot_be_read_has_failed_and_is_not_left_out(tmp_path: Path) -> None:
@@ -67,7 +67,7 @@ def test_a_scan_that_cannot_be_read_has_failed_and_is_not_left_out(tmp_path: Pat
     (tmp_path / "dataset.yaml").write_text(text.replace("COVERAGE", "0.5"))
     (job,) = plan_jobs(load_dataset(tmp_path / "dataset.yaml"))
     with pytest.raises(InputError, match="no such file") as refused:
-        coverage_of(job, load_room(tmp_path / "room.yaml"), tmp_path)
+        coverage_of(job, load_room(tmp_path / "room.yaml"), tmp_path, tmp_path / "scene")
     assert not isinstance(refused.value, LeftOutError)
 
 

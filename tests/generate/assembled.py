@@ -15,9 +15,9 @@ from openrooms_usd.description.alignment import LibraryObject, ObjectList, named
 from openrooms_usd.furniture import Order, category
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.placement import Placement, Supports
-from openrooms_usd.stages.poses import matrix_of
-from openrooms_usd.stages.surroundings import surroundings
+from openrooms_usd.stages.alignment.placement import Placement, Supports
+from openrooms_usd.stages.alignment.poses import matrix_of
+from openrooms_usd.stages.alignment.surroundings import surroundings
 from tests.generate.scenes import Body, Form, Scene, fans, read
 
 

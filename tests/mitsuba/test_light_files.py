@@ -11,7 +11,7 @@ from pxr import Usd
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render import RenderRequest, opened, render_stage
+from openrooms_usd.render import RenderRequest, exact, render_stage
 from openrooms_usd.render.exr import read_channels
 from orusd_mitsuba import session as mitsuba_session
 from orusd_mitsuba.complete import integrator as complete_integrator
@@ -40,7 +40,7 @@ def test_the_scalar_backend_says_before_it_starts_what_it_cannot(
 ) -> None:
     began: list[str] = []
     monkeypatch.setattr(mitsuba_session, "run_pass", lambda *args: began.append("light"))
-    monkeypatch.setattr(opened, "first_hits", lambda *args: began.append("rays"))
+    monkeypatch.setattr(exact, "first_hits", lambda *args: began.append("rays"))
     with pytest.raises(RenderError, match="scalar_rgb cannot give") as caught:
         render_stage(
             file,

@@ -13,9 +13,22 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 
 # Faces of a box whose corner 4 x + 2 y + z is at the ends of its three sides.
 _FACES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-     [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]], dtype=np.int32,
-)  # fmt: skip
+    [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 6, 7],
+        [4, 7, 5],
+        [0, 4, 5],
+        [0, 5, 1],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 5, 7],
+        [1, 7, 3],
+    ],
+    dtype=np.int32,
+)
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
 Block = tuple[float, float, float, float, float, float]
 
@@ -40,13 +53,22 @@ def _legs(x: float, y: float, high: float, width: float = 0.05) -> list[Block]:
 # Feet on the ground at the origin, backs to +y.
 SHAPES: dict[str, list[Block]] = {
     "table": [(-0.6, 0.6, -0.4, 0.4, 0.7, 0.74), *_legs(0.6, 0.4, 0.7)],
-    "chair": [(-0.22, 0.22, -0.22, 0.22, 0.42, 0.46), (-0.22, 0.22, 0.18, 0.22, 0.46, 0.95),
-              *_legs(0.22, 0.22, 0.42, 0.04)],
-    "bookshelf": [(-0.5, -0.48, -0.15, 0.15, 0.0, 1.2), (0.48, 0.5, -0.15, 0.15, 0.0, 1.2),
-                  *((-0.48, 0.48, -0.15, 0.15, z, z + 0.02) for z in (0.05, 0.45, 0.85, 1.18))],
+    "chair": [
+        (-0.22, 0.22, -0.22, 0.22, 0.42, 0.46),
+        (-0.22, 0.22, 0.18, 0.22, 0.46, 0.95),
+        *_legs(0.22, 0.22, 0.42, 0.04),
+    ],
+    "bookshelf": [
+        (-0.5, -0.48, -0.15, 0.15, 0.0, 1.2),
+        (0.48, 0.5, -0.15, 0.15, 0.0, 1.2),
+        *((-0.48, 0.48, -0.15, 0.15, z, z + 0.02) for z in (0.05, 0.45, 0.85, 1.18)),
+    ],
     "box": [(-0.12, 0.12, -0.1, 0.1, 0.0, 0.25)],
-    "table_lamp": [(-0.08, 0.08, -0.08, 0.08, 0.0, 0.03), (-0.01, 0.01, -0.01, 0.01, 0.03, 0.4),
-                   (-0.12, 0.12, -0.12, 0.12, 0.3, 0.5)],
+    "table_lamp": [
+        (-0.08, 0.08, -0.08, 0.08, 0.0, 0.03),
+        (-0.01, 0.01, -0.01, 0.01, 0.03, 0.4),
+        (-0.12, 0.12, -0.12, 0.12, 0.3, 0.5),
+    ],
     "picture": [(-0.3, 0.3, -0.012, 0.012, -0.2, 0.2)],
     "ceiling_lamp": [(-0.01, 0.01, -0.01, 0.01, -0.5, 0.0), (-0.15, 0.15, -0.15, 0.15, -0.7, -0.5)],
     "wardrobe": [(-0.6, 0.6, -0.3, 0.3, 0.0, 2.0)],
@@ -56,14 +78,13 @@ SHAPES: dict[str, list[Block]] = {
     # Two wings around a corner that is free.
     "sofa": [(-1.0, 1.0, 0.2, 1.0, 0.0, 0.45), (0.2, 1.0, -1.0, 0.2, 0.0, 0.45)],
     "rug": [(-0.8, 0.8, -0.5, 0.5, 0.0, 0.012)],
-}  # fmt: skip
+}
 MODELS = {name: CadModel(name, name, *blocks(*rows)) for name, rows in SHAPES.items()}
 
 
 def found(
-    number: int, shape: str, at: Sequence[float], yaw: float = 0.0, tilt: float = 0.0,
-    **more: Any,
-) -> FoundObject:  # fmt: skip
+    number: int, shape: str, at: Sequence[float], yaw: float = 0.0, tilt: float = 0.0, **more: Any
+) -> FoundObject:
     """An object at a place, turned about the vertical and then tilted about x; degrees."""
     turn = Rotation.from_euler("x", tilt, degrees=True) * Rotation.from_euler(
         "z", yaw, degrees=True

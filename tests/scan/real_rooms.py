@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import read_capture
 from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms
-from openrooms_usd.stages.scanned import in_metres
+from openrooms_usd.stages.layout.scanned import in_metres
 
 Array = NDArray[np.float64]
 

@@ -89,9 +89,11 @@ def test_a_cad_in_millimetres_is_scaled() -> None:
     true = Placed(CHAIR, (0.2, 0.5, 0.0), 0.7, "Y", 0.001)
     cloud = scan([true], SENSOR_ORIGINS)
     vertices, _ = true.vertices()
-    box = Box(vertices.mean(axis=0), np.array([0.5, 0.5, 0.9]), Rotation.from_euler(
-        "z", 0.75
-    ).as_quat(scalar_first=True))  # fmt: skip
+    box = Box(
+        vertices.mean(axis=0),
+        np.array([0.5, 0.5, 0.9]),
+        Rotation.from_euler("z", 0.75).as_quat(scalar_first=True),
+    )
     found = align(cloud, [Hint(1, cad="chair", box=box)], [cad("chair", CHAIR, "Y", 0.001)])
     metres, degrees, scale = errors(found.objects[0].pose, true.pose())
     assert (metres, degrees, scale) < (0.03, 5.0, 0.05)

@@ -124,9 +124,11 @@ def test_the_upright_axis_is_found_where_no_index_states_it() -> None:
 @pytest.mark.slow
 def test_labelled_points_alone_find_cad_and_pose() -> None:
     plain = [
-        cad("chair_a", CHAIR), cad("chair_tall", CHAIR, scale=np.array([1.0, 1.0, 0.6])),
-        cad("table_a", TABLE), cad("table_long", TABLE, scale=np.array([0.5, 1.0, 1.0])),
-    ]  # fmt: skip
+        cad("chair_a", CHAIR),
+        cad("chair_tall", CHAIR, scale=np.array([1.0, 1.0, 0.6])),
+        cad("table_a", TABLE),
+        cad("table_long", TABLE, scale=np.array([0.5, 1.0, 1.0])),
+    ]
     placed = [Placed(CHAIR, (0.3, 0.6, 0.0), 0.4), Placed(TABLE, (-1.0, 0.4, 0.0), 1.2)]
     cloud = scan(placed, SENSOR_ORIGINS)
     hints = [Hint(1, "chair"), Hint(2, "table")]

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from openrooms_usd.scan.report.canvas import PAPER, Canvas, beside
-from openrooms_usd.scan.report.captions import LEGEND, captions, panel
+from openrooms_usd.scan.report.overlay import LEGEND, captions, panel
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
 
 WINDOW = FoundOpening(

@@ -40,8 +40,10 @@ def test_what_is_more_than_a_fifth_too_long_is_left_out() -> None:
 def test_of_two_between_walls_the_worse_measured_one_gives_way() -> None:
     # Two of 1.20 m side by side in 2.30 m.
     home = room([[0, 0], [2.3, 0], [2.3, 0.7], [0, 0.7]])
-    pair = [found(1, "wardrobe", (0.6, 0.35, 0), coverage=0.9),
-            found(2, "wardrobe", (1.7, 0.35, 0), coverage=0.2, residual=0.03)]  # fmt: skip
+    pair = [
+        found(1, "wardrobe", (0.6, 0.35, 0), coverage=0.9),
+        found(2, "wardrobe", (1.7, 0.35, 0), coverage=0.2, residual=0.03),
+    ]
     for items in (pair, pair[::-1]):
         result = run(*items, home=home)
         assert not result.left_out and not result.unresolved

@@ -15,15 +15,14 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
-from openrooms_usd.scan.placement.elsewhere import elsewhere
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.reconstruction import find_rooms
+from openrooms_usd.scan.reconstruction import elsewhere, find_rooms
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import flat_of
+from openrooms_usd.stages.alignment.furnished import segmented
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.scanned import scanned_room
-from openrooms_usd.stages.segmented import segmented
+from openrooms_usd.stages.layout.scanned import scanned
+from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scan.scanned_rooms import RoomScan
 
 HALL = ((0.0, 0.0), (4.0, 0.0), (4.0, 5.0), (0.0, 5.0))
@@ -143,12 +142,13 @@ def test_what_stands_in_a_joined_room_is_not_elsewhere(
     context = StageContext(room, file.parent, Usd.Stage.CreateInMemory(), tmp_path / "alignment")
     assert isinstance(room.layout, ScanLayout)
     assert isinstance(room.alignment, ScanAlignment)
-    scanned = segmented(context, room.alignment, scanned_room(context, room.layout))
-    assert len(scanned.rooms) == count
-    cloud = scanned.layout.cloud
+    found = scanned(room.layout, file, file.parent).found()
+    scan = segmented(context, room.alignment, found)
+    assert len(scan.composed) == count
+    cloud = scan.cloud
     assert cloud.instance is not None
     assert cloud.instance.max() == 2
-    assert len(elsewhere(cloud, None, scanned.rooms)) == beyond
+    assert len(elsewhere(cloud, None, scan.composed)) == beyond
 
 
 @pytest.mark.slow

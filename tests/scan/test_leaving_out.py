@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.scan.placement.correcting import Placement, place
-from openrooms_usd.scan.placement.elsewhere import elsewhere
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.reconstruction import elsewhere
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.results import FoundObject
 from tests.scan.placement_cases import MODELS, found, outside, overlaps, points, room

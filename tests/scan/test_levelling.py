@@ -5,12 +5,21 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.planes import fit_plane
+from openrooms_usd.scan.points.planes import fit_plane, total_least_squares
+from openrooms_usd.scan.points.surfels import surfels
+from openrooms_usd.scan.reconstruction import find_rooms
+from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.scan.rooms.levelling import Level, level
-from tests.scan.scanned_rooms import RoomScan, motion
+from openrooms_usd.scan.rooms.storeys import storeys
+from tests.scan.scanned_rooms import RoomScan, corner_error, motion
 
 RECTANGLE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 ROOM = RoomScan(RECTANGLE, boxes=((1.0, 0.5, 1.4, 0.7, 0.70, 0.74), (0.0, 2.4, 1.2, 0.6, 0.0, 2.1)))
+SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
+UP = np.array([0.0, 0.0, 1.0])
+SMALL = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
+LARGE = ((-0.6, -0.4), (5.4, -0.4), (5.4, 3.6), (-0.6, 3.6))
+RISE = 2.8
 
 
 def assert_floor(found: Level, matrix: np.ndarray, degrees: float = 0.2, metres: float = 0.01):
@@ -120,3 +129,76 @@ def test_plane_among_outliers_is_the_plane():
     assert np.rad2deg(np.arccos(found.normal @ normal)) < 0.05
     assert found.residual < 0.006
     assert abs(found.heights(np.array([[0.0, 0.0, 0.4]]))[0]) < 0.001
+
+
+def degrees(normal: np.ndarray) -> float:
+    return float(np.rad2deg(np.arccos(min(1.0, abs(normal @ UP)))))
+
+
+def steps(cloud: Cloud, rise: float) -> Cloud:
+    """Each quarter of the room as high as the scanner took itself to be when it stood there."""
+    quarter = np.floor(cloud.points[:, 0] / 1.05)
+    heights = rise * np.array([-0.5, 0.1, -0.1, 0.5])
+    points = cloud.points.copy()
+    points[:, 2] += heights[np.clip(quarter, 0, 3).astype(int)]
+    return Cloud(points, label=cloud.label)
+
+
+@pytest.mark.parametrize("rise", [0.03, 0.08])
+def test_a_floor_that_drift_bent_is_level_at_its_mean_height(rise):
+    cloud = steps(RoomScan(SQUARE).cloud(), rise)
+    floor = cloud.points[cloud.label == 2]
+    leaning, _ = total_least_squares(floor, np.ones(len(floor)), UP)
+    assert degrees(leaning) > 0.3
+    found = level(cloud)
+    assert degrees(found.normal) < 0.2
+    assert abs((np.array([2.1, 1.55, 0.0]) - found.point) @ found.normal) < 0.01
+    assert found.residual > 0.2 * rise
+
+
+def test_a_bent_floor_is_said_to_be_bent():
+    assert any("bent" in note for note in level(steps(RoomScan(SQUARE).cloud(), 0.08)).notes)
+    assert level(RoomScan(SQUARE).cloud()).notes == ()
+
+
+def test_a_flat_floor_keeps_its_own_plane():
+    found = level(RoomScan(SQUARE, boxes=((1.0, 0.5, 1.4, 0.7, 0.70, 0.74),)).cloud())
+    assert degrees(found.normal) < 0.03
+    assert found.residual < 0.01
+
+
+def house(lower: tuple[tuple[float, float], ...], upper: tuple[tuple[float, float], ...]) -> Cloud:
+    below, above = RoomScan(lower).cloud().points, RoomScan(upper).cloud(1).points
+    return Cloud(np.concatenate([below, above + np.array([0.0, 0.0, RISE])]))
+
+
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("larger", ["below", "above"])
+def test_the_larger_of_two_storeys_is_taken_alone(larger: str):
+    cloud = house(LARGE, SMALL) if larger == "below" else house(SMALL, LARGE)
+    found = find_rooms(cloud)
+    (room,) = found.rooms
+    back = room.moved(found.level.scan_from_level).corners
+    assert corner_error(back[:, :2], np.array(LARGE)) < 0.05
+    assert back[:, 2] == pytest.approx(0.0 if larger == "below" else RISE, abs=0.02)
+    assert room.ceiling == pytest.approx(2.5, abs=0.02)
+    assert any("2 storeys" in note and "`storey: 0` to `1`" in note for note in found.notes)
+    assert np.ptp(found.cloud.points[:, 2]) < 2.9
+
+
+@pytest.mark.one_in(2)
+@pytest.mark.parametrize("storey", [0, 1])
+def test_another_storey_is_taken_where_that_is_asked(storey: int):
+    found = find_rooms(house(LARGE, SMALL), LayoutOptions(storey=storey))
+    (room,) = found.rooms
+    back = room.moved(found.level.scan_from_level).corners
+    assert corner_error(back[:, :2], np.array((LARGE, SMALL)[storey])) < 0.05
+    assert back[:, 2] == pytest.approx(RISE * storey, abs=0.02)
+    assert any("as asked" in note for note in found.notes)
+
+
+def test_a_lower_ceiling_is_no_storey():
+    hall, side = RoomScan(LARGE, height=4.5).cloud().points, RoomScan(SMALL).cloud(1).points
+    both = surfels(Cloud(np.concatenate([hall, side + np.array([6.2, 0.0, 0.0])])))
+    assert len(storeys(both)) == 1
+    assert len(storeys(surfels(RoomScan(SMALL).cloud()))) == 1

@@ -12,10 +12,10 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library.cads import folder_cads, merged
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
 from openrooms_usd.scan.models.folder import cad_files
-from openrooms_usd.scan.models.symmetry import symmetry_of
+from openrooms_usd.scan.registration.alignment import symmetry_of
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box
-from openrooms_usd.scan.registration.retrieval import ranked
+from openrooms_usd.scan.registration.selection import ranked
 from tests.scan.alignment_cases import CABINET, CHAIR, SOFA, TABLE, Block, cad, mesh
 
 
@@ -102,9 +102,11 @@ def test_a_sheet_is_seen_from_both_sides() -> None:
 
 STOOL = (
     ((-0.2, -0.2, 0.4), (0.2, 0.2, 0.44)),
-    ((-0.2, -0.2, 0.0), (-0.15, -0.15, 0.4)), ((0.15, 0.15, 0.0), (0.2, 0.2, 0.4)),
-    ((-0.2, 0.15, 0.0), (-0.15, 0.2, 0.4)), ((0.15, -0.2, 0.0), (0.2, -0.15, 0.4)),
-)  # fmt: skip
+    ((-0.2, -0.2, 0.0), (-0.15, -0.15, 0.4)),
+    ((0.15, 0.15, 0.0), (0.2, 0.2, 0.4)),
+    ((-0.2, 0.15, 0.0), (-0.15, 0.2, 0.4)),
+    ((0.15, -0.2, 0.0), (0.2, -0.15, 0.4)),
+)
 
 
 def drum(corners: int) -> CadModel:
@@ -144,9 +146,12 @@ def test_upright_turns_keep_the_hand_and_lift_their_axis(up: str) -> None:
 @pytest.mark.parametrize("heading", [0.0, 0.7, 2.9])
 def test_the_cad_itself_is_the_most_similar(heading: float) -> None:
     models = [
-        cad("chair", CHAIR), cad("sofa", SOFA), cad("table", TABLE), cad("cabinet", CABINET),
+        cad("chair", CHAIR),
+        cad("sofa", SOFA),
+        cad("table", TABLE),
+        cad("cabinet", CABINET),
         cad("chair_low", CHAIR, scale=np.array([1.0, 1.0, 1.8])),
-    ]  # fmt: skip
+    ]
     turn = Rotation.from_euler("z", heading)
     for row, model in enumerate(models):
         middle = model.extent.mean(axis=0)

@@ -6,8 +6,7 @@ import numpy as np
 
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import surfels
-from openrooms_usd.scan.rooms.doorleaves import open_leaves
-from openrooms_usd.scan.rooms.layout import find_layout
+from openrooms_usd.scan.rooms.layout import find_layout, open_leaves
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.occupancy import PIXEL_M, at_sensor_height, free_space
 from openrooms_usd.scan.rooms.spaces import _markers, _rooms

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from openrooms_usd.scan.openings.cellcounts import faces_of
 from openrooms_usd.scan.openings.detection import find_openings
-from openrooms_usd.scan.openings.wallfaces import faces_of
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundOpening
 from tests.scan.walled_rooms import (
@@ -82,9 +82,10 @@ def test_a_passage_whose_wall_was_not_seen_above_it(labels: bool) -> None:
 def test_a_pier_parts_windows_and_a_mullion_does_not(labels: bool, gap: float, count: int) -> None:
     panes = [Sheet(1, (x, x + 0.8), (0.9, 2.1)) for x in (0.5, 1.3 + gap)]
     bars = [
-        bar for x in (0.5, 1.3 + gap)
+        bar
+        for x in (0.5, 1.3 + gap)
         for bar in frame_of(1, (x, x + 0.8), (0.9, 2.1), depth=0.08, label=WINDOW)[1:]
-    ]  # fmt: skip
+    ]
     mullion = Sheet(1, (1.3, 1.3 + gap), (0.9, 2.1), 0.0, WALL if count == 2 else WINDOW)
     found = find_openings(room([*panes, *bars, mullion], labels=labels), CORNERS, HEIGHT)
     assert len(found) == count
@@ -107,8 +108,10 @@ def test_a_small_flat_window_has_corners_and_a_blob_of_wrong_labels_none() -> No
 def test_the_sides_of_a_hole_are_enough_to_name_it() -> None:
     cloud = room([HOLE, *CLOSED])
     y, z = np.meshgrid([2.0, 1.0], np.arange(1.0, 1.9, 0.01))
-    sides = [np.column_stack([np.full(y.size, 4.0 + depth), y.ravel(), z.ravel()])
-             for depth in np.arange(0.05, 0.2, 0.02)]  # fmt: skip
+    sides = [
+        np.column_stack([np.full(y.size, 4.0 + depth), y.ravel(), z.ravel()])
+        for depth in np.arange(0.05, 0.2, 0.02)
+    ]
     assert spans(find_openings(cloud, CORNERS, HEIGHT), 1) == []
     named = joined(cloud, np.concatenate(sides))
     assert named.label is not None
@@ -124,8 +127,10 @@ def test_the_sides_of_a_hole_are_enough_to_name_it() -> None:
 
 def test_labels_draw_no_hole_beside_them_into_their_window() -> None:
     # Nothing returned beside the window either, from 1.75 m on.
-    sheets = [*frame_of(0, (0.5, 1.5), (0.9, 2.1), depth=0.08, label=WINDOW),
-              Sheet(0, (1.5, 3.7), (0.9, 2.1))]  # fmt: skip
+    sheets = [
+        *frame_of(0, (0.5, 1.5), (0.9, 2.1), depth=0.08, label=WINDOW),
+        Sheet(0, (1.5, 3.7), (0.9, 2.1)),
+    ]
     (window, *_) = spans(find_openings(room(sheets), CORNERS, HEIGHT), 0)
     assert window[0] == pytest.approx(0.5, abs=0.05)
     assert window[1] < 2.2
@@ -173,8 +178,10 @@ def test_doors_have_thresholds_where_floor_lies_behind() -> None:
 
 def test_confidence_is_never_certain() -> None:
     window = frame_of(1, (0.8, 2.0), (0.9, 2.1), depth=0.08, label=WINDOW)
-    drawn = [Sheet(3, (0.8, 2.2), (0.8, 2.3)),
-             Sheet(3, (0.7, 2.3), (0.7, 2.4), -0.1, CURTAIN, cuts=False)]  # fmt: skip
+    drawn = [
+        Sheet(3, (0.8, 2.2), (0.8, 2.3)),
+        Sheet(3, (0.7, 2.3), (0.7, 2.4), -0.1, CURTAIN, cuts=False),
+    ]
     sure, veiled = find_openings(room([*window, *drawn]), CORNERS, HEIGHT)
     assert sure.confidence == pytest.approx(0.97, abs=0.01)
     # Three of four windows that are guessed behind curtains were there.

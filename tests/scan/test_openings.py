@@ -5,11 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.openings.cellcounts import CELL_M
-from openrooms_usd.scan.openings.curtains import behind_curtain
-from openrooms_usd.scan.openings.detection import LIKELY, find_openings
+from openrooms_usd.scan.openings.cellcounts import CELL_M, faces_of
+from openrooms_usd.scan.openings.detection import LIKELY, behind_curtain, find_openings
 from openrooms_usd.scan.openings.rectangles import Rectangle
-from openrooms_usd.scan.openings.wallfaces import faces_of
 from openrooms_usd.scan.openings.walllabels import without_casing
 from openrooms_usd.scan.openings.wallpicture import wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
@@ -42,9 +40,13 @@ def in_wall(opening: FoundOpening, corners: np.ndarray = CORNERS) -> np.ndarray:
 
 
 def assert_found(
-    opening: FoundOpening, kind: str, wall: int, x: tuple[float, float], z: tuple[float, float],
+    opening: FoundOpening,
+    kind: str,
+    wall: int,
+    x: tuple[float, float],
+    z: tuple[float, float],
     within: float = 0.05,
-) -> None:  # fmt: skip
+) -> None:
     assert (opening.type, opening.wall) == (kind, wall)
     expected = [(x[0], 0, z[0]), (x[1], 0, z[0]), (x[1], 0, z[1]), (x[0], 0, z[1])]
     np.testing.assert_allclose(in_wall(opening), expected, atol=within)

@@ -124,8 +124,11 @@ def test_nothing_to_place() -> None:
 def test_a_level_turn_of_the_whole_room_changes_nothing_but_the_frame() -> None:
     """Two chairs in each other and a table in a wall, in a room turned by 37 degrees."""
     turn = Rotation.from_euler("z", 37, degrees=True)
-    items = [found(1, "chair", (2, 1.5, 0)), found(2, "chair", (2.38, 1.5, 0)),
-             found(3, "table", (8.5, 3, 0))]  # fmt: skip
+    items = [
+        found(1, "chair", (2, 1.5, 0)),
+        found(2, "chair", (2.38, 1.5, 0)),
+        found(3, "table", (8.5, 3, 0)),
+    ]
     turned = [
         replace(
             item,

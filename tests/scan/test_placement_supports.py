@@ -157,11 +157,14 @@ def test_what_is_outside_or_too_large_is_reported_and_moves_nothing() -> None:
 
 def test_the_order_of_objects_changes_nothing() -> None:
     items = [
-        found(1, "table", (3.55, 1.5, 0.03), yaw=4), found(2, "chair", (3.2, 1.2, 0), 170),
-        found(3, "chair", (2.9, 1.3, 0.02), 20), found(4, "table_lamp", (3.5, 1.5, 0.8)),
-        found(5, "rug", (3.0, 1.0, 0.01)), found(6, "counter", (0.2, 2.8, 0)),
+        found(1, "table", (3.55, 1.5, 0.03), yaw=4),
+        found(2, "chair", (3.2, 1.2, 0), 170),
+        found(3, "chair", (2.9, 1.3, 0.02), 20),
+        found(4, "table_lamp", (3.5, 1.5, 0.8)),
+        found(5, "rug", (3.0, 1.0, 0.01)),
+        found(6, "counter", (0.2, 2.8, 0)),
         found(7, "counter", (0.75, 2.72, 0)),
-    ]  # fmt: skip
+    ]
     one = {item.instance: item for item in run(*items).objects}
     for seed in range(3):
         rows = np.random.default_rng(seed).permutation(len(items))

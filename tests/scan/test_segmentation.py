@@ -70,13 +70,20 @@ def legs(width: float, depth: float, height: float) -> list[Block]:
 
 
 TABLE = [(0.0, 0.0, 0.70, 1.4, 0.8, 0.74), *legs(1.4, 0.8, 0.70)]
-CHAIR = [(0.0, 0.0, 0.42, 0.45, 0.45, 0.46), (0.0, 0.41, 0.46, 0.45, 0.45, 0.95),
-         *legs(0.45, 0.45, 0.42)]  # fmt: skip
+CHAIR = [
+    (0.0, 0.0, 0.42, 0.45, 0.45, 0.46),
+    (0.0, 0.41, 0.46, 0.45, 0.45, 0.95),
+    *legs(0.45, 0.45, 0.42),
+]
 BED = [(0.0, 0.0, 0.05, 2.0, 1.4, 0.5)]
 NIGHT_STAND = [(0.0, 0.0, 0.0, 0.45, 0.4, 0.62)]
 CABINET = [(0.0, 0.0, 0.0, 1.2, 0.45, 0.9)]
-SOFA = [(0.0, 0.0, 0.05, 1.9, 0.85, 0.42), (0.0, 0.65, 0.42, 1.9, 0.85, 0.85),
-        (0.0, 0.0, 0.42, 0.15, 0.85, 0.6), (1.75, 0.0, 0.42, 1.9, 0.85, 0.6)]  # fmt: skip
+SOFA = [
+    (0.0, 0.0, 0.05, 1.9, 0.85, 0.42),
+    (0.0, 0.65, 0.42, 1.9, 0.85, 0.85),
+    (0.0, 0.0, 0.42, 0.15, 0.85, 0.6),
+    (1.75, 0.0, 0.42, 1.9, 0.85, 0.6),
+]
 CARTON = [(0.0, 0.0, 0.0, 0.5, 0.4, 0.4)]
 
 
@@ -201,8 +208,11 @@ def _most(values: NDArray[np.int32]) -> int:
 
 def test_boxes_stand_along_the_walls_and_apart() -> None:
     """Where two boxes overlap a little the smaller one is cut; one inside of another stays."""
-    blocks = [(1.0, 1.0, 0.0, 2.0, 2.0, 0.8), (1.9, 1.2, 0.0, 2.4, 1.7, 0.5),
-              (1.3, 1.3, 0.0, 1.5, 1.5, 0.3)]  # fmt: skip
+    blocks = [
+        (1.0, 1.0, 0.0, 2.0, 2.0, 0.8),
+        (1.9, 1.2, 0.0, 2.4, 1.7, 0.5),
+        (1.3, 1.3, 0.0, 1.5, 1.5, 0.3),
+    ]
     parts = [block(box) for box in blocks]
     instance = np.repeat([1, 2, 3], [len(part) for part in parts]).astype("i4")
     found = boxes_of(Cloud(np.concatenate(parts)), instance, (1, 2, 3), (ROOM,))

@@ -1,16 +1,24 @@
 """How much a scan shows of a room whose points are given: shares that can be counted by hand."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.shown import shown
+from openrooms_usd.stages.layout.scanned import scanned
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 0.0], [0.0, 3.0, 0.0]])
 DOOR = FoundOpening(
     "door", np.array([[1.0, 0, 0], [2.0, 0, 0], [2.0, 0, 2.0], [1.0, 0, 2.0]]), 1, 0
 )
 ROOM = FoundRoom(np.array([0.0, 0.0, 1.0]), CORNERS[0], CORNERS, ceiling=2.5)
+DOCS = Path(__file__).parents[2] / "docs/datasets.md"
+DEV = "real_dev/data"
+SCANNET = "scan2cad_scene0470_00/Assets/scannet-sample/scene0470_00"
 
 
 def sheet(a: tuple[float, float], b: tuple[float, float], fixed: int, at: float) -> np.ndarray:
@@ -21,9 +29,11 @@ def sheet(a: tuple[float, float], b: tuple[float, float], fixed: int, at: float)
 
 FLOOR = sheet((0, 4), (0, 3), 2, 0.0)
 WALLS = [
-    sheet((0, 4), (0, 2.5), 1, 0.0), sheet((0, 3), (0, 2.5), 0, 4.0),
-    sheet((0, 4), (0, 2.5), 1, 3.0), sheet((0, 3), (0, 2.5), 0, 0.0),
-]  # fmt: skip
+    sheet((0, 4), (0, 2.5), 1, 0.0),
+    sheet((0, 3), (0, 2.5), 0, 4.0),
+    sheet((0, 4), (0, 2.5), 1, 3.0),
+    sheet((0, 3), (0, 2.5), 0, 0.0),
+]
 
 
 def test_a_whole_scan_shows_all() -> None:
@@ -70,3 +80,31 @@ def test_of_several_rooms_all_cells_count_alike() -> None:
     alone = shown(FLOOR, [ROOM])
     assert found.floor == 1.0
     assert found.walls == pytest.approx(0.5 * (1.0 + alone.walls), abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("row", "file", "more"),
+    [
+        ("ScanNet 0002_00", f"{DEV}/scannet_0002_00/scan.ply", {}),
+        ("ScanNet 0470_00, low walls", f"{SCANNET}/scene0470_00_vh_clean_2.ply", {}),
+        ("ARKit mesh of a lounge", f"{DEV}/arkit_lounge/textured.obj", {}),
+        (
+            "one RGB-D view, taken with `partial`",
+            "sunrgbd_sample/sunrgbd_000017_infos.pkl",
+            {"importer": "sunrgbd", "partial": True},
+        ),
+    ],
+)
+def test_what_is_said_of_captures_holds(
+    real: Callable[[str], Path], row: str, file: str, more: dict[str, object]
+) -> None:
+    text = DOCS.read_text(encoding="utf-8")
+    (said,) = (line for line in text.splitlines() if line.startswith(f"| {row} |"))
+    wanted = [float(cell) for cell in said.split("|")[2:6]]
+    layout = ScanLayout.model_validate({"from": "scan", "scan": str(real(file)), **more})
+    scan = scanned(layout, Path(layout.file), Path("/")).found()
+    points, rooms = scan.cloud.points, scan.composed
+    found = shown(points, rooms)
+    measured = [found.floor, found.walls, found.whole, rooms[0].measures["coverage"]]
+    assert measured == pytest.approx(wanted, abs=0.011)

@@ -6,7 +6,7 @@ import pytest
 from openrooms_usd.scan.placement.arrangement import arranged
 from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.scan.placement.enclosure import Enclosure
-from openrooms_usd.scan.placement.least_motion import Condition, least_motion
+from openrooms_usd.scan.placement.spreading import Condition, least_motion
 from openrooms_usd.scan.placement.support import rest
 from tests.scan.placement_cases import MODELS, found
 

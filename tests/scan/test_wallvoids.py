@@ -6,7 +6,7 @@ import pytest
 from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import rectangles
-from openrooms_usd.scan.openings.wallvoids import enclosed
+from openrooms_usd.scan.openings.wallpicture import enclosed
 
 ROWS, COLUMNS = 100, 160
 

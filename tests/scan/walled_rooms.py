@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.openings.wallfaces import WallFace, faces_of
+from openrooms_usd.scan.openings.cellcounts import WallFace, faces_of
 from openrooms_usd.scan.points.cloud import Cloud
 
 Array = NDArray[np.float64]
@@ -49,9 +49,11 @@ def frame_of(
     (left, right), (low, high) = x, z
     w = 0.06
     parts = [
-        ((left, left + w), z), ((right - w, right), z),
-        ((left, right), (low, low + w)), ((left, right), (high - w, high)),
-    ]  # fmt: skip
+        ((left, left + w), z),
+        ((right - w, right), z),
+        ((left, right), (low, low + w)),
+        ((left, right), (high - w, high)),
+    ]
     bars = [Sheet(wall, px, pz, depth, label, cuts=False) for px, pz in parts]
     return [Sheet(wall, x, z), *bars]
 
@@ -59,15 +61,22 @@ def frame_of(
 def casing_of(wall: int, x: tuple[float, float], top: float, proud: float) -> list[Sheet]:
     """Boards of seven centimetres around a door, that stand out into the room."""
     (left, right), w = x, 0.07
-    parts = [((left - w, left), (0.0, top + w)), ((right, right + w), (0.0, top + w)),
-             ((left, right), (top, top + w))]  # fmt: skip
+    parts = [
+        ((left - w, left), (0.0, top + w)),
+        ((right, right + w), (0.0, top + w)),
+        ((left, right), (top, top + w)),
+    ]
     return [Sheet(wall, px, pz, -proud, DOOR) for px, pz in parts]
 
 
 def room(
-    sheets: Sequence[Sheet] = (), *, labels: bool = True, noise: float = 0.003,
-    corners: Array = CORNERS, missing: Sequence[int] = (),
-) -> Cloud:  # fmt: skip
+    sheets: Sequence[Sheet] = (),
+    *,
+    labels: bool = True,
+    noise: float = 0.003,
+    corners: Array = CORNERS,
+    missing: Sequence[int] = (),
+) -> Cloud:
     """A scan of a room with sheets in its walls; its floor goes on behind holes that reach it."""
     random = np.random.default_rng(7)
     parts = [_floor(corners, sheets)]

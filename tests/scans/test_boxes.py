@@ -79,9 +79,16 @@ def test_a_floor_openings_and_frames_may_lie_beside(tmp_path: Path) -> None:
         "level": -0.1,
         "height": 2.6,
         "openings": [{"kind": "window", "center": [5, 2, 1.4], "width": 1.2, "height": 1.0}],
-        "frames": [{"id": 7, "world_from_camera": pose, "resolution": [640, 480],
-                    "K": [[500, 0, 320], [0, 500, 240], [0, 0, 1]], "picture": "7.jpg"}],
-    }  # fmt: skip
+        "frames": [
+            {
+                "id": 7,
+                "world_from_camera": pose,
+                "resolution": [640, 480],
+                "K": [[500, 0, 320], [0, 500, 240], [0, 0, 1]],
+                "picture": "7.jpg",
+            }
+        ],
+    }
     capture = read(write(tmp_path, data))
     assert capture.floor == pytest.approx(np.array([[0, 0], [5, 0], [5, 4], [0, 4]]))
     assert capture.height == 2.6

@@ -9,7 +9,7 @@ from pxr import Usd
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 
 CORNERS = [[0, 0], [5, 0], [5, 4], [0, 4]]
 

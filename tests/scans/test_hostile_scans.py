@@ -50,9 +50,15 @@ def test_only_regular_files_are_read(tmp_path: Path, ending: str, kind: str) -> 
 @pytest.mark.parametrize("kind", ["pipe", "endless"])
 @pytest.mark.parametrize(
     ("importer", "name"),
-    [("roomplan", "a.json"), ("roomplan", "a.usdz"), ("boxes", "a.csv"), ("boxes", "a.json"),
-     ("scan2cad", "a.json"), ("sunrgbd", "a.pkl")],
-)  # fmt: skip
+    [
+        ("roomplan", "a.json"),
+        ("roomplan", "a.usdz"),
+        ("boxes", "a.csv"),
+        ("boxes", "a.json"),
+        ("scan2cad", "a.json"),
+        ("sunrgbd", "a.pkl"),
+    ],
+)
 def test_every_importer_comes_through_the_door(
     tmp_path: Path, importer: str, name: str, kind: str
 ) -> None:
@@ -235,8 +241,9 @@ def test_depth_has_a_unit(tmp_path: Path, units: float) -> None:
 
 
 def test_names_may_be_in_any_encoding(tmp_path: Path) -> None:
-    (tmp_path / "a.json").write_bytes(b'[{"id": "caf\xe9", "label": "chair", "center": [0, 0, 1], '
-                                      b'"size": [1, 1, 1]}]')  # fmt: skip
+    (tmp_path / "a.json").write_bytes(
+        b'[{"id": "caf\xe9", "label": "chair", "center": [0, 0, 1], "size": [1, 1, 1]}]'
+    )
     assert read_capture("boxes", tmp_path / "a.json").boxes[0].id == "caf\ufffd"
     text = b"label,x,y,z,width,depth,height\nst\xfchl,1,1,0,1,1,1\n"
     (tmp_path / "a.csv").write_bytes(text)

@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from openrooms_usd.errors import InputError
-from orusd_scans.formats.lzf import UnpackError, unpacked
-from orusd_scans.formats.pcd import read_pcd
+from orusd_scans.formats.pcd import UnpackError, read_pcd, unpacked
 
 POINTS = np.array([[0.5, 1, 2], [3, 4, 5], [np.nan, 7, 8], [9, 10, 11.25]], "<f4")
 RGB = [0xFF8001, 0x000203, 0x111111, 0xABCDEF]
@@ -19,10 +18,17 @@ HEAD = (
     "TYPE F F F U U U F\nCOUNT 1 1 1 1 1 3 2\nWIDTH 2\nHEIGHT 2\nVIEWPOINT 1 2 3 1 0 0 0\n"
     "POINTS 4\nDATA {}\n"
 )
-ROW = np.dtype([
-    ("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4"), ("label", "<u4"), ("_", "u1", 3),
-    ("d", "<f4", 2),
-])  # fmt: skip
+ROW = np.dtype(
+    [
+        ("x", "<f4"),
+        ("y", "<f4"),
+        ("z", "<f4"),
+        ("rgb", "<u4"),
+        ("label", "<u4"),
+        ("_", "u1", 3),
+        ("d", "<f4", 2),
+    ]
+)
 
 
 def rows() -> np.ndarray:

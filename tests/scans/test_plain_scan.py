@@ -11,9 +11,11 @@ from orusd_scans.plainscan import direction, upright
 from tests.scan.scanned_rooms import RoomScan
 
 FURNITURE = (
-    (0.3, 0.2, 1.6, 0.8, 0.0, 0.75), (2.2, 1.4, 0.9, 0.9, 0.0, 0.45),
-    (4.3, 0.5, 0.6, 1.9, 0.0, 1.8), (0.2, 2.9, 2.0, 0.9, 0.0, 0.5),
-)  # fmt: skip
+    (0.3, 0.2, 1.6, 0.8, 0.0, 0.75),
+    (2.2, 1.4, 0.9, 0.9, 0.0, 0.45),
+    (4.3, 0.5, 0.6, 1.9, 0.0, 1.8),
+    (0.2, 2.9, 2.0, 0.9, 0.0, 0.5),
+)
 CORNERS = ((0, 0), (5, 0), (5, 4), (0, 4))
 DOOR = (0, 3, 4, 0, 2)
 ROOM = RoomScan(CORNERS, boxes=FURNITURE, holes=[DOOR], spacing=0.05).cloud().points

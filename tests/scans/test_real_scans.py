@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.capture import read_capture
-from openrooms_usd.stages.instances import instances_of
+from openrooms_usd.stages.alignment.instances import instances_of
 
 Real = Callable[[str], Path]
 
@@ -80,11 +80,20 @@ def test_a_scene_of_scannet_keeps_its_words(real: Real) -> None:
     assert found[13].words[:2] == ("trashcan", "ashcan")
     said = {n: one.hint.choices for n, one in found.items() if one.meaning.kind == "thing"}
     assert [said[n][0][0] for n in (13, 46, 47, 50, 54)] == [
-        "trash_bin", "microwave", "basket", "night_stand", "toaster",
-    ]  # fmt: skip
+        "trash_bin",
+        "microwave",
+        "basket",
+        "night_stand",
+        "toaster",
+    ]
     assert [said[n][0][0] for n in (5, 12, 19, 48, 49, 52)] == [
-        "shower", "scales", "backpack", "guitar", "tissue_box", "dish_rack",
-    ]  # fmt: skip
+        "shower",
+        "scales",
+        "backpack",
+        "guitar",
+        "tissue_box",
+        "dish_rack",
+    ]
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ from openrooms_usd.adapters import IMPORTERS, load
 from openrooms_usd.capture import Capture
 from openrooms_usd.description import parse_room
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 
 WIDTH, DEPTH, HEIGHT, RADIUS = 4.0, 3.0, 2.5, 2.5
 HALF = np.arcsin(0.5 * WIDTH / RADIUS)  # half of the arc's angle

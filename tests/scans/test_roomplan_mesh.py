@@ -123,10 +123,15 @@ def furnished(scanner: Any) -> dict[str, Any]:
     wall = {i: row["identifier"] for i, row in enumerate(data["walls"])}
     data["doors"] = [
         scanner.surface(
-            "door", [5, 0.5], [5, 1.4], 0.0, 2.1,
-            category={"door": {"isOpen": True}}, parentIdentifier=wall[1],
+            "door",
+            [5, 0.5],
+            [5, 1.4],
+            0.0,
+            2.1,
+            category={"door": {"isOpen": True}},
+            parentIdentifier=wall[1],
         )
-    ]  # fmt: skip
+    ]
     data["windows"][0]["parentIdentifier"] = wall[0]
     data["openings"] = [
         scanner.surface("opening", [0, 4], [0, 2.5], 0.0, 2.0, parentIdentifier=wall[5])
@@ -184,9 +189,11 @@ def test_a_curved_wall_with_a_thickness_has_the_arc_of_its_front(scanner, tmp_pa
     layers[name] = component("Wall0", "Wall", wall["identifier"], mesh)
     usdz = read(pack(tmp_path / "Room.usdz", layers))
     wall["curve"] = {
-        "radius": radius, "center": [0, -radius * np.cos(half)],
-        "startAngle": 0.5 * np.pi + half, "endAngle": 0.5 * np.pi - half,
-    }  # fmt: skip
+        "radius": radius,
+        "center": [0, -radius * np.cos(half)],
+        "startAngle": 0.5 * np.pi + half,
+        "endAngle": 0.5 * np.pi - half,
+    }
     known = read(scanner.write(data))
     assert len(known.floor) > 12
     assert usdz.floor == pytest.approx(known.floor, abs=1e-4)

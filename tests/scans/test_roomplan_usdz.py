@@ -7,9 +7,9 @@ import pytest
 from pxr import Sdf, Usd
 
 from openrooms_usd.description import parse_room
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scans.roomplan_usdz import (
     assert_same,
     component,
@@ -65,9 +65,11 @@ def test_a_curved_wall_is_found_in_its_mesh(scanner, tmp_path: Path) -> None:
     )
     from_usdz = read(pack(tmp_path / "Room.usdz", layers))
     wall["curve"] = {
-        "radius": radius, "center": [0, -radius * np.cos(half)],
-        "startAngle": 0.5 * np.pi + half, "endAngle": 0.5 * np.pi - half,
-    }  # fmt: skip
+        "radius": radius,
+        "center": [0, -radius * np.cos(half)],
+        "startAngle": 0.5 * np.pi + half,
+        "endAngle": 0.5 * np.pi - half,
+    }
     from_json = read(scanner.write(data))
     assert len(from_json.floor) > 12
     assert from_usdz.floor == pytest.approx(from_json.floor, abs=1e-5)

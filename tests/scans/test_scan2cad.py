@@ -37,7 +37,7 @@ CADS = [
     (CHAIR, "chairone", ([0.5, -0.4, 0.9], TILTED, (1.4, 1.2, 1.5))),
     (CHAIR, "chairone", ([-0.5, -0.4, 0.3], Rotation.from_euler("y", 190, True), (1.2, 1.1, 1.3))),
     (TABLE, "tabletwo", ([0.1, -0.4, 0.0], Rotation.from_euler("y", 20, True), (2.0, 0.9, 1.1))),
-]  # fmt: skip
+]
 
 
 def annotation(**more: Any) -> dict[str, Any]:

@@ -2,20 +2,101 @@
 
 import io
 import json
+import shutil
 import struct
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
+from openrooms_usd.capture import Capture, read_capture
+from openrooms_usd.description import load_room
 from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.importing import import_capture
+from openrooms_usd.importing.checks import check_scan
+from openrooms_usd.scan.rooms.levelling import level
 from orusd_scans.formats.laser import read_e57, read_las
 from orusd_scans.formats.meshfile import read_mesh
 from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.plainscan import READERS, ScanImporter, read_scanned
+from tests.scan.scanned_rooms import RoomScan
+from tests.scans import test_arkitscenes, test_scannet_scene, test_sunrgbd
+
+CORNERS = ((0, 0), (5, 0), (5, 4), (0, 4))
+THINGS = ((0.3, 0.2, 1.6, 0.8, 0.0, 0.75), (2.2, 1.4, 0.9, 0.9, 0.0, 0.45))
+
+
+def scannet(folder: Path) -> Path:
+    folder.mkdir()
+    test_scannet_scene.sens(test_scannet_scene.scene(folder / "s") / "scene0000_00.sens")
+    return folder / "s"
+
+
+CASES = {
+    "mesh and poses": ("scannet", scannet, {}),
+    "fused": ("scannet", scannet, {"fuse": "2"}),
+    "mesh alone": ("scannet", lambda folder: scannet(folder) / "scene0000_00_vh_clean_2.ply", {}),
+    "arkit": ("arkitscenes", lambda folder: test_arkitscenes.scan(folder / "a"), {}),
+    "arkit, side by side": ("arkitscenes", lambda folder: test_arkitscenes.scan(folder, ""), {}),
+    "arkit, fused": ("arkitscenes", lambda f: test_arkitscenes.scan(f / "a"), {"fuse": "2"}),
+    "votenet": ("sunrgbd", lambda folder: test_sunrgbd.votenet(folder / "v"), {"frame": "000018"}),
+    "index": ("sunrgbd", lambda folder: test_sunrgbd.index(folder / "i"), {}),
+    "raw": ("sunrgbd", lambda folder: test_sunrgbd.raw(folder / "r"), {}),
+}
+
+
+@pytest.mark.usefixtures("any_scan_will_do")
+@pytest.mark.parametrize("case", CASES)
+def test_a_copy_reads_as_the_original(tmp_path: Path, case: str) -> None:
+    kind, build, options = CASES[case]
+    source = build(tmp_path / "in")
+    expected = read_capture(kind, source, options)
+    import_capture(kind, source, tmp_path / "out", options)
+    shutil.rmtree(tmp_path / "in")
+    layout = load_room(tmp_path / "out/room.yaml").layout
+    assert layout.reader == kind
+    found = read_capture(kind, tmp_path / "out" / layout.file, layout.asked, tmp_path / "out")
+    check(found, expected)
+    assert "\\" not in layout.file
+    assert not Path(layout.file).is_absolute()
+
+
+def check(found: Capture, expected: Capture) -> None:
+    for name in ("points", "colors", "normals", "label", "instance", "sensor_origins"):
+        ours, theirs = getattr(found.cloud, name), getattr(expected.cloud, name)
+        assert (ours is None) == (theirs is None), name
+        if ours is not None:
+            np.testing.assert_array_equal(ours, theirs, err_msg=name)
+    np.testing.assert_array_equal(found.source_from_world, expected.source_from_world)
+    assert len(found.boxes) == len(expected.boxes)
+    assert [frame.id for frame in found.frames] == [frame.id for frame in expected.frames]
+    for ours, theirs in zip(found.frames, expected.frames, strict=True):
+        np.testing.assert_allclose(ours.K, theirs.K, rtol=1e-12)
+        np.testing.assert_allclose(ours.world_from_camera, theirs.world_from_camera, atol=1e-12)
+
+
+def test_one_frame_of_many_is_copied(tmp_path: Path) -> None:
+    source = test_sunrgbd.votenet(tmp_path / "in")
+    import_capture("sunrgbd", source, tmp_path / "out", {"frame": "000017"})
+    names = {path.stem for path in (tmp_path / "out").rglob("*.*") if path.is_file()}
+    assert names == {"room", "000017"}
+
+
+def test_an_import_again_changes_nothing_unless_the_scan_has_changed(tmp_path: Path) -> None:
+    source: Callable[[Path], Path] = test_sunrgbd.raw
+    folder = source(tmp_path / "in")
+    import_capture("sunrgbd", folder, tmp_path / "out", {})
+    (tmp_path / "out/room.yaml").unlink()
+    import_capture("sunrgbd", folder, tmp_path / "out", {})
+    (tmp_path / "out/room.yaml").unlink()
+    (folder / "intrinsics.txt").write_text("90 0 60 0 90 45 0 0 1")
+    with pytest.raises(Exception, match="another capture has that name"):
+        import_capture("sunrgbd", folder, tmp_path / "out", {})
+
 
 POINTS = np.random.default_rng(0).uniform(-3, 3, (500, 3))
 FAR = np.array([4e5, 5e6, 0.0])
@@ -28,8 +109,11 @@ def test_a_box_by_trimesh(tmp_path: Path, ending: str) -> None:
     moved = trimesh.transformations.translation_matrix([5.0, 0.0, 0.0])
     scene.add_geometry(trimesh.creation.box((1.0, 2.0, 3.0)), transform=moved)
     path = tmp_path / f"box.{ending}"
-    path.write_bytes(trimesh.util.concatenate(scene.dump()).export(file_type=ending).encode()
-                     if ending in ("obj", "off") else scene.export(file_type=ending))  # fmt: skip
+    path.write_bytes(
+        trimesh.util.concatenate(scene.dump()).export(file_type=ending).encode()
+        if ending in ("obj", "off")
+        else scene.export(file_type=ending)
+    )
     scanned = read_scanned(path)
     assert scanned.cloud.points.min(axis=0) == pytest.approx([4.5, -1, -1.5])
     assert scanned.cloud.points.max(axis=0) == pytest.approx([5.5, 1, 1.5])
@@ -168,3 +252,74 @@ def test_what_is_not_there_is_said(tmp_path: Path, ending: str) -> None:
     (tmp_path / f"folder{ending}").mkdir()
     with pytest.raises(InputError, match="this is a folder"):
         read_scanned(tmp_path / f"folder{ending}")
+
+
+def stored(path: Path, points: np.ndarray) -> Path:
+    np.savez(path / "scan.npz", points=points)
+    return path / "scan.npz"
+
+
+def test_few_points_are_refused_in_the_words_of_compose(tmp_path: Path) -> None:
+    points = RoomScan(CORNERS).cloud().points
+    file = stored(tmp_path, points[:: len(points) // 36][:36])
+    with pytest.raises(InputError) as composed:
+        level(read_capture("scan", file).cloud)
+    with pytest.raises(InputError, match="the scan has 36 points") as imported:
+        import_capture("scan", file, tmp_path / "out")
+    assert imported.value.message == composed.value.message
+    assert imported.value.remedy == composed.value.remedy
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_shows_little_of_its_room_needs_partial(tmp_path: Path) -> None:
+    one_wall = RoomScan(CORNERS, boxes=THINGS, missing=(1, 2, 3), ceiling=False)
+    said = check_scan(read_capture("scan", stored(tmp_path, one_wall.cloud().points)), tmp_path)
+    assert "partial: true" in said
+    assert "--up" in said
+
+
+def test_a_whole_room_passes(tmp_path: Path) -> None:
+    points = RoomScan(CORNERS, boxes=THINGS).cloud().points
+    assert check_scan(read_capture("scan", stored(tmp_path, points)), tmp_path) == ""
+
+
+@pytest.mark.parametrize("kind", ["roomplan", "sunrgbd", "scannet"])
+def test_a_cloud_given_to_another_importer_names_the_right_one(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "scan.ply").write_bytes(b"ply\n\xff\xfe")
+    with pytest.raises(InputError) as caught:
+        import_capture(kind, tmp_path / "scan.ply", tmp_path / "out")
+    assert "`orusd import scan`" in caught.value.remedy
+
+
+@pytest.mark.parametrize("kind", ["roomplan", "scan", "scannet"])
+def test_a_zipped_folder_shall_be_unzipped(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "scene.zip").write_bytes(b"PK\3\4")
+    with pytest.raises(InputError) as caught:
+        import_capture(kind, tmp_path / "scene.zip", tmp_path / "out")
+    assert "unzip it" in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("kind", "inside", "said"),
+    [
+        ("scan", "scene_vh_clean_2.ply", "`orusd import scannet`, which reads such folders"),
+        ("roomplan", "My room.usdz", "My room.usdz'`"),
+        ("roomplan", "lounge.obj", "`orusd import scan "),
+        ("scan", "lounge.obj", "`orusd import scan "),
+    ],
+)
+def test_a_folder_names_its_importer_or_a_file_in_it(
+    tmp_path: Path, kind: str, inside: str, said: str
+) -> None:
+    folder = tmp_path / "capture"
+    folder.mkdir()
+    (folder / inside).write_bytes(b"")
+    with pytest.raises(InputError, match="this is a folder") as caught:
+        import_capture(kind, folder, tmp_path / "out")
+    assert said in caught.value.remedy
+
+
+def test_a_folder_of_nothing_known_gets_no_hint(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="this is a folder") as caught:
+        import_capture("scan", tmp_path, tmp_path / "out")
+    assert caught.value.remedy == "give the file of the scan in it"

@@ -9,22 +9,25 @@ import pytest
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
-from orusd_scans.plainscan import upright
+from orusd_scans.plainscan import Standing, find_standing, upright
 from orusd_scans.scanunits import UNITS, Asked, unit_named
-from orusd_scans.standing import Standing, find_standing
 from tests.scan.scanned_rooms import RoomScan
 
 Real = Callable[[str], Path]
 
-WAYS = [np.array(way, float) for way in (
-    (0, 0, 1), (0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0),
-)]  # fmt: skip
+WAYS = [
+    np.array(way, float)
+    for way in ((0, 0, 1), (0, 0, -1), (0, 1, 0), (0, -1, 0), (1, 0, 0), (-1, 0, 0))
+]
 Z = WAYS[0]
 SCALES = (0.001, 0.01, 0.3048, 1.0, 1 / 0.3048, 1 / 0.0254, 100.0, 1000.0)
 THINGS = (
-    (0.3, 0.2, 1.6, 0.8, 0.0, 0.75), (2.2, 1.4, 0.9, 0.9, 0.0, 0.45),
-    (4.3, 0.5, 0.6, 1.9, 0.0, 1.8), (0.2, 2.9, 2.0, 0.9, 0.0, 0.5), (3.0, 2.6, 1.2, 0.7, 0.7, 0.74),
-)  # fmt: skip
+    (0.3, 0.2, 1.6, 0.8, 0.0, 0.75),
+    (2.2, 1.4, 0.9, 0.9, 0.0, 0.45),
+    (4.3, 0.5, 0.6, 1.9, 0.0, 1.8),
+    (0.2, 2.9, 2.0, 0.9, 0.0, 0.5),
+    (3.0, 2.6, 1.2, 0.7, 0.7, 0.74),
+)
 
 
 @pytest.fixture(scope="module")

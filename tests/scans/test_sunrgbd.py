@@ -82,9 +82,11 @@ def raw(folder: Path) -> Path:
         for f, s in ((1, -1), (1, 1), (-1, 1), (-1, -1))
     ]
     polygon = {
-        "X": [c[0] for c in corners], "Z": [c[1] for c in corners],
-        "Ymin": -CENTER[2] - HIGH / 2, "Ymax": -CENTER[2] + HIGH / 2,
-    }  # fmt: skip
+        "X": [c[0] for c in corners],
+        "Z": [c[1] for c in corners],
+        "Ymin": -CENTER[2] - HIGH / 2,
+        "Ymax": -CENTER[2] + HIGH / 2,
+    }
     floor = {"name": "floor", "polygon": [polygon]}
     objects = [None, {"name": "empty", "polygon": []}, floor]
     objects.append({"name": "chair:truncated", "polygon": [polygon]})

@@ -7,10 +7,10 @@ from pxr import Usd
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 
 
 def compose(folder: Path, described: Room) -> Usd.Stage:

@@ -16,9 +16,9 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.solids import box
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.runner import run
 from openrooms_usd.usd.meshes import define_mesh, read_meshes
 from openrooms_usd.usd.semantics import read_label
@@ -73,13 +73,16 @@ def _digests(folder: Path) -> dict[str, str]:
 
 
 def test_objects_stand_where_they_are_asked_for(tmp_path: Path) -> None:
-    stage, notes = _compose(tmp_path, [
-        {"category": "cabinet", "at": [2, 1], "size": [1.2, 0.4, 0.9], "yaw": 90},
-        {"category": "ceiling_lamp", "at": [1, 2], "size": [0.4, 0.4, 0.3]},
-        {"category": "table", "at": [3, 3], "size": [1.0, 0.8, 0.7], "name": "desk"},
-        {"category": "table_lamp", "at": [3.2, 3.1]},
-        {"category": "chair", "at": [1, 1, 0.25]},
-    ])  # fmt: skip
+    stage, notes = _compose(
+        tmp_path,
+        [
+            {"category": "cabinet", "at": [2, 1], "size": [1.2, 0.4, 0.9], "yaw": 90},
+            {"category": "ceiling_lamp", "at": [1, 2], "size": [0.4, 0.4, 0.3]},
+            {"category": "table", "at": [3, 3], "size": [1.0, 0.8, 0.7], "name": "desk"},
+            {"category": "table_lamp", "at": [3.2, 3.1]},
+            {"category": "chair", "at": [1, 1, 0.25]},
+        ],
+    )
     assert notes == []
     np.testing.assert_allclose(
         _bound(stage, "cabinet_0"), [[1.8, 0.4, 0], [2.2, 1.6, 0.9]], atol=1e-6
@@ -92,9 +95,10 @@ def test_objects_stand_where_they_are_asked_for(tmp_path: Path) -> None:
 
 
 def test_what_leans_is_authored_so(tmp_path: Path) -> None:
-    stage, notes = _compose(tmp_path, [
-        {"category": "box", "at": [1, 1], "size": [1.0, 1.0, 1.0], "tilt": [-90, 0], "yaw": 30},
-    ])  # fmt: skip
+    stage, notes = _compose(
+        tmp_path,
+        [{"category": "box", "at": [1, 1], "size": [1.0, 1.0, 1.0], "tilt": [-90, 0], "yaw": 30}],
+    )
     assert notes == []
     turn = stage.GetPrimAtPath(f"{names.FURNITURE}/box_0").GetAttribute("xformOp:rotateXYZ")
     assert tuple(turn.Get()) == (-90.0, 0.0, 30.0)
@@ -104,9 +108,9 @@ def test_what_leans_is_authored_so(tmp_path: Path) -> None:
 
 
 def test_the_scene_contract(tmp_path: Path) -> None:
-    stage, _ = _compose(tmp_path, [
-        {"category": "chair", "at": [1, 1]}, {"category": "floor_lamp", "at": [2, 1]},
-    ])  # fmt: skip
+    stage, _ = _compose(
+        tmp_path, [{"category": "chair", "at": [1, 1]}, {"category": "floor_lamp", "at": [2, 1]}]
+    )
     assert Usd.ModelAPI(stage.GetPrimAtPath(names.FURNITURE)).GetKind() == "group"
     chair, lamp = (stage.GetPrimAtPath(f"{names.FURNITURE}/{n}_0") for n in ("chair", "floor_lamp"))
     for prim, category in ((chair, "chair"), (lamp, "floor_lamp")):
@@ -191,12 +195,26 @@ def test_the_users_own_mesh(tmp_path: Path) -> None:
         "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\ng top\nf 1 2 3 4\ng side\nf 1 4 5\nf 1 5 2\n"
     )
     (tmp_path / "thing.obj").write_text(text)
-    stage, _ = _compose(tmp_path, [
-        {"from": "file", "category": "piano", "file": "thing.obj", "at": [1, 1],
-         "size": [1.5, 0.6, 1.0], "name": "grand"},
-        {"from": "file", "category": "piano", "file": "thing.obj", "at": [3, 1],
-         "size": [1.5, 0.6, 1.0]},
-    ])  # fmt: skip
+    stage, _ = _compose(
+        tmp_path,
+        [
+            {
+                "from": "file",
+                "category": "piano",
+                "file": "thing.obj",
+                "at": [1, 1],
+                "size": [1.5, 0.6, 1.0],
+                "name": "grand",
+            },
+            {
+                "from": "file",
+                "category": "piano",
+                "file": "thing.obj",
+                "at": [3, 1],
+                "size": [1.5, 0.6, 1.0],
+            },
+        ],
+    )
     np.testing.assert_allclose(
         _bound(stage, "grand"), [[0.25, 0.7, 0], [1.75, 1.3, 1.0]], atol=1e-6
     )
@@ -251,21 +269,28 @@ def _capture(monkeypatch: pytest.MonkeyPatch, folder: Path, *boxes: CapturedBox)
 
 def test_captured_boxes_are_filled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     section = _capture(
-        monkeypatch, tmp_path,
+        monkeypatch,
+        tmp_path,
         _box("table", (2, 2, 0.37), (1.4, 0.8, 0.7), 30.0, "first"),
         _box("chair", (1, 1, 0.41), (0.5, 0.5, 0.8), key="c1"),
         _box("chair", (3, 1, 0.4), (0.5, 0.5, 0.8), 90.0, "c2"),
         _box("refrigerator", (0.5, 3, 0.9), (0.6, 0.6, 1.8), key="r"),
         _box("television", (4, 3.5, 1.4), (1.2, 0.08, 0.7), key="t"),
         _box("unheard_of", (4, 1, 0.5), (0.5, 0.5, 1.0), key="u"),
-    )  # fmt: skip
+    )
     objects = [{"category": "table_lamp", "at": [2, 2]}, {"category": "chair", "at": [4, 2]}]
     stage, notes = _compose(tmp_path, objects, **section)
     children = stage.GetPrimAtPath(names.FURNITURE).GetChildren()
     assert [prim.GetName() for prim in children] == [
-        "table_first", "chair_c1", "chair_c2", "refrigerator_r", "television_t", "unheard_of_u",
-        "table_lamp_0", "chair_0",
-    ]  # fmt: skip
+        "table_first",
+        "chair_c1",
+        "chair_c2",
+        "refrigerator_r",
+        "television_t",
+        "unheard_of_u",
+        "table_lamp_0",
+        "chair_0",
+    ]
     table = children[0]
     # What begins near the floor stands on it.
     translate, turn = UsdGeom.Xformable(table).GetOrderedXformOps()
@@ -293,13 +318,14 @@ def test_a_captured_box_is_met_by_its_corners(
     stage, _ = _compose(tmp_path, [], **section)
     corners = np.stack(np.meshgrid(*[(-0.5, 0.5)] * 3), axis=-1).reshape(-1, 3) * box.size
     world = box.center + corners @ box.rotation.T
-    found = np.concatenate([
-        m.world_points() for m in read_meshes(stage) if m.path.startswith(names.FURNITURE)
-    ])  # fmt: skip
+    found = np.concatenate(
+        [m.world_points() for m in read_meshes(stage) if m.path.startswith(names.FURNITURE)]
+    )
     # Every point lies in the box, and the object reaches all of its sides.
     local = (found - box.center) @ box.rotation / box.size
-    np.testing.assert_allclose([local.min(axis=0), local.max(axis=0)], [[-0.5] * 3, [0.5] * 3],
-                               atol=1e-5)  # fmt: skip
+    np.testing.assert_allclose(
+        [local.min(axis=0), local.max(axis=0)], [[-0.5] * 3, [0.5] * 3], atol=1e-5
+    )
     assert found[:, 2].min() == pytest.approx(world[:, 2].min())
 
 

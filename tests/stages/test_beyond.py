@@ -12,10 +12,9 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.geometry.hallways import Hallway, door_space, hallway
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.beyond import author_beyond_lamps
-from openrooms_usd.stages.daylight import author_portals
-from openrooms_usd.stages.decor import decor
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.beyond import author_beyond_lamps, decor
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.daylight import author_portals
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.lights import MeshLight, read_lights
 from openrooms_usd.usd.meshes import read_meshes, world_triangles

@@ -16,10 +16,10 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.viewpoints import PITCH_DEG
 from openrooms_usd.geometry.views import clear
-from openrooms_usd.stages import selection as stage_module
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.cameras import CamerasStage
-from openrooms_usd.stages.selection import Selection
+from openrooms_usd.stages.cameras import selection as stage_module
+from openrooms_usd.stages.cameras.selection import Selection
+from openrooms_usd.stages.cameras.stage import CamerasStage
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.meshes import define_mesh, read_meshes, world_triangles
@@ -82,10 +82,14 @@ def test_views_are_where_the_description_says() -> None:
     author(
         stage,
         {"eye": [1, 1, 1.5], "target": [4, 3, 0.5], "fov": 75},
-        {"from": "pose", "name": "door", "exposure_value": 7,
-         "world_from_camera": [[1, 0, 0, 2], [0, 0, 1, 1], [0, -1, 0, 1.6]]},
+        {
+            "from": "pose",
+            "name": "door",
+            "exposure_value": 7,
+            "world_from_camera": [[1, 0, 0, 2], [0, 0, 1, 1], [0, -1, 0, 1.6]],
+        },
         resolution=[320, 180],
-    )  # fmt: skip
+    )
     door, first = (read_camera(prim, 320, 180) for prim in list_cameras(stage))
     ahead = np.array([3, 2, -1]) / np.sqrt(14)
     np.testing.assert_allclose(first.world_from_camera[:3, 2], ahead, atol=1e-9)
@@ -102,8 +106,14 @@ def test_views_are_where_the_description_says() -> None:
 def test_names_are_given_or_the_next_free() -> None:
     stage = room_stage()
     look = {"eye": [1, 1, 1.5], "target": [4, 3, 0.5]}
-    author(stage, look, {**look, "name": "view_1"}, look, {"from": "select", "count": 2},
-           {"from": "select", "name": "best", "count": 1})  # fmt: skip
+    author(
+        stage,
+        look,
+        {**look, "name": "view_1"},
+        look,
+        {"from": "select", "count": 2},
+        {"from": "select", "name": "best", "count": 1},
+    )
     found = [prim.GetName() for prim in stage.GetPrimAtPath(names.CAMERAS).GetChildren()]
     assert found == ["view_0", "view_1", "view_2", "view_3", "view_4", "best_0"]
 
@@ -246,8 +256,12 @@ def test_a_lens_is_focused_on_its_target_or_as_described() -> None:
     stage = room_stage()
     eye, target = [0.5, 0.5, 1.5], [2.5, 2.0, 1.0]
     looks = {"eye": eye, "target": target, "f_stop": 2.8}
-    author(stage, {"name": "aimed", **looks}, {"name": "near", "focus": 0.9, **looks},
-           {"name": "sharp", "eye": eye, "target": target})  # fmt: skip
+    author(
+        stage,
+        {"name": "aimed", **looks},
+        {"name": "near", "focus": 0.9, **looks},
+        {"name": "sharp", "eye": eye, "target": target},
+    )
     aimed, near, sharp = (
         read_camera(stage.GetPrimAtPath(f"{names.CAMERAS}/{name}"), 640, 480)
         for name in ("aimed", "near", "sharp")

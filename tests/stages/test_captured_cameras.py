@@ -37,10 +37,15 @@ ON_FLOOR = np.array([250.0, 360.0, 40.0])
 
 def capture(folder: Path, **more: object) -> Path:
     frames = [
-        {"id": f"{10 * i}", "world_from_camera": pose.tolist(), "K": K.tolist(),
-         "resolution": SIZE, "picture": f"color/{10 * i}.jpg"}
+        {
+            "id": f"{10 * i}",
+            "world_from_camera": pose.tolist(),
+            "K": K.tolist(),
+            "resolution": SIZE,
+            "picture": f"color/{10 * i}.jpg",
+        }
         for i, pose in enumerate(POSES)
-    ]  # fmt: skip
+    ]
     data = {
         "unit": "cm",
         "level": 40,

@@ -16,21 +16,22 @@ from pxr import Sdf, Usd
 
 from openrooms_usd import codedigest, names
 from openrooms_usd.codedigest import modules
+from openrooms_usd.compose import compose_room
 from openrooms_usd.description.room import Room
 from openrooms_usd.furniture import CATEGORIES, module_of
 from openrooms_usd.geometry.solids import rounded_box
 from openrooms_usd.library.textures import Material
 from openrooms_usd.physics.components import Part
 from openrooms_usd.stages import base, runner
-from openrooms_usd.stages.catalogue import Catalogue
+from openrooms_usd.stages.alignment.catalogue import Catalogue
+from openrooms_usd.stages.materials.palette import Swatch
 from openrooms_usd.stages.physics import cache as physics_cache
 from openrooms_usd.stages.physics import stage as physics
-from openrooms_usd.stages.swatches import Swatch
 
 ROOT = Path(__file__).parents[2]
 ALL = set(names.STAGES)
 
-Plant = Callable[[str], None]
+Plant = Callable[..., None]
 
 
 def forget() -> None:
@@ -41,16 +42,16 @@ def forget() -> None:
 
 @pytest.fixture
 def plant(monkeypatch: pytest.MonkeyPatch) -> Iterator[Plant]:
-    """Adds one byte to what is read of a file of the project."""
+    """Adds something to what is read of a file of the project: by default what counts."""
 
     read = codedigest._read
 
-    def plant(path: str) -> None:
-        assert read(path) is not None
+    def plant(path: str, more: bytes = b"\nPLANTED = 1\n") -> None:
+        before = read(path)
+        assert before is not None
 
         def planted(asked: str) -> bytes | None:
-            found = read(asked)
-            return found and found + b"\n" * (asked == path)
+            return before + more if asked == path else read(asked)
 
         monkeypatch.setattr(codedigest, "_read", planted)
         forget()
@@ -72,18 +73,17 @@ def fingerprints(room: Room, folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     ("file", "changed"),
     [
-        ("openrooms_usd/stages/layout.py", {"layout"}),
         ("openrooms_usd/stages/runner.py", ALL),
         ("openrooms_usd/usd/layers.py", ALL),
         ("openrooms_usd/draws.py", ALL),
-        ("openrooms_usd/geometry/windows.py", ALL),
         ("openrooms_usd/library/textures/rough_stone/brick.py", {"materials", "physics"}),
         ("openrooms_usd/library/textures/base/noise.py", {"materials", "physics"}),
         ("openrooms_usd/library/friction/table.npy", {"materials", "physics"}),
         ("openrooms_usd/library/hosek_wilkie.npy", {"lights"}),
         ("openrooms_usd/library/solar.py", {"lights"}),
         ("openrooms_usd/physics/merging.py", {"physics"}),
-        ("openrooms_usd/furniture/categories/sofa.py", ALL),
+        ("openrooms_usd/furniture/categories/sofa.py", set()),
+        ("openrooms_usd/description/categories.py", set()),
         ("openrooms_usd/render/exr.py", set()),
         ("openrooms_usd/cli/composing.py", set()),
         ("openrooms_usd/generate/__init__.py", set()),
@@ -107,6 +107,63 @@ def test_an_importer_counts_where_a_section_is_read_by_it(plant: Plant, tmp_path
     assert fingerprints(Room(), tmp_path) == before[1]
 
 
+def written(room: Room, out: Path) -> set[str]:
+    done = compose_room(room, out, workers=2)
+    return {row.stage for row in done.stages if row.state == "written"}
+
+
+def furnished(*categories: str) -> Room:
+    things = [{"category": name, "at": [1 + i, 1]} for i, name in enumerate(categories)]
+    return Room.model_validate(
+        {"alignment": {"objects": things}, "materials": {"resolution": 16}, "physics": {}}
+    )
+
+
+def test_stages_run_again_when_code_that_they_used_is_another(plant: Plant, tmp_path: Path) -> None:
+    """Comments and docstrings are no code, and a category counts where somebody asked for it."""
+    toasts, sits = tmp_path / "toasts", tmp_path / "sits"
+    rooms = {toasts: furnished("toaster"), sits: furnished("chair")}
+
+    def each_written() -> list[set[str]]:
+        return [written(room, out) for out, room in rooms.items()]
+
+    toaster = "openrooms_usd/furniture/categories/toaster.py"
+    of_toasters = ALL - {"layout"}
+    assert each_written() == [ALL, ALL]
+    assert each_written() == [set(), set()]
+    plant(toaster, b"# A comment.\n")
+    assert each_written() == [set(), set()]
+    plant("openrooms_usd/stages/runner.py", b"'A text that stands alone.'\n# A comment.\n")
+    assert each_written() == [set(), set()]
+    plant("openrooms_usd/description/categories.py")
+    assert each_written() == [set(), set()]
+    plant(toaster)
+    assert each_written() == [of_toasters, set()]
+    assert each_written() == [set(), set()]
+    # The names of assets hang on the code, and so does every layer that has them.
+    plant("openrooms_usd/stages/runner.py")
+    assert each_written() == [ALL, ALL]
+
+
+def test_other_rooms_before_it_do_not_change_what_a_room_asks_for(tmp_path: Path) -> None:
+    """What a process has already worked out counts for everyone who uses it."""
+    alone, second = tmp_path / "alone", tmp_path / "second"
+    rooms = [furnished("toaster"), furnished("chair", "toaster")]
+    for out, room in zip((alone, tmp_path / "other", second), (*rooms, rooms[0]), strict=True):
+        compose_room(room, out, workers=2)
+    for name in names.STAGES:
+        layers = [(out / f"layers/{name}.usda").read_bytes() for out in (alone, second)]
+        assert layers[0] == layers[1], name
+
+
+def test_words_that_are_no_modules_are_not_read_from_a_layer() -> None:
+    before = base.completed("a", ["openrooms_usd.furniture.categories.chair"])
+    odd = ["os", "openrooms_usd/../secret", "openrooms_usd..x", "*"]
+    assert base.completed("a", odd) == base.completed("a", [])
+    assert base.completed("a", [*odd, "openrooms_usd.furniture.categories.chair"]) == before
+    assert base.completed("a", []) != before
+
+
 def asset_names(folder: Path) -> dict[str, str]:
     context = base.StageContext(Room(), folder, Usd.Stage.CreateInMemory(), folder)
     catalogue = Catalogue(context)
@@ -121,7 +178,7 @@ def asset_names(folder: Path) -> dict[str, str]:
         ("openrooms_usd/library/assets.py", set(CATEGORIES)),
         ("openrooms_usd/draws.py", set(CATEGORIES)),
         ("openrooms_usd/library/textures/rough_stone/brick.py", set()),
-        ("openrooms_usd/stages/layout.py", set()),
+        ("openrooms_usd/stages/layout/stage.py", set()),
     ],
 )
 def test_assets_are_named_by_the_code_of_their_category(
@@ -133,18 +190,13 @@ def test_assets_are_named_by_the_code_of_their_category(
     assert {name for name in before if before[name] != after[name]} == changed
 
 
-def test_a_sofa_is_not_named_by_chairs(plant: Plant, tmp_path: Path) -> None:
-    before = asset_names(tmp_path)
-    plant("openrooms_usd/furniture/categories/chair.py")
-    after = asset_names(tmp_path)
-    assert before["chair"] != after["chair"]
-    assert before["sofa"] == after["sofa"]
+def test_bodies_are_named_by_the_record_of_their_category(plant: Plant) -> None:
+    def codes() -> list[str]:
+        return [physics._code(category) for category in ("toaster", "Toaster_2", "sofa", "a thing")]
 
-
-def test_bodies_are_named_by_the_records_of_categories(plant: Plant) -> None:
-    before = physics._code()
+    before = codes()
     plant("openrooms_usd/furniture/categories/toaster.py")
-    assert physics._code() != before
+    assert [a == b for a, b in zip(before, codes(), strict=True)] == [False, False, True, True]
 
 
 def test_categories_are_built_by_the_modules_that_are_named() -> None:
@@ -250,14 +302,17 @@ CATEGORY = _replace(CATEGORY, styles={
 """
 
 
-def run(code: Path, folder: Path) -> list[str]:
-    done = subprocess.run(
-        [sys.executable, "-c", COMPOSE, str(code), str(folder / "room.yaml"), str(folder / "out")],
-        env={**os.environ, "PYTHONPATH": str(code), "ORUSD_CACHE": str(folder / "cache")},
-        cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+def python(script: str, *arguments: object, **environment: object) -> str:
+    command = [sys.executable, "-P", "-c", script, *map(str, arguments)]
+    known = {**os.environ, **{name: str(value) for name, value in environment.items()}}
+    done = subprocess.run(command, env=known, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    return done.stdout.split()
+    return done.stdout
+
+
+def run(code: Path, folder: Path) -> list[str]:
+    room, out, cache = folder / "room.yaml", folder / "out", folder / "cache"
+    return python(COMPOSE, code, room, out, PYTHONPATH=code, ORUSD_CACHE=cache).split()
 
 
 def prims(stage: Usd.Stage) -> set[str]:
@@ -290,7 +345,8 @@ def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path
     for name in ("library/textures/base/recipe.py", "stages/runner.py"):
         file = code / "openrooms_usd" / name
         file.write_text(file.read_text() + "# more\n")
-    assert run(code, tmp_path) == list(names.STAGES)
+    # All that stand on the furniture; a comment changes nothing.
+    assert run(code, tmp_path) == list(names.STAGES)[1:]
     stage = Usd.Stage.Open(scene)
     stage.Reload()
     gone = before - prims(stage)
@@ -317,21 +373,17 @@ home = Path(sys.argv[3])
 ours = str(home / 'openrooms_usd')
 ran = {}
 def watched(stage):
-    author = stage.author
+    author, files = stage.author, ran.setdefault(stage.name, set())
+    def note(frame, event, argument):
+        code = frame.f_code
+        if event == "call" and code.co_filename.startswith(ours) and code.co_name != "<module>":
+            files.add(code.co_filename)
     def traced(context):
-        files = ran.setdefault(stage.name, set())
-        def note(frame, event, argument):
-            code = frame.f_code
-            if event == "call" and code.co_filename.startswith(ours):
-                if code.co_name != "<module>":
-                    files.add(code.co_filename)
         threading.setprofile(note)
         sys.setprofile(note)
-        try:
-            author(context)
-        finally:
-            sys.setprofile(None)
-            threading.setprofile(None)
+        author(context)
+        sys.setprofile(None)
+        threading.setprofile(None)
     stage.author = traced
     return stage
 made = runner.stages
@@ -360,16 +412,12 @@ physics: {shapes: hull}
 @pytest.mark.slow
 def test_what_runs_in_a_stage_is_in_its_graph(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text(RICH)
-    done = subprocess.run(
-        [sys.executable, "-c", TRACE, str(tmp_path / "room.yaml"), str(tmp_path / "out"),
-         str(ROOT)],
-        env={**os.environ, "ORUSD_CACHE": "off"}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    ran = json.loads(done.stdout)
+    out = tmp_path / "out"
+    ran = json.loads(python(TRACE, tmp_path / "room.yaml", out, ROOT, ORUSD_CACHE="off"))
     assert set(ran) == ALL
     for stage in runner.stages():
-        known = set(modules(*base.code_of(stage)))
+        layer = Sdf.Layer.FindOrOpen(str(out / f"layers/{stage.name}.usda"))
+        known = set(modules(*base.code_of(stage), *base.record_of(layer, stage.name)["counted"]))
         assert len(ran[stage.name]) >= 5, stage.name
         assert set(ran[stage.name]) <= known, stage.name
     assert "openrooms_usd.library.skylight" in ran["lights"]
@@ -382,7 +430,7 @@ def test_no_stage_imports_modules_by_names_that_it_works_out() -> None:
         "openrooms_usd",
         # The stages themselves: each is the root of its own digest.
         "openrooms_usd.stages.runner",
-        # The records of categories, all of which count for every stage.
+        # The records of categories, which say that they were asked for.
         "openrooms_usd.furniture.registry",
     }
     for stage in runner.stages():

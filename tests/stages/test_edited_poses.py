@@ -19,8 +19,13 @@ cameras:
   views:
     - {{name: eye, eye: [1, 1, 1.5], target: [3, 3, 1]}}
 """
-MOVED = ["/World/Room/Openings/door", "/World/Room/Openings/door/Leaf", "/World/Furniture/sofa",
-         "/World/Cameras/eye", "/World/Lights/Portals/door"]  # fmt: skip
+MOVED = [
+    "/World/Room/Openings/door",
+    "/World/Room/Openings/door/Leaf",
+    "/World/Furniture/sofa",
+    "/World/Cameras/eye",
+    "/World/Lights/Portals/door",
+]
 
 
 @pytest.mark.slow

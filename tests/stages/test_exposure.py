@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.compose import compose_room
 from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.stages.exposure import room_exposure
+from openrooms_usd.stages.cameras.stage import room_exposure
 from openrooms_usd.usd.cameras import read_camera
 from openrooms_usd.usd.lights import define_dome
 
@@ -74,8 +74,13 @@ def test_pictures_of_the_sky_are_summed_over_what_the_window_faces(
     pixels = np.zeros((height, 2 * height, 3), np.float32)
     pixels[:, np.abs(columns - 0.5) < 0.25] = 1000.0
     write_exr(tmp_path / "half.exr", pixels)
-    define_dome(stage, names.ENVIRONMENT, radiance=(2, 2, 2), texture=str(tmp_path / "half.exr"),
-                rotation=rotation)  # fmt: skip
+    define_dome(
+        stage,
+        names.ENVIRONMENT,
+        radiance=(2, 2, 2),
+        texture=str(tmp_path / "half.exr"),
+        rotation=rotation,
+    )
     stage.GetPrimAtPath(names.ENVIRONMENT).GetAttribute("inputs:intensity").Set(2.0)
     # A lune of a dome before a vertical plane, turned by a: pi L (1 + cos a) / 2.
     lux = math.pi * 2000.0 * (1 + math.cos(math.radians(rotation))) / 2

@@ -10,11 +10,11 @@ from pxr import Gf, Sdf, Usd, UsdLux, UsdShade
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.lights import LightsStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.stage import LightsStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.lights import MeshLight, read_lights
 from openrooms_usd.usd.materialreader import read_preview_surface
@@ -104,10 +104,14 @@ def test_every_look_glows(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "edit",
-    ["float inputs:intensity = 0", "float inputs:intensity = 77",
-     "float inputs:colorTemperature = 8000", "color3f inputs:color = (1, 0, 0)",
-     "float inputs:exposure = -2"],
-)  # fmt: skip
+    [
+        "float inputs:intensity = 0",
+        "float inputs:intensity = 77",
+        "float inputs:colorTemperature = 8000",
+        "color3f inputs:color = (1, 0, 0)",
+        "float inputs:exposure = -2",
+    ],
+)
 def test_an_edit_of_the_light_is_an_edit_of_the_glow(tmp_path: Path, edit: str) -> None:
     plain = check(compose(tmp_path / "plain", room())[0])
     lights = check(compose(tmp_path / "edited", room(), over("light_bulb", edit))[0])

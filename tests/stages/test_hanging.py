@@ -8,8 +8,8 @@ from openrooms_usd import names
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.placement import Placement, Stand, Supports
-from openrooms_usd.stages.surroundings import Gap, Surroundings, surroundings
+from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports
+from openrooms_usd.stages.alignment.surroundings import Gap, Surroundings, surroundings
 
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
 
@@ -98,8 +98,11 @@ def test_heights_come_from_the_own_support() -> None:
         item("picture", 0.0, 1.9, relative_to="sofa", on="wall", level=1.0),
     )
     assert {name: stand.z for name, stand in found.items()} == {
-        "lamp": 1.1, "side": 0.5, "sofa": 0.9, "picture": 1.5,
-    }  # fmt: skip
+        "lamp": 1.1,
+        "side": 0.5,
+        "sofa": 0.9,
+        "picture": 1.5,
+    }
     assert found["lamp"].carrier == "side"
     assert found["picture"].y == pytest.approx(2.9)
 

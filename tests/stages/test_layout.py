@@ -9,7 +9,7 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label
 
@@ -139,8 +139,11 @@ def test_the_room_says_its_type_height_and_floor_counter_clockwise(name: str) ->
 @pytest.mark.parametrize("name", ROOMS)
 def test_light_enters_a_room_with_closed_doors_through_its_windows_alone(name: str) -> None:
     """Of the authored stage: every ray that leaves passes a window's or a passage's rectangle."""
-    stage, _ = author(room(ROOMS[name], OPENINGS.replace("open: 30 deg", "open: 0").replace(
-        "open: 90", "open: 0")))  # fmt: skip
+    stage, _ = author(
+        room(
+            ROOMS[name], OPENINGS.replace("open: 30 deg", "open: 0").replace("open: 90", "open: 0")
+        )
+    )
     rng = np.random.default_rng(2)
     origins = np.tile([0.9, 1.1, 1.3], (20_000, 1))
     if name == "clockwise":

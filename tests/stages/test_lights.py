@@ -18,10 +18,10 @@ from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.beams import beam_profile, profile_text
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.lights import LightsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.stage import LightsStage
 from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights
 from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.textures import read_texture

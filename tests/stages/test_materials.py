@@ -23,10 +23,10 @@ from openrooms_usd.library.finishes import (
 )
 from openrooms_usd.library.textures import FAMILIES, substance_of
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.materials import Texture
@@ -156,10 +156,12 @@ def test_floorboards_run_along_the_longer_side(tmp_path: Path, plain: Usd.Stage)
 
     assert grain(plain)[0] > grain(plain)[1]
     turned = room().model_copy(
-        update={"layout": Room.model_validate(
-            {"layout": {"polygon": [[0, 0], [4, 0], [4, 6], [0, 6]]}}
-        ).layout}
-    )  # fmt: skip
+        update={
+            "layout": Room.model_validate(
+                {"layout": {"polygon": [[0, 0], [4, 0], [4, 6], [0, 6]]}}
+            ).layout
+        }
+    )
     deep = compose(tmp_path, turned)
     assert grain(deep)[1] > grain(deep)[0]
 
@@ -201,8 +203,9 @@ def test_given_colors_and_families_are_used(tmp_path: Path) -> None:
 def test_more_objects_change_nothing_of_the_others(tmp_path: Path, plain: Usd.Stage) -> None:
     more = room().model_dump(by_alias=True)
     more["alignment"]["objects"] = [
-        {"name": "bed", "category": "cabinet", "at": [1, 1], "style": "shelves"}, *OBJECTS
-    ]  # fmt: skip
+        {"name": "bed", "category": "cabinet", "at": [1, 1], "style": "shelves"},
+        *OBJECTS,
+    ]
     stage = compose(tmp_path, Room.model_validate(more))
     for prim in surfaces(plain):
         path = str(prim.GetPath())

@@ -12,7 +12,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.pictures import write_png
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.materialreader import read_preview_surface as read
@@ -197,8 +197,9 @@ def test_the_users_own_textures(tmp_path: Path) -> None:
     own = {"file": "slate", "size": "50 cm", "substance": "rough_stone"}
     described = room(floor=own)
     assert list(MaterialsStage().inputs(described, tmp_path)) == [
-        "slate/slate_Color.png", "slate/slate_Roughness.png",
-    ]  # fmt: skip
+        "slate/slate_Color.png",
+        "slate/slate_Roughness.png",
+    ]
     stage = compose(tmp_path, described)
     shown = surface(stage, names.FLOOR)
     assert isinstance(shown.base_color, Texture)

@@ -64,9 +64,14 @@ def chairs(style: str, seed: int) -> Room:
         for i in range(6)
     ]
     return Room.model_validate(
-        {"seed": seed, "style": style, "layout": {"polygon": [[0, 0], [8, 0], [8, 5], [0, 5]]},
-         "alignment": {"objects": objects}, "materials": {"resolution": 16}}
-    )  # fmt: skip
+        {
+            "seed": seed,
+            "style": style,
+            "layout": {"polygon": [[0, 0], [8, 0], [8, 5], [0, 5]]},
+            "alignment": {"objects": objects},
+            "materials": {"resolution": 16},
+        }
+    )
 
 
 def test_repeats_are_of_a_few_pieces_of_the_same_wood(tmp_path: Path) -> None:

@@ -11,9 +11,9 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.library.outside.ledges import NET, NET_PASSES, ledges
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.daylight import portals
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.nearby import author_nearby, site_of
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.daylight import portals
+from openrooms_usd.stages.lights.nearby import author_nearby, site_of
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.meshes import is_outside, read_meshes
 from openrooms_usd.usd.semantics import read_label

@@ -9,8 +9,8 @@ from openrooms_usd import names
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.daylight import author_portals
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.daylight import author_portals
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.transforms import author_placement
 
@@ -80,9 +80,12 @@ def test_styles_are_recorded_and_differ() -> None:
         for name in ("door_0", "door_1", "door_2", "window_0", "window_1")
     }
     assert style == {
-        "door_0": "glazed", "door_1": "", "door_2": "flush", "window_0": "sliding",
+        "door_0": "glazed",
+        "door_1": "",
+        "door_2": "flush",
+        "window_0": "sliding",
         "window_1": "",
-    }  # fmt: skip
+    }
     sizes = {
         name: len(UsdGeom.Mesh(opening(stage, name, "/Leaf/Panel")).GetPointsAttr().Get())
         for name in ("door_0", "door_1", "door_2")

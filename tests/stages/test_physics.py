@@ -14,10 +14,10 @@ from openrooms_usd.library.construction import mass_of_part
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.physics.mass import combined
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.stages.physics.stage import PhysicsStage
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.bindings import bound_material
@@ -98,8 +98,11 @@ def test_what_moves_with_joints_is_an_articulation_of_its_base(stage: Usd.Stage)
     board = f"{names.FURNITURE}/board/Geometry"
     assert list(found) == [f"{board}/Body"]
     assert list(found[f"{board}/Body"].rootPrims) == [f"{board}/Body"]
-    joints = {str(path) for kind in (Kind.RevoluteJoint, Kind.PrismaticJoint)
-              for path, _ in parsed(stage, kind)}  # fmt: skip
+    joints = {
+        str(path)
+        for kind in (Kind.RevoluteJoint, Kind.PrismaticJoint)
+        for path, _ in parsed(stage, kind)
+    }
     members = {str(path) for path in found[f"{board}/Body"].articulatedJoints}
     assert members == {path for path in joints if "/board/" in path} < joints
     apart = {str(path) for path in found[f"{board}/Body"].articulatedBodies}

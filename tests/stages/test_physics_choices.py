@@ -13,10 +13,10 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.physics.world import Body
 from openrooms_usd.stages import runner
-from openrooms_usd.stages.alignment import AlignmentStage
+from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.materials import MaterialsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.stages.physics.stage import PhysicsStage
 from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.rigid.reading import read_world

@@ -6,9 +6,8 @@ import pytest
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.solids import box, sphere
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.placement import Placement, Stand, Supports
-from openrooms_usd.stages.surroundings import Surroundings
-from openrooms_usd.stages.tops import top_at
+from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports, top_at
+from openrooms_usd.stages.alignment.surroundings import Surroundings
 
 
 def _item(name: str, x: float = 0.0, y: float = 0.0, **more: object) -> Placement:
@@ -44,9 +43,11 @@ def test_towers_in_any_order() -> None:
 
 def test_a_surface_is_the_highest_thing_below() -> None:
     found = _heights(
-        _item("lamp", x=0.4, on="surface"), _item("table"), _item("shelf", x=0.5, size=(1, 1, 2)),
+        _item("lamp", x=0.4, on="surface"),
+        _item("table"),
+        _item("shelf", x=0.5, size=(1, 1, 2)),
         _item("elsewhere", x=3.0, on="surface"),
-    )  # fmt: skip
+    )
     assert found["lamp"] == 2.0
     assert found["elsewhere"] == 0.0
 
@@ -57,9 +58,11 @@ def test_a_surface_is_a_top_at_the_place_of_what_stands_on_the_floor() -> None:
     asset = Asset("chair", ("chair",), lambda: Model({"seat": seat, "back": back}))
     chair = Placement("chair", asset, (1, 1, 1.2), 0.0, 0.0)
     found = _heights(
-        _item("lamp", on="surface"), _item("table", size=(1, 1, 0.7)), chair,
+        _item("lamp", on="surface"),
+        _item("table", size=(1, 1, 0.7)),
+        chair,
         _item("hangs", z=1.5, size=(1, 1, 3)),
-    )  # fmt: skip
+    )
     assert found["lamp"] == pytest.approx(0.7)
 
 

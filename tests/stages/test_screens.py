@@ -14,8 +14,14 @@ from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.lights import RectLight, read_lights
 from tests.stages.test_lights import compose, room
 
-TELEVISION = {"name": "set", "category": "television", "at": [2, 3], "yaw": 90.0,
-              "size": [1.14, 0.23, 0.71], "style": "feet"}  # fmt: skip
+TELEVISION = {
+    "name": "set",
+    "category": "television",
+    "at": [2, 3],
+    "yaw": 90.0,
+    "size": [1.14, 0.23, 0.71],
+    "style": "feet",
+}
 
 
 def screens(stage: Usd.Stage) -> list[RectLight]:

@@ -8,23 +8,20 @@ import numpy as np
 import pytest
 
 from openrooms_usd import adapters
-from openrooms_usd.capture import Capture, CapturedBox
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.errors import InputError
+from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.reconstruction import FoundLayout
+from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.contract import Segments
-from openrooms_usd.stages.scanned import ScannedRoom
-from openrooms_usd.stages.segmented import segmented
+from openrooms_usd.stages.alignment.furnished import segmented
 
 
-def room_of(cloud: Cloud, **capture: Any) -> ScannedRoom:
+def scan_of(cloud: Cloud, **known: Any) -> FoundScan:
     corners = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
     room = FoundRoom(np.array([0.0, 0, 1]), np.zeros(3), corners, ceiling=2.5)
-    level = SimpleNamespace()
-    layout = FoundLayout(level, cloud, (room,))  # type: ignore[arg-type]
-    return ScannedRoom(Capture("scan.ply", np.eye(4), **capture), layout, (room,), np.eye(4))
+    return FoundScan("scan.ply", cloud, (room,), (0,), np.eye(4), **known)
 
 
 def asked(**keys: Any) -> ScanAlignment:
@@ -42,10 +39,10 @@ def carton() -> Cloud:
     )
 
 
-def run(cloud: Cloud, alignment: ScanAlignment, **capture: Any) -> tuple[Cloud, list[str]]:
+def run(cloud: Cloud, alignment: ScanAlignment, **known: Any) -> tuple[Cloud, list[str]]:
     context = SimpleNamespace(notes=[])
-    found = segmented(context, alignment, room_of(cloud, **capture))  # type: ignore[arg-type]
-    return found.layout.cloud, context.notes
+    found = segmented(context, alignment, scan_of(cloud, **known))  # type: ignore[arg-type]
+    return found.cloud, context.notes
 
 
 def test_things_are_found_and_people_are_told() -> None:
@@ -74,10 +71,10 @@ def test_an_empty_room_is_told_too() -> None:
 def test_what_the_scan_or_the_description_says_counts(kind: str) -> None:
     cloud = carton()
     marked = replace(cloud, instance=np.ones(len(cloud), "i4"))
-    box = CapturedBox("1", "sofa", np.zeros(3), np.eye(3), np.ones(3))
+    box = ("sofa", Box(np.zeros(3), np.ones(3), np.array([1.0, 0, 0, 0])))
     found, notes = {
         "instances": lambda: run(marked, asked()),
-        "boxes": lambda: run(cloud, asked(), boxes=(box,)),
+        "boxes": lambda: run(cloud, asked(), captured=(box,)),
         "objects": lambda: run(cloud, asked(objects=({"instance": 1, "category": "sofa"},))),
     }[kind]()
     assert found.words is None

@@ -12,8 +12,8 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.library.environments import horizontal_illuminance
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.stages.layout import LayoutStage
-from openrooms_usd.stages.lights import LightsStage
+from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.stages.lights.stage import LightsStage
 from openrooms_usd.usd.lights import DomeLight, read_lights
 from openrooms_usd.usd.textures import read_texture
 

@@ -13,7 +13,7 @@ from openrooms_usd.errors import DescriptionError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.mouldings import section
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label, read_number
@@ -77,8 +77,11 @@ def test_trim_is_labelled_and_stays_below_the_ceiling() -> None:
     trim = stage.GetPrimAtPath("/World/Room/Trim")
     kinds = {prim.GetName(): read_label(prim, "category") for prim in trim.GetChildren()}
     assert kinds == {
-        "Skirting": "skirting", "Cornice": "cornice", "Beams": "beam", "cladding_0": None,
-    }  # fmt: skip
+        "Skirting": "skirting",
+        "Cornice": "cornice",
+        "Beams": "beam",
+        "cladding_0": None,
+    }
     assert read_number(trim.GetChild("Skirting"), "openrooms45") == 43
     assert read_number(trim.GetChild("Beams"), "nyu40") == 38
     tiles = trim.GetChild("cladding_0").GetChildren()
@@ -108,10 +111,14 @@ def test_materials_reach_walls_trim_and_cladding(tmp_path: Path) -> None:
     worn = {
         path: bound_material(stage.GetPrimAtPath(f"/World/Room/{path}")).GetPath().name
         for path in (
-            "Walls/wall_0", "Walls/wall_1", "Walls/wall_3", "Trim/Skirting", "Trim/Cornice",
+            "Walls/wall_0",
+            "Walls/wall_1",
+            "Walls/wall_3",
+            "Trim/Skirting",
+            "Trim/Cornice",
             "Trim/tiles/wall_2",
         )
-    }  # fmt: skip
+    }
     assert worn["Walls/wall_0"] == worn["Walls/wall_1"]
     assert worn["Trim/Skirting"] == worn["Trim/Cornice"]
     assert len(set(worn.values())) == 4

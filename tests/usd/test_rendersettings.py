@@ -3,10 +3,11 @@
 from pathlib import Path
 
 import pytest
-from openrooms_usd.render.job import RenderJob
 from pxr import Gf, Usd, UsdGeom, UsdRender
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render.context import RenderContext as OpenedStage
+from openrooms_usd.render.opening import open_for_rendering
 from openrooms_usd.usd.cameras import read_camera
 from openrooms_usd.usd.fields_of_view import set_field_of_view
 from openrooms_usd.usd.moments import hold
@@ -163,6 +164,7 @@ def test_renders_are_of_the_products_cameras(tmp_path: Path) -> None:
     stage, settings = new_stage()
     product(stage, settings, "/b")
     stage.GetRootLayer().Export(str(tmp_path / "scene.usda"))
-    job = RenderJob.of(renderer="preview", channels=["depth"], resolution=(8, 6))
-    assert dict(job.open(tmp_path / "scene.usda").views) == {"b": "/b"}
-    assert dict(job.open(tmp_path / "scene.usda", ["a"]).views) == {"a": "/a"}
+    asked = RenderSettings(renderer="preview", channels=["depth"], resolution=(8, 6))
+    scene = tmp_path / "scene.usda"
+    assert dict(open_for_rendering(scene, asked).views) == {"b": "/b"}
+    assert dict(open_for_rendering(scene, asked, cameras=["a"]).views) == {"a": "/a"}

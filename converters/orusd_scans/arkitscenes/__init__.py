@@ -1,4 +1,4 @@
 """ARKitScenes: a scan becomes a Capture.
 
-- `path`: the camera's path, and depth of single moments; `importer`: all of it.
+- `importer`: the camera's path, depth of single moments, and all of it.
 """

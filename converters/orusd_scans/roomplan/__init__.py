@@ -1,9 +1,9 @@
 """Apple RoomPlan: its exports, JSON or USDZ, become Captures.
 
-- `archive`, `shapes`, `meshes`, `components`, `usdz`: the USDZ as the records that its JSON
+- `shapes`, `meshes`, `components`, `usdz`: the USDZ as the records that its JSON
   holds;
 - `records`: these, checked one by one; `curves`: curved walls;
-- `spaces`, `belonging`: which room is meant, and what is in it; `inner`: walls that are not
+- `spaces`: which room is meant, and what is in it; `inner`: walls that are not
   on the outline;
 - `importer`: all of it.
 """

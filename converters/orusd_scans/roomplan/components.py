@@ -30,8 +30,12 @@ from orusd_scans.roomplan.shapes import AGAIN, Shape, shape_of
 Array = NDArray[np.float64]
 
 LISTS: Final = {
-    "wall": "walls", "floor": "floors", "door": "doors", "window": "windows", "opening": "openings"
-}  # fmt: skip
+    "wall": "walls",
+    "floor": "floors",
+    "door": "doors",
+    "window": "windows",
+    "opening": "openings",
+}
 """The JSON's lists of surfaces by their categories; all else is an object."""
 
 # How a category with a state is written, and the JSON's names of what it says.

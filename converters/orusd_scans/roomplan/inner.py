@@ -103,8 +103,10 @@ def inner_walls(
         beyond = path.difference(polygon.buffer(TWIN_DISTANCE_M)).length
         pieces += [_Piece((wall.id,), line, top, wall.confidence) for line in lines]
         if beyond > _MAX_CUT_M and lines:
-            notes.append(f"the inner wall {wall.id} is {path.length:.2f} m long: {beyond:.2f} m of "
-                         "it are outside the floor and left out")  # fmt: skip
+            notes.append(
+                f"the inner wall {wall.id} is {path.length:.2f} m long: {beyond:.2f} m of "
+                "it are outside the floor and left out"
+            )
         elif beyond > min(_MAX_CUT_M, 0.5 * path.length):
             outside.append(f"{wall.id} ({path.length:.2f} m)")
     if outside:

@@ -1,6 +1,5 @@
 """ScanNet: a scene becomes a Capture, also with the CADs that Scan2CAD aligned to it.
 
 - `frames`, `sens`: poses, intrinsics and depth; `labels`: classes and instances of vertices;
-- `annotations`: Scan2CAD's models in the frame of the scan;
-- `importer`, `scan2cad`: the two importers.
+- `importer`, `scan2cad`: the two importers, the latter with its models in the frame of the scan.
 """

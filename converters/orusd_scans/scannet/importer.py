@@ -36,9 +36,13 @@ _MESHES: Final = ("_vh_clean_2.ply", "_vh_clean.ply")
 _EVERY_FRAMES: Final = 10
 # Where a scene's axis alignment stands: among its settings, or in a file of its own.
 _ALIGNMENTS: Final = (
-    ".txt", ".axisAlignment.txt", "_axisAlignment.txt", ".axis_alignment.txt",
-    "_axis_alignment.txt", "_axis_align_matrix.txt",
-)  # fmt: skip
+    ".txt",
+    ".axisAlignment.txt",
+    "_axisAlignment.txt",
+    ".axis_alignment.txt",
+    "_axis_alignment.txt",
+    "_axis_align_matrix.txt",
+)
 # The tables of labels of new and old releases, which lie beside a scene or above all scenes.
 _TABLES: Final = ("scannetv2-labels.combined.tsv", "scannet-labels.combined.tsv")
 _FOLDERS_ABOVE: Final = 2

@@ -1,4 +1,4 @@
 """SUN RGB-D: one frame becomes a Capture.
 
-- `files`: the published files; `raw`: those of a raw frame; `importer`: all of it.
+- `files`: the published files; `importer`: those of a raw frame, and all of it.
 """

@@ -22,9 +22,17 @@ Array = NDArray[np.float64]
 
 # The ten classes of VoteNet and MMDetection3D, by their numbers.
 CLASSES: Final = (
-    "bed", "table", "sofa", "chair", "toilet", "desk", "dresser", "night_stand", "bookshelf",
+    "bed",
+    "table",
+    "sofa",
+    "chair",
+    "toilet",
+    "desk",
+    "dresser",
+    "night_stand",
+    "bookshelf",
     "bathtub",
-)  # fmt: skip
+)
 _NAMES: Final = ("x", "y", "z", "red", "green", "blue")
 _MAX_SIZE_M: Final = 1e3  # metres
 _LABEL_FIELDS: Final = 13

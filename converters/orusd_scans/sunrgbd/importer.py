@@ -5,8 +5,13 @@ pickled index of MMDetection3D with the ``.bin`` files beside it, and the folder
 (``intrinsics.txt``, ``extrinsics/``, ``depth_bfx/``). The frame of all is "upright depth": x right,
 y forward, z up, the camera in the origin. (Song, Lichtenberg and Xiao, "SUN RGB-D: A RGB-D Scene
 Understanding Benchmark Suite", CVPR 2015; Qi et al., "Deep Hough Voting", ICCV 2019.)
+
+As ``readframeSUNRGBD.m`` of the dataset's toolbox reads them: a box is the polygon of its base in
+the coordinates X and Z of upright depth (x right, y forward), from -Ymax to -Ymin; its front is the
+side between the first two corners.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,14 +20,17 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd import untrusted
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.fusion import DepthFrame, FusionOptions, fuse
 from orusd_scans.formats.depthpicture import picture_size, read_sixteen_bits
+from orusd_scans.frames import intrinsics
 from orusd_scans.packing import packed_folder, there
 from orusd_scans.plainscan import UNDETERMINED, cloud_in
-from orusd_scans.records.jsonfile import Node
+from orusd_scans.records.fields import number, text
+from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.scanned import Scanned, broken
 from orusd_scans.sunrgbd.files import (
     Entry,
@@ -34,26 +42,35 @@ from orusd_scans.sunrgbd.files import (
     read_matrix,
     read_points,
 )
-from orusd_scans.sunrgbd.raw import read_polygons, read_raw_calibration
-from orusd_scans.worldframe import WorldFrame
+from orusd_scans.worldframe import WorldFrame, proper
 
 Array = NDArray[np.float64]
 
 _VOTENET: Final = ("depth", "calib")
 _VOTENET_FILES: Final = (
-    ("calib", ".txt"), ("label", ".txt"), ("depth", ".mat"), ("depth", ".png"), ("image", ".jpg"),
-)  # fmt: skip
+    ("calib", ".txt"),
+    ("label", ".txt"),
+    ("depth", ".mat"),
+    ("depth", ".png"),
+    ("image", ".jpg"),
+)
 # What is read of the folder of a raw frame.
 _RAW: Final = (
-    "intrinsics.txt", "extrinsics/*.txt", "depth_bfx/*.png", "depth/*.png", "image/*.jpg",
+    "intrinsics.txt",
+    "extrinsics/*.txt",
+    "depth_bfx/*.png",
+    "depth/*.png",
+    "image/*.jpg",
     "annotation3Dfinal/index.json",
-)  # fmt: skip
+)
 # The camera (x right, y down, z forward) as x right, y forward, z up.
 _LEVEL: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # Voxel size of a single depth picture, metres.
 _VOXEL_M: Final = 0.01
 # Intrinsics count pixels from 1 at the first one's centre, as MATLAB does.
 _HALF: Final = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 0.5], [0.0, 0.0, 0.0]])
+_MAX_SIZE_M: Final = 1e3  # metres
+_STRUCTURE: Final = ("wall", "floor", "ceiling")
 
 
 class SunRgbdImporter:
@@ -224,3 +241,58 @@ def _size(picture: Path, K: Array, notes: list[str]) -> tuple[int, int]:
         return picture_size(picture)
     notes.append("the frame's picture is not there: its size is guessed from the principal point")
     return max(round(2.0 * float(K[0, 2])), 1), max(round(2.0 * float(K[1, 2])), 1)
+
+
+def read_raw_calibration(folder: Path) -> tuple[Array, Array]:
+    """(3, 3) tilt of the camera (x right, y down, z forward) and (3, 3) intrinsics.
+
+    Raises:
+        InputError: A file is missing, or holds no rotation or no intrinsics.
+    """
+    path = folder / "intrinsics.txt"
+    K = intrinsics(Node(_words(path), path))
+    found = sorted((folder / "extrinsics").glob("*.txt"))
+    if not found:
+        raise broken(folder, "no extrinsics/*.txt is here")
+    node = Node(_words(found[-1]), found[-1])
+    tilt = node.numbers(12, 1e6).reshape(3, 4)[:, :3]
+    proper(tilt, node)
+    return tilt, K
+
+
+def read_polygons(path: Path) -> tuple[CapturedBox, ...]:
+    """The boxes of ``annotation3Dfinal/index.json``; objects without a polygon are passed over.
+
+    Raises:
+        InputError: A box holds nonsense.
+    """
+    found = []
+    for i, node in enumerate(read_json(path).items("objects")):
+        drawn = node.items("polygon") if isinstance(node.value, dict) else []
+        if not drawn:
+            continue
+        name = text(node.need("name")).partition(":")[0].rstrip("_ ")
+        if name not in _STRUCTURE:
+            found.append(_box(str(i), name, drawn[0]))
+    return tuple(found)
+
+
+def _box(identifier: str, name: str, node: Node) -> CapturedBox:
+    x, y = (node.need(axis).numbers(4, _MAX_SIZE_M) for axis in ("X", "Z"))
+    corners = np.column_stack([x, y])
+    high, low = (-number(node.need(key), _MAX_SIZE_M) for key in ("Ymin", "Ymax"))
+    across, along = corners[1] - corners[0], corners[2] - corners[1]
+    size = np.array([np.linalg.norm(along), np.linalg.norm(across), abs(high - low)])
+    if not (size > 0.0).all():
+        raise node.error("a side of the box is not above zero", "mend the annotation")
+    middle = 0.5 * (corners[0] + corners[2])
+    front = 0.5 * (corners[0] + corners[1]) - middle
+    center = np.array([*middle, 0.5 * (high + low)])
+    return facing(identifier, name, center, size, math.atan2(front[1], front[0]))
+
+
+def _words(path: Path) -> list[float]:
+    try:
+        return [float(word) for word in untrusted.read_text(path).split()]
+    except ValueError as error:
+        raise broken(path, f"numbers are expected: {error}") from error

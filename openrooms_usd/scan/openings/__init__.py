@@ -1,9 +1,10 @@
 """Doors, windows and passages in the walls of a scan.
 
-- `wallfaces`, `cellcounts`, `labelcounts`: the inner faces of walls, and returns over their cells;
-- `wallvoids`, `wallviews`, `wallpicture`: grids of evidence over each wall's face;
+- `cellcounts`: the inner faces of walls, and returns over their cells;
+- `wallpicture`: grids of evidence over each wall's face;
 - `rectangles`, `wallholes`, `walllabels`: proposals of rectangles, from geometry and labels;
-- `mirrors`, `curtains`, `doorframes`: false positives, hidden windows, closed doors;
+- `doorframes`: closed doors;
 - `judgement`: how likely a proposal is, by weighed evidence;
-- `detection`: what is kept, by labels and likelihood, and non-maximum suppression.
+- `detection`: what is kept, by labels and likelihood, and non-maximum suppression, without mirrors
+  and with windows behind curtains.
 """

@@ -2,27 +2,23 @@
 
 On the evidence grid of each wall (`wallpicture`) rectangles are proposed (`wallholes`), scored, and
 suppressed where they overlap one of higher confidence.
+
+Reflected at the wall, points seen through a mirror coincide with points inside the room; those of
+a street or a corridor do not.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from openrooms_usd.names import SCANNED_HEIGHT
-from openrooms_usd.scan.openings.cellcounts import CELL_M
-from openrooms_usd.scan.openings.curtains import (
-    behind_curtain,
-    curtain_weights,
-    grown,
-    under_curtains,
-)
+from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, DOOR, WINDOW, WallFace
 from openrooms_usd.scan.openings.doorframes import frames
 from openrooms_usd.scan.openings.judgement import likelihood
-from openrooms_usd.scan.openings.labelcounts import DOOR, WINDOW
-from openrooms_usd.scan.openings.mirrors import Echoes, echoes
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
     Proposal,
@@ -32,6 +28,7 @@ from openrooms_usd.scan.openings.wallholes import (
     rectangles,
 )
 from openrooms_usd.scan.openings.walllabels import (
+    around,
     is_round,
     label_weights,
     lies_deeper,
@@ -39,7 +36,7 @@ from openrooms_usd.scan.openings.walllabels import (
 )
 from openrooms_usd.scan.openings.wallpicture import WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.sightlines import sight_of
+from openrooms_usd.scan.points.sightlines import VOXEL_M, Sight, sight_of
 from openrooms_usd.scan.results import FoundOpening
 
 Array = NDArray[np.float64]
@@ -82,6 +79,75 @@ _MIN_WALL_SHARE: Final = 0.5
 # Curtains up to this width and this near to a window are that one's, metres.
 _CURTAIN_WIDTH_M: Final = 0.5
 _CURTAIN_GAP_M: Final = 0.25
+# Margin of curtains around their window, horizontally and vertically, metres; a column of cells is
+# hidden if this part of it is.
+_CURTAIN_MARGINS_M: Final = (0.12, 0.1)
+_HIDDEN_SHARE: Final = 0.3
+# Curtains that end lower than this reach the floor, and the sill that is then assumed, metres.
+_FLOOR_LENGTH_M: Final = 0.3
+_HALF_SILL_M: Final = 0.5
+# Largest width of a curtain that is drawn aside, metres.
+_MAX_BUNDLE_WIDTH_M: Final = 0.6
+Mask = NDArray[np.bool_]
+
+_MAX_POINTS: Final = 60_000
+# Points nearer behind the wall may be of a frame, metres.
+_FRAME_DEPTH_M: Final = 0.3
+# Floors and ceilings of neighbouring rooms are coplanar, and left out with this margin, metres.
+_FLOOR_MARGIN_M: Final = 0.15
+# Least part of the reflected points that coincide with points, and their least number.
+_MIN_REFLECTED_SHARE: Final = 0.6
+_MIN_REFLECTED_RETURNS: Final = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Echoes:
+    """A scan prepared for the comparison of points behind walls with those inside.
+
+    Attributes:
+        points: (N, 3) a sample of the scan's points, in the level frame.
+        full: Occupancy of the voxels of ``sight``, dilated by one.
+        sight: Sensors and occlusion.
+    """
+
+    points: Array
+    full: Mask
+    sight: Sight
+
+    def fill(self, face: WallFace, where: Rectangle) -> bool:
+        """Whether the points seen through a rectangle of a wall mirror the room."""
+        seen = self._through(face, where)
+        if len(seen) < _MIN_REFLECTED_RETURNS:
+            return False
+        turned = face.to_level(seen * np.array([1.0, -1.0, 1.0]))
+        last = np.array(self.full.shape) - 1
+        cell = np.clip(((turned - self.sight.low) / VOXEL_M).astype(np.int64), 0, last)
+        return bool(self.full[cell[:, 0], cell[:, 1], cell[:, 2]].mean() > _MIN_REFLECTED_SHARE)
+
+    def _through(self, face: WallFace, where: Rectangle) -> Array:
+        """(M, 3) points behind the wall that a sensor sees through a rectangle, in its frame."""
+        points = face.from_level(self.points)
+        points = points[(points[:, 1] > _FRAME_DEPTH_M) & (points[:, 2] > _FLOOR_MARGIN_M)]
+        seen = np.zeros(len(points), dtype=np.bool_)
+        for origin in face.from_level(self.sight.sensor_origins):
+            if origin[1] < 0:
+                share = (-origin[1] / (points[:, 1] - origin[1]))[:, None]
+                x, z = (origin + share * (points - origin))[:, [0, 2]].T / CELL_M
+                seen |= (x > where.left) & (x < where.right) & (z > where.bottom) & (z < where.top)
+        return np.asarray(points[seen])
+
+
+def echoes(points: Array, sight: Sight, height: float) -> Echoes:
+    """Prepare a scan for the detection of mirrors.
+
+    Args:
+        points: (N, 3) of the scan, in the level frame.
+        sight: Sensors and occlusion.
+        height: Of the ceiling, metres.
+    """
+    some = points[:: max(1, len(points) // _MAX_POINTS)]
+    low = some[some[:, 2] < height - _FLOOR_MARGIN_M]
+    return Echoes(low, ndimage.binary_dilation(sight.full, np.ones((3, 3, 3), bool)), sight)
 
 
 def find_openings(
@@ -244,3 +310,50 @@ def _opening(grid: WallGrid, p: Proposal, sure: float) -> FoundOpening:
     low, high = p.where.bottom * CELL_M, min(p.where.top * CELL_M, top - MARGIN_M)
     ring = np.array([[left, 0, low], [right, 0, low], [right, 0, high], [left, 0, high]])
     return FoundOpening(p.kind, grid.face.to_level(ring), float(sure), grid.face.number)
+
+
+def curtain_weights(grid: WallGrid) -> Array:
+    """(Z, X) weights of curtains and blinds, by their labels."""
+    curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS], grid.window)
+    share = curtain / np.maximum(around(grid.labelled, grid.window), 1e-9)
+    return np.asarray(np.where(curtain > 0, 2.0 * share - 1.0, np.where(grid.solid, -1.0, -0.2)))
+
+
+def behind_curtain(where: Rectangle) -> Rectangle:
+    """The likely window behind a curtain, which is a little larger.
+
+    Behind one that reaches the floor may be a French window or a usual one: a sill at half the
+    usual height overlaps most with either.
+    """
+    side, end = (round(length / CELL_M) for length in _CURTAIN_MARGINS_M)
+    wide, tall = where.right - where.left > 4 * side, where.top - where.bottom > 4 * end
+    bottom, top = where.bottom + end * tall, where.top - end * tall
+    if where.bottom * CELL_M < _FLOOR_LENGTH_M:
+        bottom = max(bottom, round(_HALF_SILL_M / CELL_M))
+    return Rectangle(min(bottom, top - 1), top, where.left + side * wide, where.right - side * wide)
+
+
+def grown(where: Rectangle, more: float) -> Rectangle:
+    """A rectangle widened on both sides, metres."""
+    cells = round(more / CELL_M)
+    return replace(where, left=max(where.left - cells, 0), right=where.right + cells)
+
+
+def under_curtains(grid: WallGrid, where: Rectangle) -> Rectangle:
+    """A window extended by its parts that curtains at its sides hide."""
+    curtain = grid.labels[CURTAIN] + grid.labels[BLINDS]
+    hidden = (curtain[where.rows] > 0).mean(axis=0) > _HIDDEN_SHARE
+    left, right = _curtain_cells(hidden[: where.left][::-1]), _curtain_cells(hidden[where.right :])
+    # A wide curtain beside a window that is open to the view belongs to another one.
+    most = round(_MAX_BUNDLE_WIDTH_M / CELL_M)
+    slit = where.right - where.left < most
+    more = round(_CURTAIN_MARGINS_M[0] / CELL_M)
+    left, right = (max(n - more, 0) if slit or n <= most else 0 for n in (left, right))
+    return replace(where, left=where.left - left, right=where.right + right)
+
+
+def _curtain_cells(hidden: NDArray[np.bool_]) -> int:
+    """Cells of a curtain from the first one on, across gaps of up to two cells."""
+    line = np.concatenate([[True] * 3, hidden, [False] * 3])
+    gaps = np.flatnonzero(~ndimage.binary_closing(line, np.ones(3, dtype=bool))[3:])
+    return int(gaps[0])

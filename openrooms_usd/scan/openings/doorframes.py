@@ -56,8 +56,11 @@ def frames(grid: WallGrid) -> Iterator[tuple[Rectangle, float]]:
     # In order of reliability: protrusions are frames, recesses may be panels of the leaf, and
     # another colour may be anything of a door's size.
     for step, picture in (
-        (_proud, grid.relief), (_sunken, grid.relief), (_sunken, grid.tint), (_sunken, -grid.tint),
-    ):  # fmt: skip
+        (_proud, grid.relief),
+        (_sunken, grid.relief),
+        (_sunken, grid.tint),
+        (_sunken, -grid.tint),
+    ):
         for where, score in sorted(_pairs(picture, step), key=lambda pair: -pair[1]):
             if not taken[where.columns].any():
                 taken[max(where.left - apart, 0) : where.right + apart] = True

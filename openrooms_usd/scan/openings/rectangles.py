@@ -59,9 +59,11 @@ def best_rectangle(weights: Array, least_rows: int = 1) -> tuple[Rectangle, floa
     )
     limits = weights.shape
     found = Rectangle(
-        _COARSE_STEP_CELLS * bottom, min(_COARSE_STEP_CELLS * top, limits[0]),
-        _COARSE_STEP_CELLS * left, min(_COARSE_STEP_CELLS * right, limits[1]),
-    )  # fmt: skip
+        _COARSE_STEP_CELLS * bottom,
+        min(_COARSE_STEP_CELLS * top, limits[0]),
+        _COARSE_STEP_CELLS * left,
+        min(_COARSE_STEP_CELLS * right, limits[1]),
+    )
     return _refined(found, _summed(weights), limits, least_rows)
 
 

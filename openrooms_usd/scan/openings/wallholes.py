@@ -13,8 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from openrooms_usd.scan.openings.cellcounts import CELL_M, WINDOWS_CELLS
-from openrooms_usd.scan.openings.labelcounts import BLINDS, CURTAIN, DOOR, WINDOW
+from openrooms_usd.scan.openings.cellcounts import (
+    BLINDS,
+    CELL_M,
+    CURTAIN,
+    DOOR,
+    WINDOW,
+    WINDOWS_CELLS,
+)
 from openrooms_usd.scan.openings.rectangles import Rectangle, best_rectangle, ring
 from openrooms_usd.scan.openings.wallpicture import WallGrid
 
@@ -251,9 +257,11 @@ def _framing(grid: WallGrid, where: Rectangle, kind: Kind) -> list[float]:
     # Where returns are counted in wide windows a hole seems smaller than it is.
     apart = (grid.window - WINDOWS_CELLS[0]) // 2
     outer = Rectangle(
-        max(where.bottom - apart, 0), min(where.top + apart, grid.shape[0]),
-        max(where.left - apart, 0), min(where.right + apart, grid.shape[1]),
-    )  # fmt: skip
+        max(where.bottom - apart, 0),
+        min(where.top + apart, grid.shape[0]),
+        max(where.left - apart, 0),
+        min(where.right + apart, grid.shape[1]),
+    )
     strips = ring(grid.shape, outer, round(_WALL_AROUND_M / CELL_M))
     hidden = ~grid.solid & ~grid.recess & (grid.void == 0)
     parts = []

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from openrooms_usd.scan.openings.cellcounts import CELL_M, usual_counts
-from openrooms_usd.scan.openings.labelcounts import BLINDS, CURTAIN
+from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, usual_counts
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
     HIDDEN_WEIGHT,

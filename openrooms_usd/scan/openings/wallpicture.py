@@ -3,6 +3,12 @@
 Every wall has its own frame: x to the right along its inner face, y outwards, z up. A cell is solid
 (the wall returned), a recess (a return from behind), a void (sensors looked through without a
 return), or unknown (occluded by furniture).
+
+A wall's upper part may lack returns because no sensor was tilted up. So a void counts up to the
+height to which the wall was scanned on both its sides.
+
+Behind furniture a wall shows nothing, whatever its picture looks like: a shelf is full of dark
+recesses. Through a doorway or a clear pane, in contrast, the scan has returns farther out.
 """
 
 from collections.abc import Iterator
@@ -11,19 +17,20 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from openrooms_usd.scan.openings.cellcounts import (
     CELL_M,
+    WallFace,
     cell_means,
     cells_of,
     counted,
+    faces_of,
+    label_counts,
     layers_of,
+    nearest_walls,
     window_of,
 )
-from openrooms_usd.scan.openings.labelcounts import label_counts
-from openrooms_usd.scan.openings.wallfaces import WallFace, faces_of, nearest_walls
-from openrooms_usd.scan.openings.wallviews import wall_views
-from openrooms_usd.scan.openings.wallvoids import enclosed
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import Sight
 
@@ -43,6 +50,75 @@ _PLANE_REFIT_M: Final = 0.12
 _PLANE_REFIT_ROUNDS: Final = 6
 # Number of sensors that look through a cell from which on it is a certain void.
 _SURE_SENSORS: Final = 3.0
+# Narrower voids are gaps between things; cells of 2.5 cm.
+_SLIT_CELLS: Final = 5
+# Holes have wall on both sides within this distance, up to their full height; voids to the top that
+# are wider than a door were not scanned. Cells.
+_WALL_BESIDE_CELLS: Final = 60
+_UNSEEN_CELLS: Final = 52
+# Things before a wall: their distance from it, metres. Nearer are its own casings and sills.
+_BEFORE_M: Final = (0.08, 0.75)
+# Returns beyond a wall: behind its thickness, and within a scanner's reach, metres.
+_BEYOND_M: Final = (0.6, 6.0)
+# Blocks in which things before a wall (by the window of the grid), and views beyond it are marked,
+# cells.
+_BLOCKS_CELLS: Final = {3: 2, 5: 4, 7: 6, 9: 6}
+_VIEW_CELLS: Final = 6
+# Sensors nearer to the wall than this see it too flatly, metres.
+_MIN_STAND_OFF_M: Final = 0.2
+_MAX_POINTS: Final = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class WallViews:
+    """The surroundings of a wall.
+
+    Attributes:
+        before: (Z, X) something stands before the wall.
+        beyond: (Z, X) a line of sight to a return far behind the wall passes here.
+    """
+
+    before: Mask
+    beyond: Mask
+
+
+def wall_views(
+    points: Array, face: WallFace, shape: tuple[int, int], cell: float, window: int, sight: Sight
+) -> WallViews:
+    """Look at what is before and beyond a wall.
+
+    Args:
+        points: (N, 3) of the whole scan, in the level frame, metres.
+        face: The wall.
+        shape: Rows and columns of its grid.
+        cell: Their edge, metres.
+        window: Cells that usually hold some returns.
+        sight: Sensors.
+    """
+    x, y, z = face.from_level(points).T
+    level = (z > cell) & (z < shape[0] * cell)
+    near = level & (y < -_BEFORE_M[0]) & (y > -_BEFORE_M[1])
+    before = _marked(x[near] / cell, z[near] / cell, shape, _BLOCKS_CELLS[window])
+    far = np.flatnonzero(level & (y > _BEYOND_M[0]) & (y < _BEYOND_M[1]))
+    far = far[:: max(1, len(far) // _MAX_POINTS)]
+    beyond = np.zeros(shape, dtype=np.bool_)
+    for ox, oy, oz in face.from_level(sight.sensor_origins):
+        if oy < -_MIN_STAND_OFF_M:
+            part = -oy / (y[far] - oy)
+            at = ox + part * (x[far] - ox), oz + part * (z[far] - oz)
+            beyond |= _marked(at[0] / cell, at[1] / cell, shape, _VIEW_CELLS)
+    return WallViews(before, beyond)
+
+
+def _marked(column: Array, row: Array, shape: tuple[int, int], block: int) -> Mask:
+    """(Z, X) the blocks of cells that hold any of the places."""
+    size = -(-shape[0] // block), -(-shape[1] // block)
+    i, j = np.floor(row / block).astype(np.int64), np.floor(column / block).astype(np.int64)
+    inside = (i >= 0) & (i < size[0]) & (j >= 0) & (j < size[1])
+    marked = np.zeros(size, dtype=np.bool_)
+    marked[i[inside], j[inside]] = True
+    whole = np.repeat(np.repeat(marked, block, axis=0), block, axis=1)
+    return whole[: shape[0], : shape[1]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,9 +211,20 @@ def _grid(cloud: Cloud, points: Array, face: WallFace, height: float, sight: Sig
     views = wall_views(points, face, shape, CELL_M, window, sight)
     beyond = views.beyond & (void > 0)
     return WallGrid(
-        face, solid, recess, void, relief, tint, labels, labelled, threshold, deviation, window,
-        views.before, beyond,
-    )  # fmt: skip
+        face,
+        solid,
+        recess,
+        void,
+        relief,
+        tint,
+        labels,
+        labelled,
+        threshold,
+        deviation,
+        window,
+        views.before,
+        beyond,
+    )
 
 
 def _tints(cloud: Cloud, on: Mask) -> Array:
@@ -184,3 +271,27 @@ def _seen_through(open_cells: Mask, face: WallFace, plane: Array, sight: Sight) 
     seen[rows, columns] = np.minimum(sensor_origins / _SURE_SENSORS, 1.0)
     whole = np.repeat(np.repeat(seen, 2, axis=0), 2, axis=1)[: len(open_cells)]
     return np.where(open_cells, whole[:, : open_cells.shape[1]], 0.0)
+
+
+def enclosed(void: Mask, standing: Mask) -> Mask:
+    """(Z, X) voids without slits, and without unscanned areas above the wall's returns.
+
+    Args:
+        void: (Z, X) cells with unoccluded lines of sight and no return.
+        standing: (Z, X) cells where the wall returned.
+    """
+    broad = ndimage.binary_opening(void, np.ones((_SLIT_CELLS, _SLIT_CELLS), dtype=bool))
+    pieces, count = ndimage.label(broad)
+    over = np.isin(np.arange(count + 1), pieces[-_SLIT_CELLS:])[pieces] & broad
+    unseen = ndimage.binary_opening(over, np.ones((1, _UNSEEN_CELLS), dtype=bool))
+    rows = np.arange(len(void))[:, None]
+    return np.asarray(broad & ~unseen & (~over | (rows < _horizon(standing))))
+
+
+def _horizon(standing: Mask) -> NDArray[np.int64]:
+    """(X,) the row up to which the wall was scanned on both sides of a column."""
+    highest = np.where(standing.any(axis=0), len(standing) - standing[::-1].argmax(axis=0), 0)
+    near = np.lib.stride_tricks.sliding_window_view(
+        np.pad(highest, _WALL_BESIDE_CELLS), _WALL_BESIDE_CELLS + 1
+    ).max(axis=1)
+    return np.asarray(np.minimum(near[: len(highest)], near[_WALL_BESIDE_CELLS:]))

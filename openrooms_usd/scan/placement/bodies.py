@@ -102,6 +102,8 @@ def _sheets(triangles: Array) -> Array:
     top, bottom = triangles + lift, triangles - lift
     sides = []
     for i, j in ((0, 1), (1, 2), (2, 0)):
-        sides += [np.stack([bottom[:, i], bottom[:, j], top[:, j]], axis=1),
-                  np.stack([bottom[:, i], top[:, j], top[:, i]], axis=1)]  # fmt: skip
+        sides += [
+            np.stack([bottom[:, i], bottom[:, j], top[:, j]], axis=1),
+            np.stack([bottom[:, i], top[:, j], top[:, i]], axis=1),
+        ]
     return np.concatenate([top, bottom[:, ::-1], *sides])

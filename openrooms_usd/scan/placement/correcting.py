@@ -6,26 +6,27 @@ are resolved by the least motion. Plausible poses are returned unchanged. What i
 may be lowered, moved farther or shortened, and where that does not help either, be left out.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
 from openrooms_usd.scan.placement.fitting import fit
-from openrooms_usd.scan.placement.landing import land
-from openrooms_usd.scan.placement.leavingout import LeftOut, left_out
+from openrooms_usd.scan.placement.leavingout import MAX_GAP_M, LeftOut, left_out
 from openrooms_usd.scan.placement.settling import (
     find_supports,
     lay_along_walls,
+    lower,
     set_upright,
     settle_again,
 )
 from openrooms_usd.scan.placement.spreading import Spread
-from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support
+from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest
 from openrooms_usd.scan.placement.violations import Unresolved, violations
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
@@ -44,6 +45,10 @@ _MAX_FITS: Final = 4
 # Motion by which what was shortened comes to rest, metres: the cut leaves it free.
 _FITTED_REACH_M: Final = 0.03
 _FITTED_ROUNDS: Final = 4
+# Largest fall, metres: what the holes of a scan hide, such as the mattress under a pillow.
+_MAX_FALL_M: Final = 0.5
+# Least part of a base on what carries it.
+_MIN_BASE_SHARE: Final = 0.3
 
 
 @dataclass(frozen=True)
@@ -224,3 +229,63 @@ def _placed(state: Arrangement) -> tuple[FoundObject, ...]:
         pose = posed(found.pose, state.motions[row]) if state.has_moved(row) else found.pose
         placed.append(replace(found, placed=pose, support=on))
     return tuple(placed)
+
+
+def land(state: Arrangement, wrong: Sequence[Unresolved]) -> bool:
+    """Put what floats on what is nearest below it; a lamp near the ceiling, or far from all, hangs.
+
+    Args:
+        state: The objects; changed.
+        wrong: What is wrong with them.
+
+    Returns:
+        Whether anything has a support now that had none.
+    """
+    floating = {one.instance for one in wrong if one.kind == "floats" and one.depth > MAX_GAP_M}
+    rows = [row for row, thing in enumerate(state.objects) if thing.instance in floating]
+    landed = False
+    for row in sorted(rows, key=lambda row: (float(state.bodies[row].low[2]), row)):
+        found = min(_below(state, row), key=lambda each: each[:2], default=None)
+        if _is_lamp(state, row) and (found is None or _gap_above(state, row) < found[0]):
+            # One that is far from all hangs on a cable that its CAD lacks.
+            state.supports[row] = Support(CEILING)
+        elif found is not None and row not in state.given:
+            state.supports[row] = found[2]
+        else:
+            continue
+        before = float(state.bodies[row].low[2])
+        lower(state, row)
+        for other in state.carried(row):
+            state.shift(other, np.array([0.0, 0.0, float(state.bodies[row].low[2]) - before]))
+        landed = True
+    return landed
+
+
+def _below(state: Arrangement, row: int) -> Iterator[tuple[float, int, Support]]:
+    """What may carry an object after a fall, and how far that is."""
+    body = state.bodies[row]
+    gap = float(body.low[2] - state.rooms[row].floor)
+    if 0.0 < gap < _MAX_FALL_M:
+        yield gap, -1, Support(FLOOR)
+    above = set(state.carried(row))
+    for other, under in enumerate(state.bodies):
+        if other == row or other in above or under.low[2] > body.low[2]:
+            continue
+        if under.high[2] < body.low[2] - _MAX_FALL_M:
+            continue
+        there = rest(body, under)
+        if there is not None and there.gap < _MAX_FALL_M and there.share > _MIN_BASE_SHARE:
+            yield abs(there.gap), other, Support(OBJECT, other)
+
+
+def _is_lamp(state: Arrangement, row: int) -> bool:
+    thing = state.objects[row]
+    return any(
+        "lamp" in (word or "") or "light" in (word or "")
+        for word in (thing.category, thing.word, category_of(thing.word, 0.0))
+    )
+
+
+def _gap_above(state: Arrangement, row: int) -> float:
+    ceiling = state.rooms[row].ceiling
+    return np.inf if ceiling is None else abs(ceiling - float(state.bodies[row].high[2]))

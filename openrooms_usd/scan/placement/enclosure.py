@@ -186,6 +186,7 @@ def _dense(plan: Array, reflex: Array) -> Array:
     number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     points = start[row] + (number / np.maximum(counts[row], 1))[:, None] * way[row]
     points = np.concatenate([plan.reshape(-1, 2), points])
-    _, kept = np.unique(np.round(points / (0.5 * _EDGE_SAMPLE_M)).astype(np.int64) @ [1 << 32, 1],
-                        return_index=True)  # fmt: skip
+    _, kept = np.unique(
+        np.round(points / (0.5 * _EDGE_SAMPLE_M)).astype(np.int64) @ [1 << 32, 1], return_index=True
+    )
     return np.asarray(points[np.sort(kept)])

@@ -144,8 +144,10 @@ def _lowest(found: Chords) -> Chords:
 
 def order(bodies: Sequence[Body], floor: Sequence[float]) -> list[int]:
     """Rows of bodies from the bottom up: supports before what they carry."""
-    return sorted(range(len(bodies)), key=lambda i: (not is_rug(bodies[i], floor[i]),
-                                                     float(bodies[i].low[2]), i))  # fmt: skip
+    return sorted(
+        range(len(bodies)),
+        key=lambda i: (not is_rug(bodies[i], floor[i]), float(bodies[i].low[2]), i),
+    )
 
 
 def is_rug(body: Body, floor: float) -> bool:
@@ -217,9 +219,13 @@ def _hanging(body: Body, room: Enclosure) -> Iterator[tuple[float, Support]]:
 
 
 def _standing(
-    body: Body, bodies: Sequence[Body], below: Sequence[int], room: Enclosure,
-    sunk: float, floating: float,
-) -> list[tuple[float, Support]]:  # fmt: skip
+    body: Body,
+    bodies: Sequence[Body],
+    below: Sequence[int],
+    room: Enclosure,
+    sunk: float,
+    floating: float,
+) -> list[tuple[float, Support]]:
     """The floor, a rug on it, and objects with near tops, with their costs."""
     found: list[tuple[float, Support]] = []
     gap = float(body.low[2] - room.floor)

@@ -1,8 +1,9 @@
 """Point clouds, and what follows from the points alone.
 
-- `cloud`: points with colours, normals, labels and sensor origins; `fusion`: of depth frames;
+- `cloud`: points with colours, normals, labels and sensor origins; `fusion`: of depth frames,
+  with estimated normals;
 - `thinning`, `voxels`: voxel-grid downsampling, and accumulation in bounded memory;
-- `normals`, `planes`, `surfels`: estimated normals, MSAC plane fits, one surfel a voxel;
-- `nearest`, `principal`: plane fits to the nearest points of sparse scans, and from moments;
+- `planes`, `surfels`: MSAC plane fits, those from moments, and one surfel a voxel,
+  of sparse scans from the nearest points;
 - `visibility`, `sightlines`: range panoramas of the sensors, and unoccluded lines of sight.
 """

@@ -56,8 +56,13 @@ class Sight:
                 distance, _CLEAR_BEFORE_SURFACE_M
             )
             rows = np.flatnonzero(facing & (distance < _MAX_SIGHT_M))
-            seen[rows[~self._blocked(places[rows], sight[rows] / distance[rows, None], outward,
-                                     distance[rows])]] += 1  # fmt: skip
+            seen[
+                rows[
+                    ~self._blocked(
+                        places[rows], sight[rows] / distance[rows, None], outward, distance[rows]
+                    )
+                ]
+            ] += 1
         return seen
 
     def _blocked(self, places: Array, toward: Array, outward: Array, distance: Array) -> Mask:

@@ -1,16 +1,16 @@
 """Aligns CADs to all objects of a scan: retrieval, pose search, and a test of the result."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
+from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.scan.models.cad import CadModel
-from openrooms_usd.scan.models.symmetry import symmetry_of
+from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
@@ -30,6 +30,7 @@ from openrooms_usd.scan.registration.template import directions, posed, template
 from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls, walls_of
 from openrooms_usd.scan.results import FoundObject, FoundRoom
+from openrooms_usd.threads import mapped
 
 Array = NDArray[np.float64]
 
@@ -45,6 +46,15 @@ _MAX_VISIBILITY_POINTS: Final = 300_000
 _MIN_BOX_POINTS: Final = 10
 # Energy of the prior against any support but the likeliest.
 _OTHER_SUPPORT_ENERGY: Final = 9.0
+# Samples of the surface that rotated samples are compared with.
+_DENSE_POINTS: Final = 16000
+# A rotated surface is the same if this share of it is within this share of its size: about a
+# centimetre of a chair, which scanners do not resolve.
+_MIN_SAME_SHARE: Final = 0.985
+_SAME_SIZE_SHARE: Final = 0.012
+# Rotations such that only solids of revolution are symmetric under all, no polygons of up to eight
+# corners.
+_ODD_TURNS_RAD: Final = tuple(np.deg2rad([17.0, 31.0, 53.0, 72.0, 101.0, 127.0, 149.0]))
 
 
 @dataclass(frozen=True)
@@ -153,10 +163,10 @@ class _Scene:
             except RefusedError as refusal:
                 return refusal
 
-        with ThreadPoolExecutor(max(workers, 1)) as pool:
-            for done, (hint, fit) in enumerate(zip(hints, pool.map(fitted, hints), strict=True), 1):
-                progress(f"object {done} of {len(hints)}", done / len(hints))
-                yield hint, fit
+        fits = mapped(fitted, hints, workers)
+        for done, (hint, fit) in enumerate(zip(hints, fits, strict=True), 1):
+            progress(f"object {done} of {len(hints)}", done / len(hints))
+            yield hint, fit
 
     def fitted(self, hint: Hint) -> tuple[Evidence, Sizes]:
         """The points of an object, and its best fits of free and of true size."""
@@ -276,3 +286,31 @@ def _reference(model: CadModel, upright: Array, box: Box) -> Array:
     level = float(np.sqrt(np.prod(size[:2]) / max(float(np.prod(own[:2])), 1e-12)))
     scale = np.array([level, level, size[2] / max(float(own[2]), 1e-6)])
     return np.asarray(np.abs(upright).T @ scale)
+
+
+def symmetry_of(model: CadModel, upright: Array) -> Symmetry:
+    """The symmetry of a CAD about the vertical through the middle of its box.
+
+    Args:
+        model: The CAD; what it states is not asked.
+        upright: (3, 3) signed permutation to Z up.
+    """
+    low, high = np.sort(model.extent @ upright.T, axis=0)
+    middle = 0.5 * (low + high)
+    points = model.surface.points @ upright.T - middle
+    whole, _, area = scattered(model.vertices[model.faces], _DENSE_POINTS)
+    tree: KDTree[None] = KDTree(whole @ upright.T - middle)
+    limit = max(
+        _SAME_SIZE_SHARE * float(np.linalg.norm(high - low)),
+        1.6 * float(np.sqrt(area / _DENSE_POINTS)),
+    )
+
+    def same(angle: float) -> bool:
+        distance, _ = tree.query(points @ about_z(-angle), distance_upper_bound=limit)
+        return bool(np.isfinite(distance).mean() >= _MIN_SAME_SHARE)
+
+    if all(same(angle) for angle in _ODD_TURNS_RAD):
+        return "inf"
+    if not same(np.pi):
+        return "none"
+    return "4" if same(0.5 * np.pi) else "2"

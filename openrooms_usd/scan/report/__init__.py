@@ -1,4 +1,4 @@
 """What was found, for people: a plan over the scan, with captions.
 
-- `canvas`: drawing; `captions`: what colours mean; `overlay`: the whole picture.
+- `canvas`: drawing; `overlay`: the whole picture, and what its colours mean.
 """

@@ -67,9 +67,13 @@ class Canvas:
         return np.repeat(np.repeat(blocks, grain, axis=0), grain, axis=1)[:height, :width]
 
     def line(
-        self, start: Array, end: Array, color: Color, width: float,
+        self,
+        start: Array,
+        end: Array,
+        color: Color,
+        width: float,
         dash: tuple[float, float] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Draw a straight line of a width in pixels, dashed by lengths of ink and gap in pixels."""
         (x0, y0), (x1, y1) = self.place(np.array([start, end]))
         reach = width / 2 + 1

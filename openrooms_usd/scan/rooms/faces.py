@@ -64,10 +64,13 @@ class _Columns:
         pixel = np.clip(pixel, 0, np.array(self.total.shape[:2]) - 1)
         x, y = pixel.T
         a, b = (
-            np.clip(np.rint(np.broadcast_to(height, len(places)) / _COURSE_M).astype(int), 0,
-                    self.total.shape[2] - 1)
+            np.clip(
+                np.rint(np.broadcast_to(height, len(places)) / _COURSE_M).astype(int),
+                0,
+                self.total.shape[2] - 1,
+            )
             for height in (low, high)
-        )  # fmt: skip
+        )
         filled = self.total[x, y, b] - self.total[x, y, a]
         return np.asarray(filled / np.maximum(b - a, 1) * (b > a))
 

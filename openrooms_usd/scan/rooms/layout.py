@@ -3,6 +3,8 @@
 Line hypotheses (`candidates`, and `borders` for missed walls) cut the plan into cells; for each
 space of a watershed (`spaces`) a minimum cut labels them inside or outside (`roomoutline`); the
 outline is simplified as long as its cost falls (`outline`), and its lines are refitted (`refit`).
+
+An open leaf is collinear with no wall.
 """
 
 from dataclasses import dataclass
@@ -13,14 +15,13 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import SparseScanError
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.surfels import Surfels, surfels
+from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.borders import border_lines, end_lines, moved_behind
 from openrooms_usd.scan.rooms.candidates import wall_lines
 from openrooms_usd.scan.rooms.ceilings import ceiling_height, ceiling_slopes
 from openrooms_usd.scan.rooms.cells import cut_plan
-from openrooms_usd.scan.rooms.coverage import covered_lengths, residuals, seen_shares
-from openrooms_usd.scan.rooms.doorleaves import open_leaves
+from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE, angle_between
 from openrooms_usd.scan.rooms.faces import no_walls
 from openrooms_usd.scan.rooms.levelling import Level
 from openrooms_usd.scan.rooms.outline import Outline
@@ -47,6 +48,23 @@ _OTHER_DIRECTION_COS: Final = 0.87
 _OWN_WALLS_SHARE: Final = 0.6
 _OWN_FLOOR_SHARE: Final = 0.6
 _SHARED_WALL_M: Final = 0.03
+Mask = NDArray[np.bool_]
+
+# NYU40.
+_WALL_LABEL: Final = 1
+_DOOR_LABEL: Final = 8
+# Below this, skirting boards and thresholds are labelled door, too, metres.
+_SKIRTING_M: Final = 0.1
+# Radius of the neighbourhood whose principal axis is the direction of a leaf or wall, metres.
+_DIRECTION_RADIUS_M: Final = 0.35
+_MIN_PIECES: Final = 8
+# A closed door continues a wall: within this angle, range and band, in so many columns. One that
+# is parallel to the walls may stand in a deep frame.
+_ALIKE_DEG: Final = 4.0
+_WALL_ONWARD_M: Final = 1.5
+_WALL_BAND_M: Final = 0.08
+_FRAME_BAND_M: Final = 0.12
+_MIN_COLUMNS: Final = 6
 
 
 @dataclass(frozen=True)
@@ -107,9 +125,15 @@ class LayoutRoom:
         }
         finite = {name: value for name, value in measures.items() if np.isfinite(value)}
         return FoundRoom(
-            level.normal, level.point, corners, self.guessed, self.ceiling, openings, finite,
+            level.normal,
+            level.point,
+            corners,
+            self.guessed,
+            self.ceiling,
+            openings,
+            finite,
             tuple((back[:3, :3] @ n, back[:3, :3] @ p + back[:3, 3]) for n, p in self.slopes),
-        )  # fmt: skip
+        )
 
 
 def find_layout(
@@ -146,9 +170,15 @@ def find_layout(
     lines = _lines(walls, spaces, level.directions)
     cells = cut_plan(lines, spaces.low, spaces.high, level.directions)
     plan = Plan(
-        walls, spaces, cells, level.directions, options.simplicity,
-        _PARTIAL_INSIDE_GAIN if options.partial else _INSIDE_GAIN, sensor_origins, included,
-    )  # fmt: skip
+        walls,
+        spaces,
+        cells,
+        level.directions,
+        options.simplicity,
+        _PARTIAL_INSIDE_GAIN if options.partial else _INSIDE_GAIN,
+        sensor_origins,
+        included,
+    )
     rooms: list[LayoutRoom] = []
     refused = 0.0
     walled = walled_shares(spaces, walls)
@@ -241,3 +271,105 @@ def _its_own(room: LayoutRoom, others: list[LayoutRoom], spaces: Spaces) -> bool
     inside = shapely.contains_xy(shape, spaces.centres())
     floor = float((spaces.rooms.ravel()[inside] > 0).mean())
     return own > _OWN_WALLS_SHARE and floor > _OWN_FLOOR_SHARE
+
+
+def seen_shares(outline: Outline, walls: Walls) -> Array:
+    """(N,) the part of each wall with vertical surfels."""
+    corners = outline.corners()
+    seen = np.zeros(len(outline))
+    for i, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        line = profile(walls, outline.normals[i], float(outline.offsets[i]))
+        seen[i] = line.seen_length(start @ line.along, end @ line.along) / np.linalg.norm(
+            end - start
+        )
+    return seen
+
+
+def covered_lengths(outline: Outline, walls: Walls) -> Array:
+    """(N,) metres of each wall with surfels that count as wall."""
+    corners = outline.corners()
+    found = np.zeros(len(outline))
+    for i, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
+        line = profile(walls, outline.normals[i], float(outline.offsets[i]))
+        found[i] = line.covered(start @ line.along, end @ line.along)
+    return found
+
+
+def residuals(outline: Outline, walls: Walls) -> Array:
+    """(P,) signed distances of surfels to their walls, outwards, metres."""
+    starts = outline.corners()
+    ends = np.roll(starts, -1, axis=0)
+    found = []
+    for normal, offset, start, end in zip(
+        outline.normals, outline.offsets, starts, ends, strict=True
+    ):
+        along = np.array([-normal[1], normal[0]])
+        place, across = walls.points @ along, walls.points @ normal - offset
+        on = (place > start @ along) & (place < end @ along) & (np.abs(across) < walls.reach)
+        found.append(across[on])
+    return np.concatenate(found)
+
+
+def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
+    """The surfels of open leaves: labelled door, and continuing no wall.
+
+    Args:
+        pieces: Surfels of a level scan; without labels no leaf is found.
+        directions: Of walls, degrees modulo 90.
+    """
+    none = np.zeros(len(pieces), dtype=np.bool_)
+    if pieces.label is None or not directions:
+        return none
+    standing = (np.abs(pieces.normals[:, 2]) < UPRIGHT_SINE) & (pieces.points[:, 2] > _SKIRTING_M)
+    doors = np.flatnonzero(standing & (pieces.label == _DOOR_LABEL))
+    walls = np.flatnonzero(standing & (pieces.label == _WALL_LABEL))
+    if not len(doors) or not len(walls):
+        return none
+    places, column = _columns(pieces.points[doors, :2])
+    angle = _normal_directions(places)
+    off = np.min([angle_between(angle, direction) for direction in directions], axis=0)
+    band = np.where(off > _ALIKE_DEG, _WALL_BAND_M, _FRAME_BAND_M)
+    leaf = np.isfinite(angle) & ~_in_line(
+        places, angle, band, _columns(pieces.points[walls, :2])[0]
+    )
+    none[doors[leaf[column]]] = True
+    return none
+
+
+def _columns(plan: Array) -> tuple[Array, NDArray[np.int64]]:
+    """(C, 2) centroids of occupied cells of the plan, and (N,) the cell of each surfel."""
+    cells = np.floor((plan - plan.min(axis=0)) / VOXEL_M).astype(np.int64)
+    _, column = np.unique(cells @ [1 << 32, 1], return_inverse=True)
+    count = np.bincount(column)
+    return np.column_stack([np.bincount(column, axis) / count for axis in plan.T]), column
+
+
+def _normal_directions(places: Array) -> Array:
+    """(C,) normal directions of line fits around places, degrees; NaN where there is too little."""
+    from scipy.spatial import KDTree
+
+    near = KDTree(places).query_pairs(_DIRECTION_RADIUS_M, output_type="ndarray")
+    pairs = np.concatenate([near, near[:, ::-1], np.repeat(np.arange(len(places))[:, None], 2, 1)])
+    x, y = places[pairs[:, 1]].T
+    count, sx, sy, xx, xy, yy = (
+        np.bincount(pairs[:, 0], values, len(places)).astype(np.float64)
+        for values in (np.ones(len(pairs)), x, y, x * x, x * y, y * y)
+    )
+    covariance = xy - sx * sy / count
+    difference = (xx - sx * sx / count) - (yy - sy * sy / count)
+    along = 0.5 * np.arctan2(2.0 * covariance, difference)
+    return np.where(count >= _MIN_PIECES, np.rad2deg(along) + 90.0, np.nan)
+
+
+def _in_line(places: Array, angles: Array, band: Array, walls: Array) -> Mask:
+    """(N,) whether a wall is collinear with the leaf at each place."""
+    from scipy.spatial import KDTree
+
+    found = np.zeros(len(places), bool)
+    runs = _normal_directions(walls)
+    for row, near in enumerate(KDTree(walls).query_ball_point(places, _WALL_ONWARD_M)):
+        turn = np.deg2rad(angles[row])
+        away = np.abs((walls[near] - places[row]) @ np.array([np.cos(turn), np.sin(turn)]))
+        alike = angle_between(runs[near], angles[row], 180.0) < _ALIKE_DEG
+        found[row] = ((away < band[row]) & alike).sum() >= _MIN_COLUMNS
+    return found

@@ -1,5 +1,10 @@
-"""The outline of one room of a level scan: minimum cut, simplification, piers, line fits."""
+"""The outline of one room of a level scan: minimum cut, simplification, piers, line fits.
 
+The minimum cut charges for the missed side and may leave a pier out; full-height wall inside the
+outline then shows where it is.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -8,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.rooms.cells import Cells, inside_by_cut
-from openrooms_usd.scan.rooms.costs import Cost
+from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
-from openrooms_usd.scan.rooms.piers import with_piers
 from openrooms_usd.scan.rooms.refit import refitted
 from openrooms_usd.scan.rooms.spaces import Spaces
-from openrooms_usd.scan.rooms.walls import Walls
+from openrooms_usd.scan.rooms.walls import Line, Walls, profile
 
 Array = NDArray[np.float64]
 
@@ -23,6 +27,84 @@ Array = NDArray[np.float64]
 _OTHER_ROOM_GAIN: Final = -1.0
 _UNSEEN_GAIN: Final = -0.05
 _CUT_PASSES: Final = 2
+# Of a metre of wall inside, away from the outline, in metres of missing wall.
+_WALL_INSIDE_COST: Final = 2.5
+# Walls shorter than the first are likely window reveals or drift, and cost the second more, metres.
+_SHORT_WALL_COSTS_M: Final = ((0.2, 0.4), (0.08, 2.0))
+# A wall of which less than this part shows is assumed; it costs as much more, metres: rather than
+# that walls step where nobody looked, they go straight on.
+_ASSUMED_SHARE: Final = 0.2
+_ASSUMED_WALL_COST_M: Final = 0.3
+# If all sensors are outside, metres of missing wall; in proportion if some are.
+_SENSORS_OUTSIDE_COST_M: Final = 30.0
+_MAX_DEPTH_M: Final = 2.0
+# A freestanding wall has surfels, of its back or the floor, in more than this part of its pier.
+_MAX_SCANNED_SHARE: Final = 0.3
+_MIN_WALL_M: Final = 0.1
+_MIN_EVIDENCE_PIXELS: Final = 0.25  # of a pixel's width
+
+
+class Cost:
+    """The cost of an outline: missing wall, corners and walls inside, less gains of its pixels.
+
+    Args:
+        walls: The surfels of walls.
+        centres: (P, 2) the middles of pixels.
+        gain: (P,) of each pixel inside.
+        standing: (P,) metres of full-height wall in each.
+        simplicity: Penalty of a corner, metres.
+        directions: Of walls, degrees modulo 90.
+        sensors: (E, 2) sensor origins in the room.
+    """
+
+    def __init__(
+        self,
+        walls: Walls,
+        centres: Array,
+        gain: Array,
+        standing: Array,
+        simplicity: float,
+        directions: tuple[float, ...] = (),
+        sensors: Array | None = None,
+    ) -> None:
+        self._sensors = np.zeros((0, 2)) if sensors is None else sensors
+        self._walls, self._simplicity, self._directions = walls, simplicity, directions
+        self._centres, self._gain = centres[gain != 0.0], gain[gain != 0.0]
+        self._tall, self._standing = centres[standing > 0.0], standing[standing > 0.0]
+        self._lines: dict[tuple[float, ...], Line] = {}
+
+    def __call__(self, outline: Outline) -> float:
+        """Metres."""
+        import shapely
+
+        corners = outline.corners()
+        missing, rate = 0.0, unseen_wall_cost(outline.normals, self._directions)
+        for i in range(len(outline)):
+            line = self._line(outline.normals[i], float(outline.offsets[i]))
+            a, b = corners[i] @ line.along, corners[(i + 1) % len(corners)] @ line.along
+            length, covered = float(abs(b - a)), float(line.covered(a, b))
+            missing += (length - covered) * float(rate[i])
+            missing += _ASSUMED_WALL_COST_M * (covered < _ASSUMED_SHARE * length)
+            missing += sum(cost for short, cost in _SHORT_WALL_COSTS_M if length < short)
+        polygon = shapely.Polygon(corners)
+        shapely.prepare(polygon)
+        won = self._gain[shapely.contains_xy(polygon, self._centres)].sum()
+        if len(self._sensors):
+            missing += _SENSORS_OUTSIDE_COST_M * float(
+                (~shapely.contains_xy(polygon, self._sensors)).mean()
+            )
+        inner = polygon.buffer(-self._walls.thickness, join_style="mitre")
+        shapely.prepare(inner)
+        left = self._standing[shapely.contains_xy(inner, self._tall)].sum()
+        return (
+            missing + self._simplicity * len(outline) + _WALL_INSIDE_COST * float(left) - float(won)
+        )
+
+    def _line(self, normal: Array, offset: float) -> Line:
+        key = (*normal.tolist(), offset)
+        if key not in self._lines:
+            self._lines[key] = profile(self._walls, normal, offset)
+        return self._lines[key]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +135,14 @@ class Plan:
         """The outline of the space with a number from 1: the cheaper of two hypotheses."""
         scanned = self._gain(number, self.spaces.scanned)
         cost = Cost(
-            self.walls, self.spaces.centres(), scanned, self.spaces.standing.ravel(),
-            self.simplicity, self.directions, self._sensors_in(number),
-        )  # fmt: skip
+            self.walls,
+            self.spaces.centres(),
+            scanned,
+            self.spaces.standing.ravel(),
+            self.simplicity,
+            self.directions,
+            self._sensors_in(number),
+        )
         middle = self.spaces.middles[number - 1]
         # Space hidden by furniture belongs to the room; free space without surfels perhaps not.
         gains = (self._gain(number, self.spaces.seen), scanned)
@@ -103,3 +190,71 @@ class Plan:
         """(S, 2) sensor origins in a room, and the places that it must contain."""
         within = self.sensor_origins[self.spaces.numbers(self.sensor_origins) == number]
         return np.concatenate([within, self.kept])
+
+
+def with_piers(
+    outline: Outline, spaces: Spaces, away: float, cost: Callable[[Outline], float]
+) -> Outline:
+    """Add rectangular piers around full-height wall inside, where that lowers the cost.
+
+    Args:
+        outline: The room so far.
+        spaces: The map of the plan.
+        away: Wall nearer to the outline than this is the outline's own, metres.
+        cost: Of an outline.
+    """
+    for places in _standing_inside(outline, spaces, away):
+        tries = [_pier(outline, wall, places) for wall in range(len(outline))]
+        valid = [other for other in tries if other is not None and other.valid()]
+        valid = [other for other in valid if _is_solid(outline, other, spaces, away)]
+        if valid:
+            best = min(valid, key=cost)
+            outline = best if cost(best) < cost(outline) else outline
+    return outline
+
+
+def _standing_inside(outline: Outline, spaces: Spaces, away: float) -> list[Array]:
+    """(P, 2) the pixels of each connected component of wall inside an outline."""
+    import shapely
+    from scipy import ndimage
+
+    inner = shapely.Polygon(outline.corners()).buffer(-away, join_style="mitre")
+    shapely.prepare(inner)
+    inside = shapely.contains_xy(inner, spaces.centres()).reshape(spaces.standing.shape)
+    strong = inside & (spaces.standing > _MIN_EVIDENCE_PIXELS * PIXEL_M)
+    groups, count = ndimage.label(strong, np.ones((3, 3)))
+    centres = spaces.centres()
+    found = [groups.ravel() == number for number in range(1, count + 1)]
+    weights = spaces.standing.ravel()
+    return [centres[rows] for rows in found if weights[rows].sum() > _MIN_WALL_M]
+
+
+def _is_solid(outline: Outline, other: Outline, spaces: Spaces, away: float) -> bool:
+    """Whether the area that an outline cuts off has few surfels: else the wall is freestanding."""
+    import shapely
+
+    whole, rest = (shapely.Polygon(shape.corners()) for shape in (outline, other))
+    within = shapely.contains_xy(whole.difference(rest).buffer(-away), spaces.centres())
+    return not within.any() or float(spaces.scanned.ravel()[within].mean()) < _MAX_SCANNED_SHARE
+
+
+def _pier(outline: Outline, wall: int, places: Array) -> Outline | None:
+    """The outline with a rectangle around some places cut off at one of its walls."""
+    corners = outline.corners()
+    start, end = corners[wall], corners[(wall + 1) % len(outline)]
+    normal = outline.normals[wall]
+    along = np.array([-normal[1], normal[0]])
+    depth = outline.offsets[wall] - places @ normal
+    place = places @ along
+    a, b, deep = place.min(), place.max(), float(depth.max())
+    if deep > _MAX_DEPTH_M or a < start @ along - PIXEL_M or b > end @ along + PIXEL_M:
+        return None
+    normals = np.array([normal, along, normal, -along, normal])
+    offset = outline.offsets[wall]
+    offsets = np.array([offset, a, offset - deep, -b, offset])
+    order = np.arange(len(outline))
+    before, after = order < wall, order > wall
+    return Outline(
+        np.concatenate([outline.normals[before], normals, outline.normals[after]]),
+        np.concatenate([outline.offsets[before], offsets, outline.offsets[after]]),
+    )

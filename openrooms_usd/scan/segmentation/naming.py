@@ -61,24 +61,34 @@ def _backed(shape: Shape, part: float, wide: float) -> bool:
 
 def _sofa(shape: Shape) -> bool:
     return (
-        _stands(shape) and _seats(shape, 0.12) and _backed(shape, 0.6, 0.75)
-        and shape.backed[2] > 0.0 and shape.closed(0.1, shape.seat[0]) > 0.35
-    )  # fmt: skip
+        _stands(shape)
+        and _seats(shape, 0.12)
+        and _backed(shape, 0.6, 0.75)
+        and shape.backed[2] > 0.0
+        and shape.closed(0.1, shape.seat[0]) > 0.35
+    )
 
 
 def _armchair(shape: Shape) -> bool:
     return (
-        _stands(shape) and _seats(shape, 0.25) and _backed(shape, 0.55, 0.7)
+        _stands(shape)
+        and _seats(shape, 0.25)
+        and _backed(shape, 0.55, 0.7)
         and shape.closed(0.1, shape.seat[0]) > 0.55
-    )  # fmt: skip
+    )
 
 
 def _toilet(shape: Shape) -> bool:
     at_its_end = shape.backed[2] == 0.0
     return (
-        _stands(shape) and _seats(shape, 0.3) and _backed(shape, 0.7, 0.7) and at_its_end
-        and _solid_below(shape) and shape.to_wall < _TOUCHES_M and not shape.brightness < 0.5
-    )  # fmt: skip
+        _stands(shape)
+        and _seats(shape, 0.3)
+        and _backed(shape, 0.7, 0.7)
+        and at_its_end
+        and _solid_below(shape)
+        and shape.to_wall < _TOUCHES_M
+        and not shape.brightness < 0.5
+    )
 
 
 def _solid_below(shape: Shape) -> bool:
@@ -89,9 +99,12 @@ def _chair(shape: Shape) -> bool:
     square = shape.long < 1.4 * shape.short
     narrow = shape.short < 0.5
     return (
-        _stands(shape) and square and _seats(shape, 0.2) and _backed(shape, 0.7, 0.75)
+        _stands(shape)
+        and square
+        and _seats(shape, 0.2)
+        and _backed(shape, 0.7, 0.75)
         and not (narrow and _solid_below(shape))
-    )  # fmt: skip
+    )
 
 
 def _bed(shape: Shape) -> bool:
@@ -105,17 +118,23 @@ def _bed(shape: Shape) -> bool:
 def _table(shape: Shape) -> bool:
     height, share = shape.top
     return (
-        _stands(shape) and 0.62 <= height <= 0.82 and share >= 0.55
-        and shape.height - height < 0.12 and shape.closed(0.1, height - 0.12) < 0.5
-    )  # fmt: skip
+        _stands(shape)
+        and 0.62 <= height <= 0.82
+        and share >= 0.55
+        and shape.height - height < 0.12
+        and shape.closed(0.1, height - 0.12) < 0.5
+    )
 
 
 def _low_table(shape: Shape) -> bool:
     height, share = shape.top
     return (
-        _stands(shape) and share >= 0.6 and shape.height - height < 0.08
-        and shape.closed(0.08, height - 0.08) < 0.5 and shape.to_wall > _AT_WALL_M
-    )  # fmt: skip
+        _stands(shape)
+        and share >= 0.6
+        and shape.height - height < 0.08
+        and shape.closed(0.08, height - 0.08) < 0.5
+        and shape.to_wall > _AT_WALL_M
+    )
 
 
 def _desk(shape: Shape) -> bool:
@@ -126,9 +145,10 @@ def _cabinet(shape: Shape) -> bool:
     # Desks are as high, and what stands below them closes their sides.
     like_desk = 0.66 < shape.height < 0.82
     return (
-        _stands(shape) and shape.to_wall < _AT_WALL_M
+        _stands(shape)
+        and shape.to_wall < _AT_WALL_M
         and shape.closed(0.15, shape.height - 0.08) > (0.85 if like_desk else 0.6)
-    )  # fmt: skip
+    )
 
 
 def _bookshelf(shape: Shape) -> bool:

@@ -157,9 +157,15 @@ def shape_of(points: Array, normals: Array, walls: Walls, brightness: float) -> 
     base, size, yaw, lowest = upright_box(points, walls)
     local = (points - base) @ _about_z(yaw)
     return Shape(
-        local, np.abs(normals[:, 2]) > _LEVEL_COS, size, base, lowest, yaw,
-        _to_wall(base, size, yaw, walls), brightness,
-    )  # fmt: skip
+        local,
+        np.abs(normals[:, 2]) > _LEVEL_COS,
+        size,
+        base,
+        lowest,
+        yaw,
+        _to_wall(base, size, yaw, walls),
+        brightness,
+    )
 
 
 def upright_box(points: Array, walls: Walls) -> tuple[Array, Array, float, float]:

@@ -8,7 +8,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd.library.construction import joint_damping_of
 from openrooms_usd.library.friction import friction_of
-from openrooms_usd.stages.looks import VARIANT_SET
+from openrooms_usd.stages.materials.looks import VARIANT_SET
 from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.colliders import AssetColliders, LinkColliders
 from openrooms_usd.stages.physics.parts import Solid, Substance

@@ -12,7 +12,6 @@
 """
 
 from collections.abc import Iterable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
@@ -31,6 +30,7 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset
 from openrooms_usd.stages.physics.colliders import AssetColliders, colliders_of
 from openrooms_usd.stages.physics.parts import looks_of, read_links
+from openrooms_usd.threads import mapped
 from openrooms_usd.usd.bodies import frame_and_scale
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.semantics import read_label
@@ -95,7 +95,9 @@ class Objects:
         given = self.section.objects.get(root.GetName(), PhysicsObject())
         category = read_label(root, names.CATEGORY) or ""
         return RigidAsset(
-            path, str(root.GetAssetInfo().get("name", "")) or root.GetName(), category,
+            path,
+            str(root.GetAssetInfo().get("name", "")) or root.GetName(),
+            category,
             not movable(category, _support(root)) if given.body is None else given.body == "fixed",
             given.mass or _mass_by_hand(root),
             given.friction,
@@ -106,7 +108,7 @@ class Objects:
                 given.shapes or self.section.shapes,
                 tolerance_of(category, self.section.tolerance),
             ),
-        )  # fmt: skip
+        )
 
 
 def _content(root: Usd.Prim) -> object:
@@ -158,10 +160,8 @@ def search_colliders(
     What has none is left out, with a note.
     """
     waiting = list(assets)
-    with ThreadPoolExecutor(max(1, context.workers)) as pool:
-        found = list(pool.map(_tried, waiting))
     made = {}
-    for asset, searched in zip(waiting, found, strict=True):
+    for asset, searched in zip(waiting, mapped(_tried, waiting, context.workers), strict=True):
         if isinstance(searched, InputError):
             context.notes.append(f"{asset.root.name} has no physics: {searched.message}")
             continue

@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.stages.looks import VARIANT_SET
+from openrooms_usd.stages.materials.looks import VARIANT_SET
 from openrooms_usd.usd import physics
 from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.frames import TIME, matrix

@@ -11,7 +11,7 @@ from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.layout import CapturedLayout, PolygonLayout
 from openrooms_usd.description.rewriting import rewritten
 from openrooms_usd.errors import DescriptionError, OrusdError, OutputError
-from openrooms_usd.stages.layout import described_plan, plan_of
+from openrooms_usd.stages.layout.stage import described_plan, plan_of
 from openrooms_usd.untrusted import read_bytes, read_text
 from openrooms_usd.view.plan.drawing import Drawing
 from openrooms_usd.view.plan.underlay import (

@@ -23,9 +23,9 @@ from openrooms_usd.errors import InputError, SparseScanError
 from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.names import ROOM_HEIGHT, SCANNED_HEIGHT
 from openrooms_usd.stages.base import input_file
-from openrooms_usd.stages.layout import Plan, plan_of
-from openrooms_usd.stages.openings import Cut
-from openrooms_usd.stages.scanned import ScannedRoom, scanned
+from openrooms_usd.stages.layout.openings import Cut
+from openrooms_usd.stages.layout.scanned import ScannedRoom, find, scanned, taken
+from openrooms_usd.stages.layout.stage import Plan, plan_of
 from openrooms_usd.view.plan.drawing import Drawing, Point
 
 Array = NDArray[np.float64]
@@ -99,11 +99,12 @@ def _of_scan(layout: ScanLayout, path: Path, folder: Path) -> Underlay:
     notes: list[str] = []
     found: dict[str, Drawing] = {}
     try:
-        first = scanned(layout, path, folder)
-        count = len(first.layout.rooms)
+        rooms, capture = find(layout, path, folder)
+        first = taken(layout, path, rooms, capture)
+        count = len(rooms.rooms)
         for wanted in (*range(count), *(["all"] if count > 1 else [])):
-            one = scanned(layout.model_copy(update={"room": wanted}), path, folder)
-            if wanted != "all" or len(one.rooms) > 1:
+            one = taken(layout.model_copy(update={"room": wanted}), path, rooms, capture)
+            if wanted != "all" or len(one.chosen) > 1:
                 found[str(wanted)] = _found(layout, one.capture, folder, notes)
     except SparseScanError as error:
         notes.append(f"{error.message}: draw the room")

@@ -1,0 +1,8 @@
+"""The alignment: furniture as references to published assets, each at its place.
+
+- `stage`: all objects, their prims, and what follows when people move something;
+- `catalogue`, `surroundings`, `placement`, `poses`: assets, the room as it stands, what carries
+  what, and how a pose is written;
+- `captured`, `aligned`: boxes and CADs of captures;
+- `furnished`, `instances`, `shelf`: the things of a scan, and what stands for them.
+"""

@@ -1,0 +1,217 @@
+"""What lies behind openings that lead to another part of the house: a lit hallway.
+
+::
+
+    /World/Room/Beyond          Scope
+        door_0                  Xform, in the frame of its wall, named as the opening
+            Floor               Mesh, like Ceiling, Wall_0, Wall_1, Wall_2, Door, Skirting, Lamp
+            Picture_0           Xform, like Runner: parts of things from the library
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pxr import Gf, Usd, UsdGeom
+
+from openrooms_usd import names
+from openrooms_usd.furniture import Size, make, part_of, styles
+from openrooms_usd.geometry.hallways import SHEET_M, Hallway, door_space, hallway
+from openrooms_usd.geometry.walls import Wall
+from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.layout.joinery import author_mesh
+from openrooms_usd.stages.layout.openings import Cut
+from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.photometry import nits_from_lumen, world_area
+from openrooms_usd.usd.semantics import label
+from openrooms_usd.usd.transforms import author_placement
+
+Array = NDArray[np.float64]
+
+# What is tried, the most liked first: how deep it is, and how far it goes to both sides of the
+# opening's middle; metres.
+_DEPTHS_M: Final = (1.7, 1.4, 1.15, 0.95, 0.8)
+_HALF_LENGTHS_M: Final = (2.2, 1.6, 1.1, 0.75, 0.55)
+# Where the door across stands, from the left to the right.
+_DOORS: Final = (0.08, 0.3, 0.5, 0.7, 0.92)
+# Between it and another opening of its wall, and beside its own; metres.
+_BESIDE_M: Final = 0.12
+# Before windows nothing stands so near, metres.
+_FREE_BEFORE_WINDOWS_M: Final = 3.0
+_HEIGHT_M: Final = 2.5
+# Above the opening, metres.
+_HEADROOM_M: Final = 0.12
+# A leaf that swings out needs its width and this, metres.
+_LEAF_GAP_M: Final = 0.06
+_LUMEN, _KELVIN = 800.0, 3000.0
+# Free wall beside a picture, and the middle of pictures above the floor, metres.
+_MARGIN_M: Final = 0.12
+_EYE_LEVEL_M: Final = 1.5
+# A picture's largest width, how thick it is, and which walls are too narrow for one; metres.
+_PICTURE_M: Final = (0.62, 0.022)
+_LEAST_M: Final = 0.45
+_PICTURE_SHARE, _RUNNER_SHARE = 0.7, 0.55
+# Width and thickness of a runner, and the floor before its ends; metres.
+_RUNNER_M: Final = (0.75, 0.008)
+_BEFORE_M: Final = 0.3
+_RUNNERS: Final = frozenset({"bordered", "fringed", "runner"})
+
+
+class Decoration(NamedTuple):
+    """A thing in a hallway.
+
+    Attributes:
+        name: Of its prim.
+        category: What it is.
+        size: Metres.
+        at: The middle of its base in the frame of the wall, metres.
+    """
+
+    name: str
+    category: str
+    size: Size
+    at: tuple[float, float, float]
+
+
+def decor(size: Hallway, rng: np.random.Generator) -> Iterator[Decoration]:
+    """What a hallway holds, drawn."""
+    thick = _PICTURE_M[1]
+    low, high = door_space(size) or (size.right, size.right)
+    for number, (left, right) in enumerate(((size.left, low), (high, size.right))):
+        space = right - left - 2.0 * _MARGIN_M
+        if space < _LEAST_M - 2.0 * _MARGIN_M or rng.random() > _PICTURE_SHARE:
+            continue
+        wide = min(space, _PICTURE_M[0] * float(rng.uniform(0.7, 1.0)))
+        tall = wide * float(rng.choice((0.75, 1.0, 1.35)))
+        middle = 0.5 * (left + right)
+        at = (middle, size.far - 0.5 * thick - 0.002, _EYE_LEVEL_M - 0.5 * tall)
+        yield Decoration(f"Picture_{number}", "picture", (wide, thick, tall), at)
+    long = size.right - size.left - 2.0 * _BEFORE_M
+    deep = min(_RUNNER_M[0], size.far - size.near - _BEFORE_M)
+    if long > 1.0 and rng.random() < _RUNNER_SHARE:
+        at = (0.5 * (size.left + size.right), 0.5 * (size.near + size.far), 0.0)
+        yield Decoration("Runner", "rug", (long, deep, _RUNNER_M[1]), at)
+
+
+def author_decor(stage: Usd.Stage, path: str, size: Hallway, rng: np.random.Generator) -> None:
+    """Write what a hallway holds below its prim."""
+    for thing in decor(size, rng):
+        prim = UsdGeom.Xform.Define(stage, f"{path}/{thing.name}").GetPrim()
+        author_placement(prim, Gf.Vec3d(*thing.at), 0.0)
+        label(prim, thing.category)
+        known = styles(thing.category, thing.size)
+        if thing.category == "rug":
+            known = tuple(name for name in known if name in _RUNNERS) or known
+        style = known[int(rng.integers(len(known)))]
+        for name, mesh in make(thing.category, thing.size, style, rng).parts.items():
+            author_mesh(stage, f"{prim.GetPath()}/{name}", mesh, part=part_of(name))
+
+
+def author_beyond(context: StageContext, corners: Array, cuts: Sequence[Cut]) -> None:
+    """Build a hallway behind each opening that leads to one and can be looked through.
+
+    Args:
+        context: Of the layout stage; its notes receive a sentence for each that has no space.
+        corners: (N, 2) the room's floor, counter-clockwise, metres.
+        cuts: All openings.
+    """
+    taken = [_zone(cut) for cut in cuts if cut.kind == "window" and not cut.wall.partition]
+    for cut in cuts:
+        if cut.beyond != "hallway" or cut.wall.partition or not _is_seen_through(cut):
+            continue
+        size = _fitted(cut, cuts, corners, taken)
+        if size is None:
+            context.notes.append(
+                f"{cut.name}: there is no space for a hallway behind it; it leads outside"
+            )
+            continue
+        taken.append(_plan(cut.wall, size))
+        rng = context.rng("layout", "beyond", cut.name)
+        _author(context.stage, cut, size._replace(door=float(rng.choice(_DOORS))), rng)
+
+
+def _is_seen_through(cut: Cut) -> bool:
+    return cut.kind != "door" or cut.open > 0.0 or cut.style in names.SEE_THROUGH
+
+
+def _author(stage: Usd.Stage, cut: Cut, size: Hallway, rng: np.random.Generator) -> None:
+    UsdGeom.Scope.Define(stage, names.BEYOND)
+    path = f"{names.BEYOND}/{cut.name}"
+    prim = UsdGeom.Xform.Define(stage, path).GetPrim()
+    heading = math.degrees(math.atan2(cut.wall.along[1], cut.wall.along[0]))
+    author_placement(prim, Gf.Vec3d(*cut.wall.left.tolist(), 0.0), heading)
+    for name, category, mesh in hallway(size):
+        part = names.LIGHT_BULB if category == "ceiling_lamp" else ""
+        author_mesh(stage, f"{path}/{name}", mesh, category=category, part=part)
+    author_decor(stage, path, size, rng)
+
+
+def author_beyond_lamps(stage: Usd.Stage) -> None:
+    """Light the hallways; in the layer of the lights."""
+    beyond = stage.GetPrimAtPath(names.BEYOND)
+    for place in beyond.GetChildren() if beyond else ():
+        lamp = place.GetChild("Lamp")
+        if lamp and lamp.IsActive() and (area := world_area(lamp)) > 0.0:
+            over = stage.OverridePrim(lamp.GetPath())
+            define_mesh_light(over, nits=nits_from_lumen(_LUMEN, area), kelvin=_KELVIN)
+
+
+def _fitted(
+    cut: Cut, cuts: Iterable[Cut], corners: Array, taken: Sequence[Array]
+) -> Hallway | None:
+    """The largest hallway that meets neither the room, nor a window's view, nor another."""
+    import shapely
+
+    wall, middle = cut.wall, 0.5 * (cut.hole.left + cut.hole.right)
+    outer = wall.outer or (0.0, wall.length)
+    low, high = (max(outer[0], 0.0), min(outer[1], wall.length))
+    for other in cuts:
+        if other.wall is not wall or other is cut:
+            continue
+        if other.hole.right < middle:
+            low = max(low, 0.5 * (other.hole.right + cut.hole.left))
+        if other.hole.left > middle:
+            high = min(high, 0.5 * (other.hole.left + cut.hole.right))
+    # The wall itself is touched; what reaches further into the house is in the way.
+    house = shapely.Polygon(corners).buffer(wall.thickness - 0.01, join_style="mitre")
+    ways = [shapely.Polygon(outline) for outline in taken]
+    least = cut.hole.right - cut.hole.left + _LEAF_GAP_M if _swings_out(cut) else 0.0
+    for half in _HALF_LENGTHS_M:
+        left = min(max(middle - half, low + SHEET_M), cut.hole.left - _BESIDE_M)
+        right = max(min(middle + half, high - SHEET_M), cut.hole.right + _BESIDE_M)
+        for depth in _DEPTHS_M:
+            near = wall.thickness
+            height = max(_HEIGHT_M, cut.hole.top + _HEADROOM_M)
+            size = Hallway(left, right, near, near + depth, height)
+            plan = shapely.Polygon(_plan(wall, size))
+            if depth >= least and not any(
+                plan.overlaps(o) or plan.covers(o) or o.covers(plan) for o in (house, *ways)
+            ):
+                return size
+    return None
+
+
+def _swings_out(cut: Cut) -> bool:
+    return cut.kind == "door" and cut.swing == "out" and cut.open > 0.0
+
+
+def _plan(wall: Wall, size: Hallway) -> Array:
+    """(4, 2) what it covers of the land, its walls included."""
+    w = SHEET_M
+    ends = [
+        (size.left - w, size.near),
+        (size.right + w, size.near),
+        (size.right + w, size.far + w),
+        (size.left - w, size.far + w),
+    ]
+    return np.array([wall.to_plan(np.array(end)) for end in ends])
+
+
+def _zone(cut: Cut) -> Array:
+    """(4, 2) what stays free before a window."""
+    near, far = cut.wall.thickness, cut.wall.thickness + _FREE_BEFORE_WINDOWS_M
+    left, right = cut.hole.left - _BESIDE_M, cut.hole.right + _BESIDE_M
+    ends = [(left, near), (right, near), (right, far), (left, far)]
+    return np.array([cut.wall.to_plan(np.array(end)) for end in ends])
