@@ -16,11 +16,10 @@ import numpy as np
 
 from openrooms_usd import atomic, unfinished
 from openrooms_usd.codedigest import code_digest, library_versions
-from openrooms_usd.description.physics import Shapes as Method
 from openrooms_usd.errors import OutputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import Part
-from openrooms_usd.physics.decomposition import ConvexShape, Shapes, collision_shapes
+from openrooms_usd.physics.decomposition import ConvexShape, Method, Shapes, collision_shapes
 from openrooms_usd.usercache import cache_folder
 
 _FOLDER: Final = "shapes"
