@@ -148,7 +148,7 @@ def _judged(a: Cluster, b: Cluster, common: TriangleMesh) -> tuple[Array, float]
 def _keys(points: Array) -> list[bytes]:
     """The bits of each point."""
     rows = np.ascontiguousarray(points)
-    return rows.view(f"V{rows.shape[1] * rows.itemsize}").ravel().tolist()  # type: ignore[no-any-return]
+    return rows.view(f"V{rows.shape[1] * rows.itemsize}").ravel().tolist()
 
 
 def _shared_box(a: Array, b: Array) -> float:

@@ -172,4 +172,4 @@ def _enclosed(points: Array, caster: RayCaster) -> Bools:
     directions = np.repeat(DIRECTIONS, len(points), axis=0)
     hits = caster.first_hit(np.tile(points, (count, 1)), directions)
     leaves = np.einsum("ij,ij->i", caster.normals[hits.triangle], directions) > 0.0
-    return (hits.hit & leaves).reshape(count, -1).sum(axis=0) * 2 > count
+    return np.asarray((hits.hit & leaves).reshape(count, -1).sum(axis=0) * 2 > count)

@@ -195,9 +195,13 @@ def _table(corners: Array) -> Array:
     """
     a, b, c = (np.moveaxis(corners[..., k, :], -1, 0) for k in range(3))
     ab, ac = b - a, c - a
-    normal = np.stack([
-        ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]
-    ])  # fmt: skip
+    normal = np.stack(
+        [
+            ab[1] * ac[2] - ab[2] * ac[1],
+            ab[2] * ac[0] - ab[0] * ac[2],
+            ab[0] * ac[1] - ab[1] * ac[0],
+        ]
+    )
     length = np.sqrt((normal * normal).sum(axis=0))
     normal /= np.where(length > 0.0, length, 1.0)
     products = [(ab * ab).sum(axis=0), (ab * ac).sum(axis=0), (ac * ac).sum(axis=0)]

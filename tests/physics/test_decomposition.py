@@ -186,8 +186,11 @@ def test_every_method_covers_and_states_its_error(method: Method) -> None:
 
 
 def test_hard_input() -> None:
-    sheet = Part("sheet", np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]),
-                 np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))  # fmt: skip
+    sheet = Part(
+        "sheet",
+        np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]),
+        np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32),
+    )
     assert len(collision_shapes([sheet]).shapes) == 1
     tiny = collision_shapes([part(box(0.001, 0.001, 0.001))])
     assert volume(tiny.shapes[0].mesh) == pytest.approx(1e-9, rel=1e-3)

@@ -63,9 +63,15 @@ class RigidAsset:
             code: The digest of the code that writes the layer.
         """
         parts: list[Any] = [
-            code, self.category, self.fixed, self.mass, self.friction,
-            self.scale.tolist(), self.looks, vars(self.settings),
-        ]  # fmt: skip
+            code,
+            self.category,
+            self.fixed,
+            self.mass,
+            self.friction,
+            self.scale.tolist(),
+            self.looks,
+            vars(self.settings),
+        ]
         content = hashlib.sha256()
         for link in self.links:
             parts.append([link.path, link.built.tolist(), repr(link.joint)])

@@ -95,7 +95,9 @@ class Objects:
         given = self.section.objects.get(root.GetName(), PhysicsObject())
         category = read_label(root, names.CATEGORY) or ""
         return RigidAsset(
-            path, str(root.GetAssetInfo().get("name", "")) or root.GetName(), category,
+            path,
+            str(root.GetAssetInfo().get("name", "")) or root.GetName(),
+            category,
             not movable(category, _support(root)) if given.body is None else given.body == "fixed",
             given.mass or _mass_by_hand(root),
             given.friction,
@@ -106,7 +108,7 @@ class Objects:
                 given.shapes or self.section.shapes,
                 tolerance_of(category, self.section.tolerance),
             ),
-        )  # fmt: skip
+        )
 
 
 def _content(root: Usd.Prim) -> object:
