@@ -16,16 +16,14 @@ import click
 from benchmarks.physics import push as physics_push
 from benchmarks.physics.shapes import HARD, ORDINARY, QUICK, shape_rows
 from benchmarks.report import publish, table
-from openrooms_usd.physics.decomposition import METHODS
 
 Section = tuple[list[dict[str, Any]], str]
 
 
 def shapes(quick: bool, folder: Path) -> Section:
-    """CoACD, V-HACD, one hull, one box, and what the physics stage takes."""
+    """What the physics stage takes, one hull, and one box."""
     del folder
-    methods = tuple(m for m in METHODS if not quick or m != "coacd")
-    rows = shape_rows(QUICK if quick else ORDINARY + HARD, methods)
+    rows = shape_rows(QUICK if quick else ORDINARY + HARD)
     return rows, table(tuple(rows[0]), [list(row.values()) for row in rows])
 
 

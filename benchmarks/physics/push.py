@@ -29,9 +29,16 @@ def push(quick: bool, folder: Path) -> tuple[list[dict[str, Any]], str]:
             for step in _STEPS[1:3] if quick else _STEPS:
                 found = {n: pushing.simulated(case, e, step) for n, e in engines.items()}
                 errors = {f"{n}, %": 100.0 * (value / way - 1.0) for n, value in found.items()}
-                rows.append({"floor": floor, "motor, N": effort, "Coulomb, m": way,
-                             "the paper, m": pushing.PAPER[coefficient],
-                             "step, ms": 1e3 * step, **errors})  # fmt: skip
+                rows.append(
+                    {
+                        "floor": floor,
+                        "motor, N": effort,
+                        "Coulomb, m": way,
+                        "the paper, m": pushing.PAPER[coefficient],
+                        "step, ms": 1e3 * step,
+                        **errors,
+                    }
+                )
     return rows, _table(rows)
 
 

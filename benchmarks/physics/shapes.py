@@ -21,8 +21,6 @@ from openrooms_usd.showroom.exhibits import Exhibit, exhibits
 ORDINARY: Final = ("table", "chair", "stool", "cabinet", "monitor")
 HARD: Final = ("bowl", "trash_bin", "bathtub")
 QUICK: Final = ("table", "chair", "bowl")
-# CoACD takes minutes on objects of many parts.
-SLOWEST: Final = 120
 
 
 @dataclass(frozen=True)
@@ -81,5 +79,4 @@ def shape_rows(
         vars(measured(exhibit, method, tolerance))
         for exhibit in exhibits(categories)
         for method in methods
-        if method != "coacd" or len(components(parts_of(exhibit))) <= SLOWEST
     ]

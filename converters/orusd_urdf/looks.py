@@ -91,8 +91,9 @@ def read_looks(stage: "Usd.Stage", world: World) -> Looks:
         surface, lost = read_preview_surface(UsdShade.Material(stage.GetPrimAtPath(path)))
         looks[path] = look_of(surface)
         reasons = [*lost, *_reasons(surface)]
-        losses.append((path, "approximated", "; ".join(reasons)) if reasons
-                      else (path, "translated", ""))  # fmt: skip
+        losses.append(
+            (path, "approximated", "; ".join(reasons)) if reasons else (path, "translated", "")
+        )
     return Looks(looks, tuple(losses))
 
 
@@ -123,10 +124,13 @@ def _encoded(color: Color) -> Color:
 def _reasons(surface: "PreviewSurface") -> list[str]:
     from openrooms_usd.usd.surfaces import Texture
 
-    pictures = {item.name for item in fields(surface)
-                if isinstance(getattr(surface, item.name), Texture)}  # fmt: skip
-    reasons = [f"no picture of its {name}" for name in sorted(pictures & {"roughness", "metallic",
-                                                                          "opacity"})]  # fmt: skip
+    pictures = {
+        item.name for item in fields(surface) if isinstance(getattr(surface, item.name), Texture)
+    }
+    reasons = [
+        f"no picture of its {name}"
+        for name in sorted(pictures & {"roughness", "metallic", "opacity"})
+    ]
     for name, said in _UNSEEN.items():
         default = type(surface).__dataclass_fields__[name].default
         if getattr(surface, name) != default:

@@ -7,7 +7,7 @@ from pydantic import Field
 from openrooms_usd.description.model import Model, Number
 from openrooms_usd.description.units import Length, Mass
 
-Shapes = Literal["auto", "coacd", "vhacd", "hull", "box"]
+Shapes = Literal["auto", "hull", "box"]
 Motion = Literal["movable", "fixed"]
 Friction = Annotated[Number, Field(ge=0, le=10)]
 
@@ -30,8 +30,8 @@ class Physics(Model):
 
     shapes: Shapes = "auto"
     """How collision shapes are made: a convex hull of each connected piece, cut where it is off by
-    more than the tolerance and joined with others where that allows it; convex decomposition by
-    CoACD or V-HACD; one convex hull a material, or one box a material."""
+    more than the tolerance and joined with others where that allows it; one convex hull a material,
+    or one box a material."""
     tolerance: Annotated[Length, Field(gt=0, le=1)] = 0.01
     """How far a collision shape may lie from what is seen."""
     gravity: Annotated[Number, Field(ge=0, le=100)] = 9.81

@@ -70,9 +70,7 @@ def charts(mesh: Mesh) -> Ints:
     """(F,) the chart of each face: faces that share an edge in space and in the texture."""
     assert mesh.st is not None
     cells = np.round(mesh.st / _SAME_M).astype(np.int64)
-    _, node = np.unique(
-        np.column_stack([mesh.indices, cells]), axis=0, return_inverse=True
-    )  # fmt: skip
+    _, node = np.unique(np.column_stack([mesh.indices, cells]), axis=0, return_inverse=True)
     node = node.reshape(-1).astype(np.int64)
     ends = np.cumsum(mesh.counts)
     following = np.arange(len(node)) + 1

@@ -89,10 +89,12 @@ def _door(x: float, y: float) -> Mesh:
     half = 0.5 * wide
     leaf = _block((x - half, y - 0.6 * deep, 0.005), (x + half, y, tall))
     sides = [
-        _block((x + s * half - (board if s < 0 else 0.0), y - deep, 0.0),
-               (x + s * half + (board if s > 0 else 0.0), y, tall))
+        _block(
+            (x + s * half - (board if s < 0 else 0.0), y - deep, 0.0),
+            (x + s * half + (board if s > 0 else 0.0), y, tall),
+        )
         for s in (-1, 1)
-    ]  # fmt: skip
+    ]
     lintel = _block((x - half - board, y - deep, tall), (x + half + board, y, tall + board))
     grip = rounded_box((0.12, 0.02, 0.02), 0.008, center=(x + half - 0.11, y - 0.06, _HANDLE_M))
     neck = rounded_box((0.02, 0.06, 0.02), 0.004, center=(x + half - 0.06, y - 0.03, _HANDLE_M))

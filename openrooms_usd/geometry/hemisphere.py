@@ -190,6 +190,7 @@ def untiled(picture: NDArray[np.float32], cells: Cells = HEMISPHERE) -> NDArray[
         (rows, columns, elevations, azimuths, C).
     """
     height, width, depth = picture.shape
-    tiles = picture.reshape(height // cells.rows, cells.rows, width // cells.columns,
-                            cells.columns, depth)  # fmt: skip
+    tiles = picture.reshape(
+        height // cells.rows, cells.rows, width // cells.columns, cells.columns, depth
+    )
     return np.ascontiguousarray(tiles.transpose(0, 2, 1, 3, 4))

@@ -133,9 +133,14 @@ def _move(lobes: Lobes, light: Floats, root: Floats, room: Floats) -> None:
 
 
 def _colored(
-    axes: Floats, sharpness: Floats, colors: Floats, light: Floats, root: Floats, room: Floats,
+    axes: Floats,
+    sharpness: Floats,
+    colors: Floats,
+    light: Floats,
+    root: Floats,
+    room: Floats,
     sweeps: int,
-) -> Lobes:  # fmt: skip
+) -> Lobes:
     """Lobes with the best colours that are not negative, by coordinate descent.
 
     Args:
@@ -215,5 +220,7 @@ def _tangents(axes: Floats) -> tuple[Floats, Floats]:
     x, y, z = np.moveaxis(axes, -1, 0)
     share = -1.0 / (1.0 + z)
     both = x * y * share
-    return (np.stack([1.0 + x * x * share, both, -x], axis=-1),
-            np.stack([both, 1.0 + y * y * share, -y], axis=-1))  # fmt: skip
+    return (
+        np.stack([1.0 + x * x * share, both, -x], axis=-1),
+        np.stack([both, 1.0 + y * y * share, -y], axis=-1),
+    )

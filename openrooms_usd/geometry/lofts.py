@@ -156,7 +156,14 @@ def vessel(
         flat = rounded_rectangle(a1 - a0 + grow, b1 - b0 + grow, hollow, segments)
         return ring(flat, z, core)
 
-    rings = [out(2 * e, z0), out(0.0, z0 + e), out(0.0, z1 - e), out(2 * e, z1),
-             within(2 * e, z1), within(0.0, z1 - e), within(0.0, floor + e),
-             within(-2 * e, floor)]  # fmt: skip
+    rings = [
+        out(2 * e, z0),
+        out(0.0, z0 + e),
+        out(0.0, z1 - e),
+        out(2 * e, z1),
+        within(2 * e, z1),
+        within(0.0, z1 - e),
+        within(0.0, floor + e),
+        within(-2 * e, floor),
+    ]
     return loft(rings)

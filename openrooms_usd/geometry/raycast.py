@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.geometry.vectors import doubled_areas
 
 Array = NDArray[np.float64]
 
@@ -78,9 +79,8 @@ class RayCaster:
         self._centre: Array = (used.min(axis=0) + used.max(axis=0)) / 2.0
         self._radius = float(np.linalg.norm(used - self._centre, axis=1).max())
         local = corners - self._centre
-        a, b, c = np.moveaxis(local[rows], 1, 0)
-        self.normals: Array = _unit(np.cross(b - a, c - a))
-        self._offsets: Array = np.einsum("ij,ij->i", a, self.normals)
+        self.normals: Array = _unit(doubled_areas(local[rows]))
+        self._offsets: Array = np.einsum("ij,ij->i", local[rows[:, 0]], self.normals)
         self._tracer = _tracer(local, rows)
 
     def first_hit(self, origins: ArrayLike, directions: ArrayLike) -> Hits:

@@ -23,8 +23,13 @@ _SAME_M = 1e-9
 
 # Outward axis, then the two axes of each side of a box, so that u x v points outwards.
 _SIDES = (
-    (0, 1, 1, 2), (0, -1, 2, 1), (1, 1, 2, 0), (1, -1, 0, 2), (2, 1, 0, 1), (2, -1, 1, 0),
-)  # fmt: skip
+    (0, 1, 1, 2),
+    (0, -1, 2, 1),
+    (1, 1, 2, 0),
+    (1, -1, 0, 2),
+    (2, 1, 0, 1),
+    (2, -1, 1, 0),
+)
 
 
 def box(size: Vector, center: Vector = _ORIGIN) -> Mesh:

@@ -20,9 +20,9 @@ LINES: Final = 6
 BASES: Final = {
     "bezier": np.array([[1, -3, 3, -1], [0, 3, -6, 3], [0, 0, 3, -3], [0, 0, 0, 1]], float),
     "bspline": np.array([[1, -3, 3, -1], [4, 0, -6, 3], [1, 3, 3, -3], [0, 0, 0, 1]], float) / 6,
-    "catmullRom": np.array(
-        [[0, -1, 2, -1], [2, 0, -5, 3], [0, 1, 4, -3], [0, 0, -1, 1]], float) / 2,
-}  # fmt: skip
+    "catmullRom": np.array([[0, -1, 2, -1], [2, 0, -5, 3], [0, 1, 4, -3], [0, 0, -1, 1]], float)
+    / 2,
+}
 # The same of a point, the next, and the tangents at both.
 HERMITE: Final = np.array([[1, 0, -3, 2], [0, 0, 3, -2], [0, 1, -2, 1], [0, 0, -1, 1]], float)
 # Of two points along a line.
@@ -50,9 +50,7 @@ def spans(knots: Array, order: int, count: int, reach: Array | None) -> csr_arra
         raise ValueError("the range of its knots is empty")
     inner = np.unique(np.clip(knots, low, high))
     steps = 1 if order == 2 else LINES
-    at = np.unique(np.concatenate(
-        [np.linspace(a, b, steps + 1) for a, b in pairwise(inner)]
-    ))  # fmt: skip
+    at = np.unique(np.concatenate([np.linspace(a, b, steps + 1) for a, b in pairwise(inner)]))
     return csr_array(BSpline.design_matrix(at, knots, order - 1))
 
 

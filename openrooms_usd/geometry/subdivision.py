@@ -79,8 +79,10 @@ def limit(cage: Cage, scheme: str) -> Weights:
     """
     if scheme == "bilinear":
         return eye_array(len(cage.corners), format="csr")
-    left = max(cage.sharpness[np.isfinite(cage.sharpness)].max(initial=0.0),
-               cage.corners[np.isfinite(cage.corners)].max(initial=0.0))  # fmt: skip
+    left = max(
+        cage.sharpness[np.isfinite(cage.sharpness)].max(initial=0.0),
+        cage.corners[np.isfinite(cage.corners)].max(initial=0.0),
+    )
     if left > 0.0 and len(cage.counts) <= _MOST_SHARP_FACES:
         # The limit is known where nothing is sharp for a while: old points keep their number.
         fine = refine(cage, scheme, 1)
@@ -117,9 +119,14 @@ def _quads(cage: Cage, linear: bool, smooth_triangles: bool) -> Refinement:
         points = _by_rule(cage, csr_array(kept + rounded + pulled), 0.25)
     # A quadrilateral for each corner: the point, the next edge, the face, the edge before.
     indices = np.stack(
-        [cage.indices, count + cage.edges, count + len(cage.ends) + cage.faces,
-         count + cage.edges[cage.before]], axis=1,
-    )  # fmt: skip
+        [
+            cage.indices,
+            count + cage.edges,
+            count + len(cage.ends) + cage.faces,
+            count + cage.edges[cage.before],
+        ],
+        axis=1,
+    )
     own, nothing = np.maximum(cage.creases - 1.0, 0.0), np.zeros(len(cage.indices))
     creases = np.stack([own, nothing, nothing, own[cage.before]], axis=1)
     new = len(cage.ends) + len(cage.counts)
@@ -163,8 +170,10 @@ def _by_rule(cage: Cage, smooth: Weights, along: float) -> Weights:
         rule = np.where(pinned | (number > 2), 2, np.where(number == 2, 1, 0))
         same = eye_array(len(rule), format="csr")
         crease = (1.0 - 2.0 * along) * same + along * (chosen @ cage.middles)
-        rows = [_scaled((rule == k).astype(np.float64), one)
-                for k, one in enumerate((smooth, crease, same))]  # fmt: skip
+        rows = [
+            _scaled((rule == k).astype(np.float64), one)
+            for k, one in enumerate((smooth, crease, same))
+        ]
         return rule, csr_array(rows[0] + rows[1] + rows[2])
 
     edges, points = cage.sharpness, cage.corners

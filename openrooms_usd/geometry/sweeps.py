@@ -225,18 +225,21 @@ def sheet(grid: ArrayLike, thickness: float) -> Mesh:
     walls = np.stack([after, rim, rim + size, after + size], axis=1)
     faces = np.concatenate([quads, quads[:, ::-1] + size, walls])
     edge = lengths(front.reshape(-1, 3)[np.append(rim, rim[0])])
-    wall_st = np.stack([
-        np.stack([edge[1:], edge[:-1], edge[:-1], edge[1:]], axis=1),
-        np.broadcast_to([0.0, 0.0, thickness, thickness], (len(rim), 4)),
-    ], axis=-1)  # fmt: skip
+    wall_st = np.stack(
+        [
+            np.stack([edge[1:], edge[:-1], edge[:-1], edge[1:]], axis=1),
+            np.broadcast_to([0.0, 0.0, thickness, thickness], (len(rim), 4)),
+        ],
+        axis=-1,
+    )
     board = Mesh(
         points=np.concatenate([front.reshape(-1, 3), back.reshape(-1, 3)]),
         counts=np.full(len(faces), 4, dtype=np.int32),
         indices=faces.reshape(-1).astype(np.int32),
-        st=np.concatenate([
-            st[quads].reshape(-1, 2), st[quads[:, ::-1]].reshape(-1, 2), wall_st.reshape(-1, 2)
-        ]).astype(np.float32),
-    )  # fmt: skip
+        st=np.concatenate(
+            [st[quads].reshape(-1, 2), st[quads[:, ::-1]].reshape(-1, 2), wall_st.reshape(-1, 2)]
+        ).astype(np.float32),
+    )
     return with_normals(board, crease=50.0)
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.geometry.vectors import crossed
+
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
@@ -15,9 +17,22 @@ REFLEX = 1e-6
 FLAT = 1e-14
 
 _BOX = np.array(
-    [[0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-     [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5]], dtype=np.int32
-)  # fmt: skip
+    [
+        [0, 2, 1],
+        [1, 2, 3],
+        [4, 5, 6],
+        [5, 7, 6],
+        [0, 1, 4],
+        [1, 5, 4],
+        [2, 6, 3],
+        [3, 6, 7],
+        [0, 4, 2],
+        [2, 4, 6],
+        [1, 3, 5],
+        [3, 7, 5],
+    ],
+    dtype=np.int32,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +98,7 @@ def has_area(triangles: Array) -> NDArray[np.bool_]:
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     sides = b - a, c - a, c - b
     longest = np.maximum.reduce([_dots(side, side) for side in sides])
-    doubled = _crossed(sides[0], sides[1])
+    doubled = crossed(sides[0], sides[1])
     return np.asarray(np.sqrt(_dots(doubled, doubled)) > FLAT * longest)
 
 
@@ -92,15 +107,6 @@ def bounding_box(mesh: TriangleMesh) -> TriangleMesh:
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     steps = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
     return TriangleMesh(low + steps * (high - low), _BOX, np.arange(len(_BOX), dtype=np.int32))
-
-
-def _crossed(a: Array, b: Array) -> Array:
-    """(..., 3) cross products of rows; numpy's own takes several times as long for a few."""
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    u, v, w = b[..., 0], b[..., 1], b[..., 2]
-    found = np.empty(a.shape)
-    found[..., 0], found[..., 1], found[..., 2] = y * w - z * v, z * u - x * w, x * v - y * u
-    return found
 
 
 def _dots(a: Array, b: Array) -> Array:
@@ -129,10 +135,10 @@ def _reflex(points: Array, counts: Ints, indices: Ints, firsts: Ints) -> NDArray
     out, into = here[after] - here, here - here[before]
     # Newell's normal, about a point of the face: robust for warped and concave polygons.
     base = here[start]
-    sums = _crossed(here - base, here[after] - base)
+    sums = crossed(here - base, here[after] - base)
     of_faces = [np.bincount(faces, sums[:, k], len(counts)).astype(np.float64) for k in range(3)]
     normals = np.stack(of_faces, axis=1)[faces]
-    turn = _dots(_crossed(into, out), normals)
+    turn = _dots(crossed(into, out), normals)
     scale = np.prod([np.sqrt(_dots(v, v)) for v in (into, out, normals)], axis=0)
     return np.asarray((turn < -REFLEX * scale) & (size > 3))
 
@@ -143,8 +149,8 @@ def _reflex_of_alike(here: Array) -> NDArray[np.bool_]:
     out = after - here
     into = np.roll(out, 1, axis=1)
     base = here[:, :1]
-    normals = np.einsum("fni->fi", _crossed(here - base, after - base))
-    turn = np.einsum("fni,fi->fn", _crossed(into, out), normals)
+    normals = np.einsum("fni->fi", crossed(here - base, after - base))
+    turn = np.einsum("fni,fi->fn", crossed(into, out), normals)
     lengths = np.sqrt(np.einsum("fni,fni->fn", out, out))
     scale = lengths * np.roll(lengths, 1, axis=1) * np.sqrt(_dots(normals, normals))[:, None]
     return np.asarray(turn < -REFLEX * scale)

@@ -49,8 +49,9 @@ def free_rings(corners: Array, standing: Sequence[Array]) -> list[Array]:
     if not standing:
         return [corners]
     # Walls that end at others leave no slits.
-    walls = shapely.union_all([shapely.Polygon(ring).buffer(1e-4, join_style="mitre")
-                               for ring in standing])  # fmt: skip
+    walls = shapely.union_all(
+        [shapely.Polygon(ring).buffer(1e-4, join_style="mitre") for ring in standing]
+    )
     floor = shapely.orient_polygons(shapely.Polygon(corners).difference(walls))
     rings = shapely.get_rings(shapely.get_parts(floor))
     found = [shapely.get_coordinates(ring.simplify(1e-6))[:-1] for ring in rings]
@@ -77,8 +78,9 @@ def _runs(ring: Array, gaps: Sequence[tuple[Array, Array]], depth: float) -> Ite
     for i, edge in enumerate(edges):
         round_corner = bool(edges[i - 1]) and edges[i - 1][-1].to_end and _is_mitred(ring, i, depth)
         pieces += [(piece.start, piece.end) for piece in edge]
-        joined += [number == 0 and piece.from_start and round_corner
-                   for number, piece in enumerate(edge)]  # fmt: skip
+        joined += [
+            number == 0 and piece.from_start and round_corner for number, piece in enumerate(edge)
+        ]
     if pieces and all(joined):
         yield Run(np.array([start for start, _ in pieces]), True)
         return

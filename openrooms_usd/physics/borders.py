@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.topology import connected, directed_edges, open_edges
+from openrooms_usd.geometry.vectors import doubled_areas
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -116,8 +117,7 @@ def sums(labels: Ints, values: Array, count: int) -> Array:
 
 def vector_areas(corners: Array) -> Array:
     """(M, 3) normals of (M, 3, 3) triangles that are as long as their areas, m2."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    return np.asarray(0.5 * np.cross(b - a, c - a))
+    return 0.5 * doubled_areas(corners)
 
 
 def _sums(labels: Ints, vectors: Array, count: int) -> Array:

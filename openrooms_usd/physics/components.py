@@ -12,6 +12,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry import topology
 from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
+from openrooms_usd.geometry.vectors import crossed, doubled_areas
 from openrooms_usd.physics.borders import lids
 from openrooms_usd.physics.hulls import finite_points
 
@@ -135,18 +136,17 @@ def _is_closed(points: Array, triangles: NDArray[np.int64]) -> bool:
 
 def _signed_volume(corners: Array) -> float:
     a, b, c = np.moveaxis(corners - corners.mean(axis=(0, 1)), 1, 0)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)))
+    return float(np.einsum("ij,ij->", a, crossed(b, c)))
 
 
 def _planes_if_convex(corners: Array) -> Array | None:
     """(F, 4) the planes of a closed component's triangles where no corner is in front of one."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    normals = np.cross(b - a, c - a)
+    normals = doubled_areas(corners)
     lengths = np.linalg.norm(normals, axis=1)
     # The planes of slivers are noise.
     sound = lengths > 1e-4 * lengths.max()
     normals = normals[sound] / lengths[sound, None]
-    planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, a[sound])])
+    planes = np.column_stack([normals, -np.einsum("ij,ij->i", normals, corners[sound, 0])])
     planes = np.round(planes, 9)
     planes = planes[distinct_rows(planes)[0]]
     points = corners.reshape(-1, 3)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
+from openrooms_usd.geometry.vectors import doubled_areas
 
 Array = NDArray[np.float64]
 
@@ -123,7 +124,7 @@ def _halves(piece: Array, least: float) -> list[Array] | None:
     sides = [_with_area(clipped(piece, heights)), _with_area(clipped(piece, -heights))]
     # What lies in the plane bounds the side that it looks away from.
     flat = piece[(heights == 0.0).all(axis=1)]
-    away = np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]) @ plane[:3] < 0.0
+    away = doubled_areas(flat) @ plane[:3] < 0.0
     sides = [np.concatenate([sides[0], flat[away]]), np.concatenate([sides[1], flat[~away]])]
     return sides if all(len(side) for side in sides) else None
 
@@ -134,7 +135,7 @@ def _best_plane(piece: Array, least: float) -> Array | None:
     edges = rows.reshape(-1, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     edges = np.sort(edges, axis=1)
     edges = edges[distinct_rows(edges)[0]]
-    normals = np.cross(piece[:, 1] - piece[:, 0], piece[:, 2] - piece[:, 0])
+    normals = doubled_areas(piece)
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     best, plane = np.inf, None
     for axis, shares in _axes(points):
@@ -198,7 +199,9 @@ def _volume(points: Array, edges: NDArray[np.int64], heights: Array, enough: flo
     a, b = points[edges[crossing, 0]], points[edges[crossing, 1]]
     between = a + share * (b - a)
     total = 0.0
-    for side in (heights, -heights):
+    # The side that mostly holds more comes first: it alone may be enough.
+    sides = (heights, -heights) if -heights.min() < heights.max() else (-heights, heights)
+    for side in sides:
         # A corner in the plane is of the side that an edge leads to.
         kept = side > 0.0
         kept[edges[kept[edges].any(axis=1) & (side[edges] >= 0.0).all(axis=1)]] = True

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,15 +18,14 @@ from openrooms_usd.physics.convex_decomposition import (
     convex_decomposition,
     protrusions,
 )
-from openrooms_usd.physics.decomposers import DECOMPOSERS
 from openrooms_usd.physics.hulls import convex_hull, half_spaces, oriented_box
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import squared_distances
 
 Array = NDArray[np.float64]
-Method = Literal["auto", "coacd", "vhacd", "hull", "box"]
+Method = Literal["auto", "hull", "box"]
 
-METHODS: Final[tuple[Method, ...]] = ("auto", "coacd", "vhacd", "hull", "box")
+METHODS: Final[tuple[Method, ...]] = get_args(Method)
 # How far shapes may be off the thing, metres.
 TOLERANCE: Final = 0.01
 # Shapes a thing may have.
@@ -83,7 +82,6 @@ def collision_shapes(
     method: Method = "auto",
     tolerance: float = TOLERANCE,
     most: int = MOST_SHAPES,
-    seed: int = 0,
 ) -> Shapes:
     """Convex shapes for the parts of one link.
 
@@ -98,23 +96,18 @@ def collision_shapes(
 
     Args:
         parts: Surfaces in the link's frame, metres.
-        method: ``auto``; ``coacd`` or ``vhacd`` for every component; or one ``hull`` or
-            ``box`` a contact material.
+        method: ``auto``, or one ``hull`` or ``box`` a contact material.
         tolerance: How far they may be off, metres.
-        most: The most shapes; CoACD and V-HACD give as many a component.
-        seed: Of CoACD's search.
+        most: The most shapes.
 
     Raises:
         InputError: A coordinate is not finite, nothing has an area, or an option is no option.
-        MissingPackageError: ``coacd`` or ``vhacd`` is asked for and not installed.
     """
     _checked(method, tolerance, most)
     found = components(parts)
     solid = Solid(found)
     if method == "auto":
         pieces = convex_decomposition(found, solid, tolerance, most)
-    elif method in DECOMPOSERS:
-        pieces = _decomposed(found, method, tolerance, most, seed)
     else:
         pieces = _whole(found)
     shapes = _without_hidden(_shapes(pieces, method, solid, tolerance))
@@ -141,16 +134,6 @@ def _checked(method: str, tolerance: float, most: int) -> None:
         )
     if most < 1:
         raise InputError(f"a thing cannot have {most} collision shapes", remedy="allow at least 1")
-
-
-def _decomposed(
-    found: Sequence[Component], method: str, tolerance: float, most: int, seed: int
-) -> list[Piece]:
-    return [
-        Piece(points, component.contact, (component.part,))
-        for component in found
-        for points in DECOMPOSERS[method](component, tolerance, most, seed)
-    ]
 
 
 def _whole(found: Sequence[Component]) -> list[Piece]:

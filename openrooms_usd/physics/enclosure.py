@@ -92,11 +92,18 @@ def examined(points: ArrayLike, triangles: ArrayLike) -> Enclosure:
     }
     return _outwards(
         Enclosure(
-            origin, local, faces, labels, closing.corners[kept], closing.labels[kept], areas,
-            np.where(encloses, volumes, 0.0), flat & cracked,
+            origin,
+            local,
+            faces,
+            labels,
+            closing.corners[kept],
+            closing.labels[kept],
+            areas,
+            np.where(encloses, volumes, 0.0),
+            flat & cracked,
             tuple(note for note, holds in mended.items() if holds),
         )
-    )  # fmt: skip
+    )
 
 
 def _valid(points: ArrayLike, triangles: ArrayLike) -> tuple[Array, Ints]:
@@ -162,13 +169,17 @@ def _outwards(found: Enclosure) -> Enclosure:
     inside_out = (turn & (found.volumes != 0)).any()
     told = ("a surface that was inside out was turned",) if inside_out else ()
     return Enclosure(
-        found.origin, found.points,
+        found.origin,
+        found.points,
         np.where(turn[found.labels, None], found.triangles[:, ::-1], found.triangles),
         owner[found.labels],
         np.where(turn[found.lid_labels, None, None], found.lids[:, ::-1], found.lids),
-        owner[found.lid_labels], sums(owner, found.areas, count), volumes, found.two_sided,
+        owner[found.lid_labels],
+        sums(owner, found.areas, count),
+        volumes,
+        found.two_sided,
         found.notes + told,
-    )  # fmt: skip
+    )
 
 
 def _extremes(found: Enclosure, k: int) -> Array:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rows import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
-from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.geometry.vectors import crossed, doubled_areas, unit
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -106,18 +106,18 @@ def oriented_box(points: ArrayLike, thickness: float = LEAST_THICKNESS) -> Trian
 
 def half_spaces(hull: TriangleMesh) -> Array:
     """(F, 4) outward unit normals and offsets; a point is inside where n.x + d <= 0 for all."""
-    a, b, c = np.moveaxis(hull.points[hull.triangles], 1, 0)
-    normals = np.cross(b - a, c - a)
+    corners = hull.points[hull.triangles]
+    normals = doubled_areas(corners)
     lengths = np.linalg.norm(normals, axis=1)
     sound = lengths > 1e-6 * lengths.max()
     normals = normals[sound] / lengths[sound, None]
-    return np.column_stack([normals, -np.einsum("ij,ij->i", normals, a[sound])])
+    return np.column_stack([normals, -np.einsum("ij,ij->i", normals, corners[sound, 0])])
 
 
 def volume(mesh: TriangleMesh) -> float:
     """The volume that a closed mesh encloses, cubic metres."""
     a, b, c = np.moveaxis(mesh.points[mesh.triangles] - mesh.points.mean(axis=0), 1, 0)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+    return float(np.einsum("ij,ij->", a, crossed(b, c)) / 6.0)
 
 
 def finite_points(points: ArrayLike) -> Array:
@@ -212,7 +212,7 @@ def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
     edges = np.linalg.norm(np.stack([c - b, a - c, b - a], axis=1), axis=2)
     longest = edges.argmax(axis=1)
     rows = np.arange(len(triangles))
-    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    doubled = np.linalg.norm(crossed(b - a, c - a), axis=1)
     flat = np.zeros(len(corners), dtype=bool)
     thin = doubled <= FLAT_SHARE * edges[rows, longest]
     flat[triangles[rows, longest][thin]] = True
@@ -221,7 +221,7 @@ def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
 
 def _outward(points: Array, triangles: Rows, inside: Array) -> Rows:
     a, b, c = np.moveaxis(points[triangles] - inside, 1, 0)
-    wrong = np.einsum("ij,ij->i", a, np.cross(b, c)) < 0.0
+    wrong = np.einsum("ij,ij->i", a, crossed(b, c)) < 0.0
     triangles[wrong] = triangles[wrong][:, ::-1]
     return triangles
 

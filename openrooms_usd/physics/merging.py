@@ -135,14 +135,20 @@ def _judged(a: Cluster, b: Cluster, common: TriangleMesh) -> tuple[Array, float]
     surfaces.
     """
     known = np.zeros(len(common.triangles), dtype=np.bool_)
-    off = 0.0
+    off, keys = 0.0, _keys(common.points)
     for old in (a, b):
         if old.off < np.inf:
-            corners = {point.tobytes() for point in old.hull.points}
-            among = np.array([point.tobytes() in corners for point in common.points])
+            corners = set(_keys(old.hull.points))
+            among = np.array([key in corners for key in keys])
             known |= among[common.triangles].all(axis=1)
             off = max(off, old.off)
     return common.points[common.triangles[~known]], off
+
+
+def _keys(points: Array) -> list[bytes]:
+    """The bits of each point."""
+    rows = np.ascontiguousarray(points)
+    return rows.view(f"V{rows.shape[1] * rows.itemsize}").ravel().tolist()
 
 
 def _shared_box(a: Array, b: Array) -> float:

@@ -168,8 +168,8 @@ class Solid:
 
 def _enclosed(points: Array, caster: RayCaster) -> Bools:
     """(N,) whether most rays meet the surface of a closed component from within first."""
-    votes = np.zeros(len(points), dtype=np.int64)
-    for direction in DIRECTIONS:
-        hits = caster.first_hit(points, np.broadcast_to(direction, points.shape))
-        votes += hits.hit & (caster.normals[hits.triangle] @ direction > 0.0)
-    return votes * 2 > len(DIRECTIONS)
+    count = len(DIRECTIONS)
+    directions = np.repeat(DIRECTIONS, len(points), axis=0)
+    hits = caster.first_hit(np.tile(points, (count, 1)), directions)
+    leaves = np.einsum("ij,ij->i", caster.normals[hits.triangle], directions) > 0.0
+    return np.asarray((hits.hit & leaves).reshape(count, -1).sum(axis=0) * 2 > count)

@@ -8,6 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.geometry.vectors import doubled_areas
+
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Bools = NDArray[np.bool_]
@@ -132,8 +134,7 @@ class Surface:
 
 def is_level(corners: Array) -> Bools:
     """(M,) whether (M, 3, 3) triangles look up along +Z."""
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    normals = np.cross(b - a, c - a)
+    normals = doubled_areas(corners)
     return np.asarray(normals[:, 2] > UPWARD_COS * np.linalg.norm(normals, axis=1))
 
 
@@ -194,9 +195,13 @@ def _table(corners: Array) -> Array:
     """
     a, b, c = (np.moveaxis(corners[..., k, :], -1, 0) for k in range(3))
     ab, ac = b - a, c - a
-    normal = np.stack([
-        ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]
-    ])  # fmt: skip
+    normal = np.stack(
+        [
+            ab[1] * ac[2] - ab[2] * ac[1],
+            ab[2] * ac[0] - ab[0] * ac[2],
+            ab[0] * ac[1] - ab[1] * ac[0],
+        ]
+    )
     length = np.sqrt((normal * normal).sum(axis=0))
     normal /= np.where(length > 0.0, length, 1.0)
     products = [(ab * ab).sum(axis=0), (ab * ac).sum(axis=0), (ac * ac).sum(axis=0)]
@@ -303,8 +308,7 @@ def _counted(numbers: Rows) -> tuple[Rows, Rows]:
 
 def _piece_size(corners: Array) -> float:
     """The side of cells that gives about `SAMPLES` of them."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2.0
+    area = float(np.linalg.norm(doubled_areas(corners), axis=1).sum()) / 2.0
     length = float(_longest(corners)[0].sum())
     # Compact triangles give area / size^2 cells, slivers length / size.
     return max(1.4 * float(np.sqrt(area / SAMPLES)), length / (2.0 * SAMPLES), 1e-6)

@@ -120,7 +120,6 @@ HEAVY = {
     "shapely",
     "OpenImageIO",
     "embreex",
-    "coacd",
 }
 # Imported by `orusd --help`; numpy is in because the description and the command line need none.
 INSTANT = ("api", "cli", "description", "errors", "names", "adapters", "atomic")

@@ -27,9 +27,7 @@ def colored(axes: np.ndarray, sharpness: np.ndarray, light: np.ndarray) -> lobe_
     root = np.sqrt(WEIGHTS)
     room = np.empty((POINTS, 4 * sharpness.shape[1], 512), np.float32)
     light = light * root[..., None]
-    return lobe_refinement._colored(
-        axes, sharpness, np.zeros_like(axes), light, root, room, 400
-    )  # fmt: skip
+    return lobe_refinement._colored(axes, sharpness, np.zeros_like(axes), light, root, room, 400)
 
 
 def loss_of(light: np.ndarray, shapes: np.ndarray, colors: np.ndarray, point: int) -> float:

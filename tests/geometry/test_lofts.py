@@ -40,8 +40,9 @@ def test_a_pyramid_cut_off_has_the_volume_of_a_frustum() -> None:
 
 def test_a_closed_loft_has_its_hole_left_out() -> None:
     outer, inner = superellipse(4.0, 4.0), superellipse(2.0, 2.0)
-    mesh = loft([ring(outer, 0.0), ring(outer, 1.0), ring(inner, 1.0), ring(inner, 0.0)],
-                closed=True)  # fmt: skip
+    mesh = loft(
+        [ring(outer, 0.0), ring(outer, 1.0), ring(inner, 1.0), ring(inner, 0.0)], closed=True
+    )
     assert is_closed(mesh)
     assert mesh.volume() == pytest.approx(_polygon_area(outer) - _polygon_area(inner))
 

@@ -27,8 +27,9 @@ def test_the_field_of_view_spans_the_picture() -> None:
 def test_look_at_has_the_named_axes() -> None:
     np.testing.assert_allclose(
         look_at((1, 2, 3), (1, 5, 3)),
-        [[1, 0, 0, 1], [0, 0, 1, 2], [0, -1, 0, 3], [0, 0, 0, 1]], atol=1e-12,
-    )  # fmt: skip
+        [[1, 0, 0, 1], [0, 0, 1, 2], [0, -1, 0, 3], [0, 0, 0, 1]],
+        atol=1e-12,
+    )
     rng = np.random.default_rng(0)
     for R in rotations(rng.normal(size=(20, 3))):
         assert is_rotation(R, 1e-9)

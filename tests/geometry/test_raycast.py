@@ -91,10 +91,14 @@ def test_occlusion_depends_on_the_reach(backend: str) -> None:
 def sphere(rings: int = 24, sectors: int = 48) -> tuple[Array, Array]:
     theta = np.pi * np.arange(1, rings) / rings
     phi = 2 * np.pi * np.arange(sectors) / sectors
-    ring = np.stack(np.broadcast_arrays(
-        np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi),
-        np.cos(theta)[:, None],
-    ), axis=-1)  # fmt: skip
+    ring = np.stack(
+        np.broadcast_arrays(
+            np.sin(theta)[:, None] * np.cos(phi),
+            np.sin(theta)[:, None] * np.sin(phi),
+            np.cos(theta)[:, None],
+        ),
+        axis=-1,
+    )
     points = np.concatenate([ring.reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]])
     i, j = np.meshgrid(np.arange(rings - 2), np.arange(sectors), indexing="ij")
     a, b = i * sectors + j, i * sectors + (j + 1) % sectors

@@ -26,10 +26,17 @@ ROOMS = {
     "pillar with chamfers": [(0, 0), (5, 0), (5, 2), (2.03, 2), (2, 2.03), (2, 4), (0, 4)],
     "thin partition": [(0, 0), (2, 0), (2, 1.5), (2.08, 1.5), (2.08, 0), (5, 0), (5, 4), (0, 4)],
     "partition as thick as a wall": [
-        (0, 0), (2, 0), (2, 1.5), (2.2, 1.5), (2.2, 0), (5, 0), (5, 4), (0, 4)
+        (0, 0),
+        (2, 0),
+        (2, 1.5),
+        (2.2, 1.5),
+        (2.2, 0),
+        (5, 0),
+        (5, 4),
+        (0, 4),
     ],
     "knife": [(0, 0), (2, 0), (2.04, 1.5), (2.08, 0), (5, 0), (5, 4), (0, 4)],
-}  # fmt: skip
+}
 
 
 def walls_around(corners: object, thickness: float = THICKNESS) -> tuple[Wall, ...]:
@@ -155,9 +162,13 @@ def test_the_volume_of_the_walls_is_that_of_the_ring_without_the_holes(name: str
 def test_volumes_of_overlapping_heights_and_aligned_windows() -> None:
     wall = walls_around(ROOMS["rectangle"])[0]
     holes = [
-        Hole(0.2, 0.7, 0.9, 2.0), Hole(0.9, 1.5, 0.9, 2.0), Hole(1.7, 2.6, 0.0, 2.05),
-        Hole(2.8, 3.3, 0.9, 2.0), Hole(3.5, 4.4, 0.0, 2.05), Hole(1.7, 2.6, 2.1, 2.5),
-    ]  # fmt: skip
+        Hole(0.2, 0.7, 0.9, 2.0),
+        Hole(0.9, 1.5, 0.9, 2.0),
+        Hole(1.7, 2.6, 0.0, 2.05),
+        Hole(2.8, 3.3, 0.9, 2.0),
+        Hole(3.5, 4.4, 0.0, 2.05),
+        Hole(1.7, 2.6, 2.1, 2.5),
+    ]
     solid = wall_solid(wall, HEIGHT, holes)
     assert is_closed(solid)
     cut = sum((h.right - h.left) * (h.top - h.bottom) for h in holes)

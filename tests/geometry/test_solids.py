@@ -40,10 +40,11 @@ SOLIDS = {
     "extrusion": extrude(L_SHAPE, 1.5),
     "bevelled extrusion": extrude(filleted(L_SHAPE, 0.1, closed=True), 0.5, bevel=0.02),
     "tube": tube(filleted([(0, 0, 0), (1, 0, 0), (1, 1, 0.5)], 0.3), 0.05),
-    "ring tube": tube(filleted([(0, 0, 0), (1, 0, 0), (1, 1, 0)], 0.2, closed=True), 0.05,
-                      closed=True),
+    "ring tube": tube(
+        filleted([(0, 0, 0), (1, 0, 0), (1, 1, 0)], 0.2, closed=True), 0.05, closed=True
+    ),
     "sheet": sheet(_bent_grid(), 0.01),
-}  # fmt: skip
+}
 
 
 def _regular_polygon(sides: int, radius: float) -> float:
@@ -88,9 +89,11 @@ def test_rounded_box_approaches_steiners_formula() -> None:
     r, core = 0.1, np.array([0.8, 1.8, 2.8])
     a, b, c = core
     exact = (
-        a * b * c + 2 * r * (a * b + b * c + c * a) + np.pi * r**2 * (a + b + c)
+        a * b * c
+        + 2 * r * (a * b + b * c + c * a)
+        + np.pi * r**2 * (a + b + c)
         + 4 / 3 * np.pi * r**3
-    )  # fmt: skip
+    )
     coarse, fine = (abs(rounded_box(core + 2 * r, r, segments=n).volume() - exact) for n in (2, 8))
     assert fine < 1e-3 * exact
     assert fine < 0.1 * coarse

@@ -76,7 +76,7 @@ def test_irradiance_is_brought_at_the_least_cost() -> None:
     target = (0.1 * light).astype(np.float32)
     found = lobe_refinement._colored(
         axes, made[..., 2], np.zeros_like(axes), target, root, room, 400
-    )  # fmt: skip
+    )
     each = irradiance(np.moveaxis(shapes.reshape(8, 4, 16, 32), 1, -1))
     wanted = irradiance(light.reshape(8, 16, 32, 3))
     colors = sg._carrying(found, wanted.astype(np.float32))

@@ -18,9 +18,17 @@ def unit(count: int, seed: int = 0) -> np.ndarray:
 def test_the_first_nine_are_those_of_the_engines() -> None:
     d = unit(50)
     x, y, z = d.T
-    wanted = [0.282095 + 0 * x, 0.488603 * y, 0.488603 * z, 0.488603 * x, 1.092548 * x * y,
-              1.092548 * y * z, 0.315392 * (3 * z * z - 1), 1.092548 * x * z,
-              0.546274 * (x * x - y * y)]  # fmt: skip
+    wanted = [
+        0.282095 + 0 * x,
+        0.488603 * y,
+        0.488603 * z,
+        0.488603 * x,
+        1.092548 * x * y,
+        1.092548 * y * z,
+        0.315392 * (3 * z * z - 1),
+        1.092548 * x * z,
+        0.546274 * (x * x - y * y),
+    ]
     np.testing.assert_allclose(sh.basis(d, 2), np.stack(wanted, axis=-1), atol=2e-6)
 
 

@@ -84,8 +84,9 @@ def test_what_is_sharp_for_ever_stays_where_it_is() -> None:
 
 def test_sharpness_of_one_is_one_sharp_step() -> None:
     once = refine(polygons(SIDES, np.inf), "catmullClark", 1)
-    smooth = Cage(once.cage.counts, once.cage.indices, 0.0 * once.weights.sum() + np.zeros(96),
-                  np.zeros(26))  # fmt: skip
+    smooth = Cage(
+        once.cage.counts, once.cage.indices, 0.0 * once.weights.sum() + np.zeros(96), np.zeros(26)
+    )
     then = refine(smooth, "catmullClark", 2)
     expected = then.weights @ once.weights @ BOX
     found = refine(polygons(SIDES, 1.0), "catmullClark", 3).weights @ BOX

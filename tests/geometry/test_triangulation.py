@@ -67,9 +67,12 @@ def test_a_dented_quad_is_cut_at_its_dent(dent: int) -> None:
 
 def test_mixed_faces_keep_their_numbers_and_order() -> None:
     plan = np.array([[0.0, 0], [4, 0], [4, 1], [1, 1], [1, 2], [4, 2], [4, 3], [0, 3]])  # a C
-    points = np.concatenate([
-        np.c_[plan, np.zeros(8)], [[9, 0, 0], [10, 0, 0], [10, 1, 0], [9, 1, 0]],
-    ])  # fmt: skip
+    points = np.concatenate(
+        [
+            np.c_[plan, np.zeros(8)],
+            [[9, 0, 0], [10, 0, 0], [10, 1, 0], [9, 1, 0]],
+        ]
+    )
     counts = np.array([3, 8, 2, 4, 0], dtype=np.int32)
     indices = np.array([8, 9, 10, *range(8), 0, 1, 8, 9, 10, 11], dtype=np.int32)
     cut, faces = triangulate(points, counts, indices)

@@ -16,9 +16,11 @@ def _sheet(width: float, depth: float, st: object) -> Mesh:
     along, up = np.array([1.0, -1.0, 0.0]) / np.sqrt(2), np.array([1.0, 1.0, -2.0]) / np.sqrt(6)
     corners = [0 * along, width * along, width * along + depth * up, depth * up]
     return Mesh(
-        np.array(corners), np.array([4], np.int32), np.arange(4, dtype=np.int32),
+        np.array(corners),
+        np.array([4], np.int32),
+        np.arange(4, dtype=np.int32),
         st=np.array(st, dtype=np.float32),
-    )  # fmt: skip
+    )
 
 
 UNIT = [[0, 0], [1, 0], [1, 1], [0, 1]]

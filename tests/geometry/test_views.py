@@ -44,10 +44,13 @@ def cuboids(*boxes: tuple[tuple[float, ...], tuple[float, ...], bool]) -> tuple[
 ROOM = ((0.0, 0, 0), (5.0, 4, 2.6), True)
 TABLE = ((2.0, 1.5, 0.7), (3.2, 2.5, 0.75), False)
 FURNISHED = [
-    ((4.0 + 0.2 * (k % 4), 3.0 + 0.2 * (k // 4), 0.0),
-     (4.12 + 0.2 * (k % 4), 3.12 + 0.2 * (k // 4), 0.4 + 0.1 * (k % 3)), False)
+    (
+        (4.0 + 0.2 * (k % 4), 3.0 + 0.2 * (k // 4), 0.0),
+        (4.12 + 0.2 * (k % 4), 3.12 + 0.2 * (k // 4), 0.4 + 0.1 * (k % 3)),
+        False,
+    )
     for k in range(16)
-]  # fmt: skip
+]
 
 
 # --- score ---
@@ -133,13 +136,15 @@ def test_a_point_is_no_room() -> None:
 def test_eyes_in_or_near_furniture_are_no_eyes() -> None:
     solid = ((1.0, 1, 0), (2.0, 2, 2.0), False)
     caster = RayCaster(*cuboids(ROOM, solid))
-    eyes = np.array([
-        [1.5, 1.5, 1.5],  # inside the solid, 0.5 m from its faces
-        [2.1, 1.5, 1.5],  # 10 cm from it
-        [2.5, 1.5, 1.5],  # free
-        [4.9, 2.0, 1.5],  # 10 cm from a wall
-        [4.5, 3.5, 2.0],  # free
-    ])  # fmt: skip
+    eyes = np.array(
+        [
+            [1.5, 1.5, 1.5],  # inside the solid, 0.5 m from its faces
+            [2.1, 1.5, 1.5],  # 10 cm from it
+            [2.5, 1.5, 1.5],  # free
+            [4.9, 2.0, 1.5],  # 10 cm from a wall
+            [4.5, 3.5, 2.0],  # free
+        ]
+    )
     np.testing.assert_array_equal(clear(caster, eyes), [False, False, True, False, True])
     assert clear(caster, np.array([[2.0 + 1.05 * CLEARANCE, 1.5, 1.5]])).all()
 
@@ -161,8 +166,9 @@ def test_blocked_and_empty_views_are_out_of_the_question() -> None:
 
 def test_the_rating_of_a_wall_is_its_closed_form() -> None:
     """A square picture of a facing wall at 2 m: no edges, planar depth the same everywhere."""
-    caster = RayCaster([[-50.0, 2, -50], [50, 2, -50], [50, 2, 50], [-50, 2, 50]],
-                       [[0, 1, 2], [0, 2, 3]])  # fmt: skip
+    caster = RayCaster(
+        [[-50.0, 2, -50], [50, 2, -50], [50, 2, 50], [-50, 2, 50]], [[0, 1, 2], [0, 2, 3]]
+    )
     rated = rate_views(caster, Views(np.zeros((1, 3)), np.array([[0.0, 1, 0]])), 90.0, (24, 24))
     assert rated[0] == pytest.approx(0.3 * 24 * 24 * np.log(3.0))
 
@@ -234,21 +240,28 @@ def test_several_views_show_the_room_and_its_openings() -> None:
 def test_what_is_seen_is_in_the_picture_and_not_behind_a_thing() -> None:
     caster = RayCaster(*cuboids(ROOM, ((2.3, 1.0, 0.0), (2.4, 3.0, 2.6), False)))
     eye, ahead = np.array([[1.0, 2, 1.5]]), np.array([[1.0, 0, 0]])
-    places = np.array([
-        [2.2, 2.0, 1.5],  # before the wall in the middle
-        [2.28, 2.0, 1.5],  # at it
-        [4.9, 2.0, 1.5],  # behind it
-        [2.0, 3.9, 1.5],  # beside the picture
-        [0.1, 2.0, 1.5],  # behind the camera
-    ])  # fmt: skip
+    places = np.array(
+        [
+            [2.2, 2.0, 1.5],  # before the wall in the middle
+            [2.28, 2.0, 1.5],  # at it
+            [4.9, 2.0, 1.5],  # behind it
+            [2.0, 3.9, 1.5],  # beside the picture
+            [0.1, 2.0, 1.5],  # behind the camera
+        ]
+    )
     seen = visible(caster, eye, ahead, places, fov_degrees=60.0, aspect=4 / 3)
     assert seen.tolist() == [[True, True, False, False, False]]
     assert visible(caster, eye, ahead, places[:0], fov_degrees=60.0, aspect=1.0).shape == (1, 0)
 
 
 def test_news_are_the_share_of_parts_and_of_places_that_nobody_else_shows() -> None:
-    points = np.array([[[0.1, 0.1, 0.1], [0.2, 0.4, 0.3]], [[0.1, 0.1, 0.1], [0.7, 0.1, 0.1]],
-                       [[3.0, 3.0, 1.0], [-0.1, 0.0, 0.0]]])  # fmt: skip
+    points = np.array(
+        [
+            [[0.1, 0.1, 0.1], [0.2, 0.4, 0.3]],
+            [[0.1, 0.1, 0.1], [0.7, 0.1, 0.1]],
+            [[3.0, 3.0, 1.0], [-0.1, 0.0, 0.0]],
+        ]
+    )
     parts = parts_of(points, np.array([[True, True], [True, True], [True, False]]))
     assert parts[0, 0] == parts[0, 1] == parts[1, 0] != parts[1, 1]
     assert parts[2, 1] == NOTHING

@@ -15,7 +15,13 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import make
 from openrooms_usd.physics.collision_error import collision_error
 from openrooms_usd.physics.components import Part, components
-from openrooms_usd.physics.decomposition import ConvexShape, Shapes, collision_shapes
+from openrooms_usd.physics.decomposition import (
+    METHODS,
+    ConvexShape,
+    Method,
+    Shapes,
+    collision_shapes,
+)
 from openrooms_usd.physics.hulls import volume
 from openrooms_usd.physics.solid import Solid
 
@@ -142,18 +148,17 @@ CHILD = """
 import sys; sys.path.insert(0, {here!r})
 from test_decomposition import digest, l_shape, part
 from openrooms_usd.physics.decomposition import collision_shapes
-print(digest(collision_shapes([part(l_shape())], {method!r}, 0.03)))
+print(digest(collision_shapes([part(l_shape())], "auto", 0.03)))
 """
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["auto", "coacd", "vhacd"])
-def test_bytes_are_equal_in_other_processes_and_with_other_threads(method: str) -> None:
+def test_bytes_are_equal_in_other_processes_and_with_other_threads() -> None:
     here = str(Path(__file__).parent)
     found = set()
     for threads in ("1", "2"):
         done = subprocess.run(
-            [sys.executable, "-c", CHILD.format(here=here, method=method)],
+            [sys.executable, "-c", CHILD.format(here=here)],
             env={**os.environ, "OMP_NUM_THREADS": threads},
             capture_output=True,
             text=True,
@@ -164,11 +169,10 @@ def test_bytes_are_equal_in_other_processes_and_with_other_threads(method: str) 
     assert len(found) == 1
 
 
-@pytest.mark.one_in(25)
-@pytest.mark.parametrize("method", ["auto", "coacd", "vhacd", "hull", "box"])
-def test_every_method_covers_and_states_its_error(method: str) -> None:
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_covers_and_states_its_error(method: Method) -> None:
     mesh = l_shape()
-    found = collision_shapes([part(mesh)], method, tolerance=0.03)  # type: ignore[arg-type]
+    found = collision_shapes([part(mesh)], method, tolerance=0.03)
     measured = collision_error([s.mesh for s in found.shapes], Solid(components([part(mesh)])))
     # The greater of both distances: that between the filled volumes, at their surfaces.
     greatest = max(measured.protrusion, measured.uncovered)
@@ -182,8 +186,11 @@ def test_every_method_covers_and_states_its_error(method: str) -> None:
 
 
 def test_hard_input() -> None:
-    sheet = Part("sheet", np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]),
-                 np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32))  # fmt: skip
+    sheet = Part(
+        "sheet",
+        np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]]),
+        np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32),
+    )
     assert len(collision_shapes([sheet]).shapes) == 1
     tiny = collision_shapes([part(box(0.001, 0.001, 0.001))])
     assert volume(tiny.shapes[0].mesh) == pytest.approx(1e-9, rel=1e-3)

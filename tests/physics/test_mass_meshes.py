@@ -93,8 +93,9 @@ def test_overlapping_components_both_count_also_when_one_is_inside_out():
 def test_small_large_thin_and_flat_bodies_are_bodies(size):
     mesh = trimesh.creation.box(size)
     for found in (
-        solid(mesh.vertices, mesh.faces, 1000.0), shell(mesh.vertices, mesh.faces, 1000.0, 1e-7)
-    ):  # fmt: skip
+        solid(mesh.vertices, mesh.faces, 1000.0),
+        shell(mesh.vertices, mesh.faces, 1000.0, 1e-7),
+    ):
         found.checked()
     exact = 1000.0 * np.prod(size)
     assert solid(mesh.vertices, mesh.faces, 1000.0).mass == pytest.approx(exact, rel=1e-9)

@@ -50,9 +50,12 @@ def test_far_from_the_origin_nothing_is_lost_but_the_points_own_digits(offset):
     mass = 7850.0 * 6e-9
     # A coordinate of 1e6 m is known to 1e-10 m, which is 1e-7 of a millimetre.
     assert_same(
-        found, mass, np.full(3, offset), box_inertia(mass, np.array([0.001, 0.002, 0.003])),
+        found,
+        mass,
+        np.full(3, offset),
+        box_inertia(mass, np.array([0.001, 0.002, 0.003])),
         rel=1e-12 + 1e-12 * offset,
-    )  # fmt: skip
+    )
 
 
 def test_a_tetrahedron_is_its_closed_form():

@@ -18,9 +18,19 @@ Array = NDArray[np.float64]
 
 CUBE = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
 FACES = [
-    [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
-    [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
-]  # fmt: skip
+    [0, 2, 1],
+    [1, 2, 3],
+    [4, 5, 6],
+    [5, 7, 6],
+    [0, 1, 4],
+    [1, 5, 4],
+    [2, 6, 3],
+    [3, 6, 7],
+    [0, 4, 2],
+    [2, 4, 6],
+    [1, 3, 5],
+    [3, 7, 5],
+]
 
 
 def mesh(points: Array, faces: object) -> TriangleMesh:
@@ -67,8 +77,9 @@ def ground(mu: float, turn: Array | None = None, name: str = "Room") -> Body:
     """A fixed slab whose top is the plane z = 0 of its own frame."""
     slab = box((24.0, 24.0, 0.2), (0.0, 0.0, -0.1))
     seen = Visual("Floor", slab, "/World/Materials/oak")
-    link = Link(name, f"/World/{name}", np.eye(4), None, (Shape("Floor", slab, contact(mu)),),
-                (seen,))  # fmt: skip
+    link = Link(
+        name, f"/World/{name}", np.eye(4), None, (Shape("Floor", slab, contact(mu)),), (seen,)
+    )
     return Body(name, f"/World/{name}", frame(turn=turn), (link,), (), True)
 
 
@@ -95,11 +106,21 @@ def cabinet(damping: float = 0.0, friction: float = 0.0) -> Body:
     wood = contact(0.4)
     links = (
         Link("Body", "/World/C/Body", np.eye(4), None, (Shape("b", box((1.0, 0.5, 1.0)), wood),)),
-        Link("Door", "/World/C/Door", door, swinging,
-             (Shape("d", box(leaf, (-0.5, 0.0, 0.0)), wood),)),
-        Link("Drawer", "/World/C/Drawer", frame((0.0, 0.0, 0.3)), box_mass((0.4, 0.4, 0.1), 1.5),
-             (Shape("d", box((0.4, 0.4, 0.1)), contact(0.2)),)),
-    )  # fmt: skip
+        Link(
+            "Door",
+            "/World/C/Door",
+            door,
+            swinging,
+            (Shape("d", box(leaf, (-0.5, 0.0, 0.0)), wood),),
+        ),
+        Link(
+            "Drawer",
+            "/World/C/Drawer",
+            frame((0.0, 0.0, 0.3)),
+            box_mass((0.4, 0.4, 0.1), 1.5),
+            (Shape("d", box((0.4, 0.4, 0.1)), contact(0.2)),),
+        ),
+    )
     z, front = np.array([0.0, 0.0, 1.0]), np.array([0.0, -1.0, 0.0])
     joints = (
         Joint("door", "hinge", "Body", "Door", z, (0.0, 1.5), damping, friction),
@@ -112,9 +133,17 @@ def cabinet(damping: float = 0.0, friction: float = 0.0) -> Body:
 def make() -> SimpleNamespace:
     """The functions of this file, and the World."""
     return SimpleNamespace(
-        World=World, ground=ground, block=block, cabinet=cabinet, box=box, prism=prism,
-        box_mass=box_mass, contact=contact, frame=frame, mesh=mesh,
-    )  # fmt: skip
+        World=World,
+        ground=ground,
+        block=block,
+        cabinet=cabinet,
+        box=box,
+        prism=prism,
+        box_mass=box_mass,
+        contact=contact,
+        frame=frame,
+        mesh=mesh,
+    )
 
 
 @pytest.fixture
@@ -123,9 +152,12 @@ def client() -> Iterator[int]:
     pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
     number = pybullet.connect(pybullet.DIRECT)
     pybullet.setPhysicsEngineParameter(
-        fixedTimeStep=0.002, numSolverIterations=200, solverResidualThreshold=0.0,
-        enableFileCaching=0, physicsClientId=number,
-    )  # fmt: skip
+        fixedTimeStep=0.002,
+        numSolverIterations=200,
+        solverResidualThreshold=0.0,
+        enableFileCaching=0,
+        physicsClientId=number,
+    )
     yield number
     pybullet.disconnect(number)
 

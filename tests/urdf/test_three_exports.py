@@ -73,9 +73,13 @@ def test_masses_agree_in_both_engines(
             tolerance = 1e-5 * np.trace(given.inertia)
             for mass, centre, moments, axes in (
                 (found[0], found[3], found[2], found[4]),
-                (model.body_mass[at], model.body_ipos[at], model.body_inertia[at],
-                 np.roll(model.body_iquat[at], -1)),
-            ):  # fmt: skip
+                (
+                    model.body_mass[at],
+                    model.body_ipos[at],
+                    model.body_inertia[at],
+                    np.roll(model.body_iquat[at], -1),
+                ),
+            ):
                 assert mass == pytest.approx(given.mass, rel=1e-6)
                 np.testing.assert_allclose(centre, given.centre, atol=1e-6)
                 turn = Rotation.from_quat(axes).as_matrix()
@@ -96,10 +100,11 @@ def test_what_is_seen_lies_where_the_stage_has_it(
             [m.world_points() for m in placed if f"{m.path}/".startswith(f"{body.path}/")]
         )
         geoms = [
-            geom for geom in range(model.ngeom)
+            geom
+            for geom in range(model.ngeom)
             if model.geom(geom).name.startswith(f"{body.name}:")
             or (model.geom(geom).name.startswith(f"{body.name}.") and model.geom_group[geom] == 2)
-        ]  # fmt: skip
+        ]
         if body.name == "Room":
             continue
         points = []

@@ -47,9 +47,14 @@ def mujoco_speed(model: Any) -> float:
 @pytest.mark.parametrize("shape", ["box", "prism"])
 @pytest.mark.parametrize(("share", "slides"), [(0.98, False), (1.02, True)])
 def test_a_block_slides_from_atan_mu_on(
-    make: SimpleNamespace, bullet_bodies: Any, client: int, mujoco_model: Any,
-    shape: str, share: float, slides: bool,
-) -> None:  # fmt: skip
+    make: SimpleNamespace,
+    bullet_bodies: Any,
+    client: int,
+    mujoco_model: Any,
+    shape: str,
+    share: float,
+    slides: bool,
+) -> None:
     hull = make.box((0.2, 0.2, 0.1)) if shape == "box" else make.prism(0.12, 0.1, 16)
     world = on_a_slope(make, math.atan(MU * share), hull)
     speeds = [bullet_speed(bullet_bodies(world), client), mujoco_speed(mujoco_model(world))]

@@ -44,9 +44,15 @@ def seen_from_above(client: int) -> np.ndarray:
     view = pybullet.computeViewMatrix([0, 0, 5], [0, 0, 0], [0, 1, 0])
     lens = pybullet.computeProjectionMatrix(-1, 1, -1, 1, 4.9, 6)
     found = pybullet.getCameraImage(
-        64, 64, view, lens, lightDirection=[0, 0, 10], shadow=0,
-        renderer=pybullet.ER_TINY_RENDERER, physicsClientId=client,
-    )  # fmt: skip
+        64,
+        64,
+        view,
+        lens,
+        lightDirection=[0, 0, 10],
+        shadow=0,
+        renderer=pybullet.ER_TINY_RENDERER,
+        physicsClientId=client,
+    )
     return np.reshape(found[2], (64, 64, 4))[..., :3]
 
 

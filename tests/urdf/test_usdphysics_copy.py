@@ -68,9 +68,11 @@ def test_the_parser_of_usd_finds_everything(copied: tuple[Path, Report]) -> None
     kinds = UsdPhysics.ObjectType
     assert len(found[kinds.Scene][0]) == 1
     assert found[kinds.RigidBody][0]
-    paths, shapes = found[kinds.ConvexMeshShape] if hasattr(kinds, "ConvexMeshShape") else (
-        found[kinds.MeshShape]
-    )  # fmt: skip
+    paths, shapes = (
+        found[kinds.ConvexMeshShape]
+        if hasattr(kinds, "ConvexMeshShape")
+        else (found[kinds.MeshShape])
+    )
     assert paths
     assert all(shape.materials for shape in shapes)
 

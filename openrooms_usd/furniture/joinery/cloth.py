@@ -63,10 +63,12 @@ def _case(x: Array, y: Array, top: Array, bottom: Array) -> Mesh:
     lower = upper.copy()
     inner = (slice(1, rows - 1), slice(1, columns - 1))
     lower[inner] = x.size + np.arange((rows - 2) * (columns - 2)).reshape(rows - 2, columns - 2)
-    points = np.concatenate([
-        np.stack([x, y, top], axis=-1).reshape(-1, 3),
-        np.stack([x, y, bottom], axis=-1)[inner].reshape(-1, 3),
-    ])  # fmt: skip
+    points = np.concatenate(
+        [
+            np.stack([x, y, top], axis=-1).reshape(-1, 3),
+            np.stack([x, y, bottom], axis=-1)[inner].reshape(-1, 3),
+        ]
+    )
     above, below = (
         np.stack([n[:-1, :-1], n[:-1, 1:], n[1:, 1:], n[1:, :-1]], axis=-1).reshape(-1, 4)
         for n in (upper, lower)

@@ -19,9 +19,9 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from openrooms_usd.description.physics import Shapes as Method
 from openrooms_usd.errors import InputError
 from openrooms_usd.physics.components import Part
+from openrooms_usd.physics.decomposition import Method
 from openrooms_usd.stages.physics.cache import cached_shapes, is_missing
 
 # Triangles for which it is worth to start another process: they take some seconds.

@@ -16,11 +16,10 @@ import numpy as np
 
 from openrooms_usd import atomic, unfinished
 from openrooms_usd.codedigest import code_digest, library_versions
-from openrooms_usd.description.physics import Shapes as Method
 from openrooms_usd.errors import OutputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import Part
-from openrooms_usd.physics.decomposition import ConvexShape, Shapes, collision_shapes
+from openrooms_usd.physics.decomposition import ConvexShape, Method, Shapes, collision_shapes
 from openrooms_usd.usercache import cache_folder
 
 _FOLDER: Final = "shapes"
@@ -77,13 +76,19 @@ def _digest(parts: Sequence[Part], method: Method, tolerance: float) -> str:
 
 
 def _bytes(shapes: Shapes, parts: Sequence[Part]) -> bytes:
+    """All shapes end to end, and how much of each array is of each shape: few arrays load fast."""
     number = {part.name: i for i, part in enumerate(parts)}
-    arrays = {"errors": np.array([shapes.protrusion, shapes.uncovered])}
-    for i, shape in enumerate(shapes.shapes):
-        arrays[f"points_{i}"] = shape.mesh.points
-        arrays[f"triangles_{i}"] = shape.mesh.triangles
-        arrays[f"parts_{i}"] = np.array([number[name] for name in shape.parts], dtype=np.int32)
-        arrays[f"box_{i}"] = np.array(shape.box)
+    columns: dict[str, list[np.ndarray]] = {
+        "points": [shape.mesh.points for shape in shapes.shapes],
+        "triangles": [shape.mesh.triangles for shape in shapes.shapes],
+        "parts": [
+            np.array([number[name] for name in shape.parts], np.int32) for shape in shapes.shapes
+        ],
+    }
+    arrays = {name: np.concatenate(column) for name, column in columns.items()}
+    arrays["counts"] = np.array([[len(each) for each in column] for column in columns.values()])
+    arrays["boxes"] = np.array([shape.box for shape in shapes.shapes])
+    arrays["errors"] = np.array([shapes.protrusion, shapes.uncovered])
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]
     return buffer.getvalue()
@@ -93,17 +98,21 @@ def _taken(entry: Path, parts: Sequence[Part]) -> Shapes | None:
     try:
         with np.load(io.BytesIO(entry.read_bytes()), allow_pickle=False) as stored:
             arrays = dict(stored)
-        shapes = [_shape(arrays, i, parts) for i in range((len(arrays) - 1) // 4)]
+        columns = [
+            np.split(arrays[name], np.cumsum(counts)[:-1])
+            for name, counts in zip(("points", "triangles", "parts"), arrays["counts"], strict=True)
+        ]
+        rows = zip(*columns, arrays["boxes"].tolist(), strict=True)
+        shapes = [_shape(parts, *row) for row in rows]
         protrusion, uncovered = arrays["errors"].tolist()
     except (OSError, ValueError, KeyError, IndexError, EOFError):
         return None
     return Shapes(tuple(shapes), protrusion, uncovered)
 
 
-def _shape(arrays: dict[str, np.ndarray], i: int, parts: Sequence[Part]) -> ConvexShape:
-    triangles = arrays[f"triangles_{i}"]
-    faces = np.arange(len(triangles), dtype=np.int32)
-    mesh = TriangleMesh(arrays[f"points_{i}"], triangles, faces)
-    used = [parts[j] for j in arrays[f"parts_{i}"].tolist()]
-    names = tuple(part.name for part in used)
-    return ConvexShape(mesh, used[0].contact, names, bool(arrays[f"box_{i}"]))
+def _shape(
+    parts: Sequence[Part], points: np.ndarray, triangles: np.ndarray, rows: np.ndarray, box: bool
+) -> ConvexShape:
+    mesh = TriangleMesh(points, triangles, np.arange(len(triangles), dtype=np.int32))
+    used = [parts[row] for row in rows.tolist()]
+    return ConvexShape(mesh, used[0].contact, tuple(part.name for part in used), box)
