@@ -29,7 +29,7 @@ ALONG, ACROSS = 0.3 + 0.18, 0.25 + 0.18  # From its middle to the robot's, when 
 
 def main(out: Path) -> None:
     scene = ou.compose(ROOM, out)
-    world = robots.with_robot(robots.read_world(scene), robots.cabinet((1.5, 1.0)))
+    world = robots.with_robot(robots.load_world(scene), robots.cabinet((1.5, 1.0)))
     world = robots.with_robot(world, robots.rover((0.5, 1.0)))
     simulation = robots.load_engine("mujoco").open(world)
     cameras = robots.RobotCameras(scene, world)

@@ -15,9 +15,9 @@ from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
-    from openrooms_usd.api.datasets import dataset as dataset
     from openrooms_usd.api.datasets import plan_dataset as plan_dataset
     from openrooms_usd.api.datasets import run_dataset as run_dataset
+    from openrooms_usd.api.datasets import write_dataset as write_dataset
     from openrooms_usd.api.films import render_path as render_path
     from openrooms_usd.api.light import Lightmaps as Lightmaps
     from openrooms_usd.api.light import Probe as Probe
@@ -30,84 +30,37 @@ if TYPE_CHECKING:
     from openrooms_usd.api.rendered import read_render as read_render
     from openrooms_usd.api.renders import compare as compare
     from openrooms_usd.api.renders import render as render
+    from openrooms_usd.api.room import Room as Room
     from openrooms_usd.api.rooms import copy_example as copy_example
     from openrooms_usd.api.rooms import generate as generate
     from openrooms_usd.api.rooms import import_capture as import_capture
-    from openrooms_usd.api.rooms import load as load
-    from openrooms_usd.api.rooms import save as save
-    from openrooms_usd.api.scenes import Scene as Scene
+    from openrooms_usd.api.rooms import load_room as load_room
+    from openrooms_usd.api.rooms import new_room as new_room
+    from openrooms_usd.api.scene import Scene as Scene
     from openrooms_usd.api.scenes import compose as compose
     from openrooms_usd.api.scenes import convert as convert
-    from openrooms_usd.api.scenes import open as open
+    from openrooms_usd.api.scenes import open_scene as open_scene
     from openrooms_usd.api.scenes import simulate as simulate
     from openrooms_usd.api.scenes import validate as validate
-    from openrooms_usd.description.room import Room as Room
     from openrooms_usd.errors import OrusdError as OrusdError
 
-_HOME = {
-    "Lightmaps": "openrooms_usd.api.light",
-    "OrusdError": "openrooms_usd.errors",
-    "Probe": "openrooms_usd.api.light",
-    "Probes": "openrooms_usd.api.light",
-    "Render": "openrooms_usd.api.rendered",
-    "Room": "openrooms_usd.description.room",
-    "Scene": "openrooms_usd.api.scenes",
-    "View": "openrooms_usd.api.rendered",
-    "bake": "openrooms_usd.api.light",
-    "compare": "openrooms_usd.api.renders",
-    "compose": "openrooms_usd.api.scenes",
-    "convert": "openrooms_usd.api.scenes",
-    "copy_example": "openrooms_usd.api.rooms",
-    "dataset": "openrooms_usd.api.datasets",
-    "generate": "openrooms_usd.api.rooms",
-    "import_capture": "openrooms_usd.api.rooms",
-    "load": "openrooms_usd.api.rooms",
-    "open": "openrooms_usd.api.scenes",
-    "plan_dataset": "openrooms_usd.api.datasets",
-    "probe": "openrooms_usd.api.light",
-    "read_render": "openrooms_usd.api.rendered",
-    "relight": "openrooms_usd.api.light",
-    "render": "openrooms_usd.api.renders",
-    "render_path": "openrooms_usd.api.films",
-    "robots": "openrooms_usd.api",
-    "run_dataset": "openrooms_usd.api.datasets",
-    "save": "openrooms_usd.api.rooms",
-    "simulate": "openrooms_usd.api.scenes",
-    "validate": "openrooms_usd.api.scenes",
+# What each module offers. Type checkers read the lines above; a test keeps both equal.
+_OFFERED = {
+    "api": ("robots",),
+    "api.datasets": ("plan_dataset", "run_dataset", "write_dataset"),
+    "api.films": ("render_path",),
+    "api.light": ("Lightmaps", "Probe", "Probes", "bake", "probe", "relight"),
+    "api.rendered": ("Render", "View", "read_render"),
+    "api.renders": ("compare", "render"),
+    "api.room": ("Room",),
+    "api.rooms": ("copy_example", "generate", "import_capture", "load_room", "new_room"),
+    "api.scene": ("Scene",),
+    "api.scenes": ("compose", "convert", "open_scene", "simulate", "validate"),
+    "errors": ("OrusdError",),
 }
+_HOME = {name: f"{__name__}.{home}" for home, names in _OFFERED.items() for name in names}
 
-__all__ = [
-    "Lightmaps",
-    "OrusdError",
-    "Probe",
-    "Probes",
-    "Render",
-    "Room",
-    "Scene",
-    "View",
-    "__version__",
-    "bake",
-    "compare",
-    "compose",
-    "convert",
-    "copy_example",
-    "dataset",
-    "generate",
-    "import_capture",
-    "load",
-    "open",
-    "plan_dataset",
-    "probe",
-    "read_render",
-    "relight",
-    "render",
-    "render_path",
-    "robots",
-    "run_dataset",
-    "save",
-    "simulate",
-    "validate",
-]
+__all__ = sorted([*_HOME, "__version__"])
 
 if not TYPE_CHECKING:  # To type checkers there is nothing but the names above.
     __getattr__ = loader(__name__, _HOME)

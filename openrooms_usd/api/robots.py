@@ -1,6 +1,6 @@
 """Robots in composed rooms: worlds, engines, robots, their cameras and what they do.
 
-A *world* is what a scene's physics says, `read_world`; robots are put into it (`with_robot`). An
+A *world* is what a scene's physics says, `load_world`; robots are put into it (`with_robot`). An
 *engine* opens it as a simulation. `RobotCameras` render what is seen of it (docs/robots.md).
 """
 
@@ -59,11 +59,11 @@ __all__ = [
     "act",
     "cabinet",
     "load_engine",
+    "load_world",
     "look_at",
     "mean_friction",
     "pusher",
     "pushing",
-    "read_world",
     "robot_camera",
     "rover",
     "row",
@@ -82,7 +82,7 @@ def __dir__() -> list[str]:
     return __all__
 
 
-def read_world(scene: AnyPath) -> "World":
+def load_world(scene: AnyPath) -> "World":
     """What the physics of a scene says: bodies, links, joints and contacts.
 
     Args:
