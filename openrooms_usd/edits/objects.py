@@ -20,7 +20,7 @@ from openrooms_usd.edits.scenefile import ByName, SceneFile
 from openrooms_usd.edits.seen import extent_of, owners_of, points_of, surfaces_of
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import Scope
-from openrooms_usd.edits.views import SceneMaterial
+from openrooms_usd.edits.views import SceneMaterial, material_of
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
 from openrooms_usd.usd.bindings import bound_material, bound_subsets
@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, repr=False)
 class Visible:
-    """What can be seen in a scene; what it says is read from the file whenever it is asked.
+    """What objects and parts have in common; it is read from the file whenever it is asked for.
 
     Attributes:
         path: Its prim.
@@ -82,7 +82,7 @@ class Visible:
             for material in (bound_material(prim), *(row[1] for row in bound_subsets(prim)))
             if material is not None
         }
-        return tuple(map(SceneMaterial.of, found.values()))
+        return tuple(map(material_of, found.values()))
 
     def set_material(self, look: str | Mapping[str, Any] | None = None, **fields: Any) -> Self:
         """Let it be made of something else.
@@ -153,10 +153,7 @@ class Visible:
 
 
 class ScenePart(Visible):
-    """A surface of an object, such as the seat of a chair.
-
-    Its ``name`` is that of its prim; ``part`` says which part it is.
-    """
+    """A surface of an object, such as the seat of a chair, with all that `Visible` has."""
 
     @property
     def part(self) -> str:
@@ -165,7 +162,7 @@ class ScenePart(Visible):
 
 
 class SceneObject(Visible):
-    """A piece of furniture or of the room, or an object of any other scene.
+    """A piece of furniture or of the room, or an object of any other scene; it is `Visible`, too.
 
     What is changed of a composed room lies in its ``layers/edits.usda``. What stands on it, light
     and physics follow when the room is composed again.

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,15 +89,15 @@ class SceneMaterial:
     metallic: float | None
     textures: Mapping[str, str]
 
-    @classmethod
-    def of(cls, material: UsdShade.Material) -> Self:
-        """Read a material of any stage."""
-        surface, _ = read_preview_surface(material)
-        said = {key: getattr(surface, key) for key in ("base_color", "roughness", "metallic")}
-        plain = {k: None if isinstance(v, Texture) else v for k, v in said.items()}
-        textures = {k: str(v.file) for k, v in vars(surface).items() if isinstance(v, Texture)}
-        path = material.GetPath()
-        return cls(path.name, str(path), **plain, textures=textures)
+
+def material_of(material: UsdShade.Material) -> SceneMaterial:
+    """A material of any stage, as far as it can be read."""
+    surface, _ = read_preview_surface(material)
+    said = {key: getattr(surface, key) for key in ("base_color", "roughness", "metallic")}
+    plain = {k: None if isinstance(v, Texture) else v for k, v in said.items()}
+    textures = {k: str(v.file) for k, v in vars(surface).items() if isinstance(v, Texture)}
+    path = material.GetPath()
+    return SceneMaterial(path.name, str(path), **plain, textures=textures)
 
 
 def cameras_of(file: SceneFile) -> ByName[SceneCamera]:
