@@ -309,7 +309,7 @@ class Room(description.Room):
         self._change(_merged(self.as_dict(), sections))
 
     def save(self, file: AnyPath) -> Path:
-        """Write it as a ``room.yaml`` that `openrooms_usd.load_room` reads as the same room.
+        """Write it as a ``room.yaml`` that `ou.load_room` reads as the same room.
 
         The names of files in it are written as they are: they begin in the folder of ``file`` then.
 
@@ -332,7 +332,7 @@ class Room(description.Room):
     def compose(
         self, out: AnyPath, *, workers: int | None = None, progress: Progress = silent
     ) -> "Scene":
-        """Compose it into USD layers: `openrooms_usd.compose` has further options.
+        """Compose it into USD layers: `ou.compose` has further options.
 
         Args:
             out: The folder for ``scene.usda`` and ``layers/``.
