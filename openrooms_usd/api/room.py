@@ -2,17 +2,18 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
 from pydantic import ConfigDict
 
 from openrooms_usd import description
 from openrooms_usd.api.given import AnyPath, path_of
+from openrooms_usd.description.alignment import Placed
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
-    from openrooms_usd.api.scenes import Scene
+    from openrooms_usd.api.scene import Scene
 
 Point: TypeAlias = Sequence[float | str]
 """x, y and perhaps z: metres, or texts with a unit such as ``"120 cm"``."""
@@ -40,9 +41,9 @@ class Room(description.Room):
             super().__setattr__(name, value)
 
     @classmethod
-    def of(cls, room: description.Room) -> Self:
+    def of(cls, room: description.Room) -> "Room":
         """A room from the same description, to be changed by itself."""
-        made = cls.model_construct()
+        made: Room = cls.model_construct()
         made._take(room)
         made._folder = room.folder
         return made
@@ -91,8 +92,7 @@ class Room(description.Room):
             given_of(category=category, at=at, relative_to=relative_to, **source, **said, **fields)
         )
         self._change(data)
-        listed = self.alignment.further if self._is_scan() else self.alignment.objects  # type: ignore[union-attr]
-        return description.named_objects(listed)[-1][0]
+        return self._named()[-1][0]
 
     def add_window(
         self,
@@ -277,9 +277,7 @@ class Room(description.Room):
         """
         data = self.as_dict()
         rows = self._rows(data, "alignment", "objects")
-        named = description.named_objects(
-            self.alignment.further if self._is_scan() else getattr(self.alignment, "objects", ())
-        )
+        named = self._named()
         index = next((i for i, (known, _) in enumerate(named) if known == name), None)
         if index is None:
             there = ", ".join(known for known, _ in named[:30])
@@ -371,6 +369,11 @@ class Room(description.Room):
         listed = "further" if section == "alignment" and self._is_scan() else key
         rows: list[Any] = said.setdefault(listed, [])
         return rows
+
+    def _named(self) -> list[tuple[str, Placed]]:
+        """The listed objects with their names, in order."""
+        listed = getattr(self.alignment, "further" if self._is_scan() else "objects", None)
+        return description.named_objects(listed or ())
 
     def _is_scan(self) -> bool:
         return getattr(self.alignment, "source", None) == "scan"

@@ -311,10 +311,10 @@ def objects_of(file: SceneFile) -> ByName[SceneObject]:
     In other scenes an object is what the channel ``instance`` takes for one: the nearest labelled
     prim above a surface, else the nearest component, else the surface itself.
     """
-    group = file.stage().GetPrimAtPath(names.FURNITURE)
-    furniture = [child for child in group.GetChildren() if UsdGeom.Xformable(child)] if group else 0
-    prims = owners_of(file.stage().GetPseudoRoot()) if furniture == 0 else furniture
-    return _things("object", file, prims)
+    stage = file.stage()
+    group = stage.GetPrimAtPath(names.FURNITURE)
+    children = group.GetChildren() if group else owners_of(stage.GetPseudoRoot())
+    return _things("object", file, filter(UsdGeom.Xformable, children))
 
 
 def shell_of(file: SceneFile) -> ByName[SceneObject]:
