@@ -31,8 +31,8 @@ def loaded(code: str) -> set[str]:
 def test_dir_and_completion_show_it() -> None:
     assert set(FUNCTIONS) >= ASKED
     completer = rlcompleter.Completer({"ou": ou})
-    offered = completer.attr_matches("ou.re")
-    assert offered == ["ou.read_render(", "ou.relight(", "ou.render(", "ou.render_path("]
+    offered = completer.attr_matches("ou.rend")
+    assert offered == ["ou.render(", "ou.render_path("]
     assert set(dir(ou.robots)) >= {"rover", "RobotCameras", "load_world"}
     assert all(getattr(ou.robots, name) is not None for name in dir(ou.robots))
 
