@@ -180,8 +180,10 @@ class Fitter:
         made: list[Item] = []
         size, style = self.kit.make("data_outlet")
         for item in self._standing(("television",)):
-            carrier = next((other for _, group in self.room.items for other in group
-                            if other.key == item.on), item)  # fmt: skip
+            carrier = next(
+                (other for _, group in self.room.items for other in group if other.key == item.on),
+                item,
+            )
             for side, at in self._beside(carrier, 0.25):
                 found = self._hung("data_outlet", side, at, _SOCKET_Z_M, size, style, _PLUGGED_M)
                 if found:
@@ -262,8 +264,9 @@ class Fitter:
 
     def _overhead(self, name: str, x: float, y: float, size: Size, style: str) -> Item:
         z = round(self.room.shell.height - size[2], 3)
-        return self.kit.item(name, round(x, 3), round(y, 3), size=size, style=style, z=z,
-                             on="ceiling")  # fmt: skip
+        return self.kit.item(
+            name, round(x, 3), round(y, 3), size=size, style=style, z=z, on="ceiling"
+        )
 
     def _is_free_above(self, item: Item) -> bool:
         box, shell = item.box[None], self.room.shell

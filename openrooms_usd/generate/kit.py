@@ -7,11 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.generate.boxes import Array, overlap, posed
+from openrooms_usd.generate.boxes import Array, Pose, box, overlap, posed
 from openrooms_usd.generate.items import Group, Item, with_dependants
-from openrooms_usd.generate.shapes import Shape, Shapes
+from openrooms_usd.generate.shapes import Foot, Shape, Shapes
 from openrooms_usd.generate.sizes import drawn_size
-from openrooms_usd.generate.standing import above_foot, level_top
 from openrooms_usd.library.furniture import NOTHING_ORDERED, Order, Size, category, styles
 from openrooms_usd.library.interiors import Interior
 from openrooms_usd.names import ROOM_HEIGHT
@@ -25,6 +24,9 @@ _TOUCHING_GAP_M: Final = -0.001
 _CHAIR_RANGE_M: Final = 2.5
 # What lies between two objects of a group, metres.
 APART_M: Final = 0.012
+
+# What rises less than this above a top is no obstacle on it, metres.
+_ROUNDING = 1e-4
 
 
 @dataclass
@@ -141,10 +143,18 @@ class Kit:
     def like(self, other: Item, x: float, y: float, yaw: float = 0.0) -> Item:
         """Another item of the same make."""
         return self.item(
-            other.category, x, y, yaw,
-            size=other.size, style=other.style, z=other.z, on=other.on, optional=other.optional,
-            order=other.order, sunk=other.sunk,
-        )  # fmt: skip
+            other.category,
+            x,
+            y,
+            yaw,
+            size=other.size,
+            style=other.style,
+            z=other.z,
+            on=other.on,
+            optional=other.optional,
+            order=other.order,
+            sunk=other.sunk,
+        )
 
     def placed_on(
         self,
@@ -217,9 +227,13 @@ class Kit:
             x, y = self.rng.uniform(-0.42, 0.42, 2) * support.size[:2]
             turn = float(self.rng.uniform(-30, 30))
             found = self.placed_on(
-                support, self.pick(names), round(float(x), 2), round(float(y), 2), round(turn),
+                support,
+                self.pick(names),
+                round(float(x), 2),
+                round(float(y), 2),
+                round(turn),
                 beside=[*beside, *made],
-            )  # fmt: skip
+            )
             if found:
                 made.append(found)
         return made
@@ -291,9 +305,16 @@ class Kit:
             place = out * (half + depth * (0.5 - share) + 0.02) + across * along
             x, y = table.at(float(place[0]), float(place[1]))
             near = Item(
-                "", chair.category, chair.size, chair.style, round(x, 3), round(y, 3), chair.z,
-                round(table.yaw + yaw, 1), chair.on,
-            )  # fmt: skip
+                "",
+                chair.category,
+                chair.size,
+                chair.style,
+                round(x, 3),
+                round(y, 3),
+                chair.z,
+                round(table.yaw + yaw, 1),
+                chair.on,
+            )
             close = [
                 other for other in others if abs(other.x - x) + abs(other.y - y) < _CHAIR_RANGE_M
             ]
@@ -309,12 +330,56 @@ def _on_floors(name: str) -> tuple[str, ...]:
     if known.support != "floor":
         return tuple(known.styles)
     said = {
-        style: {place for lies in known.lies if style in (lies.styles or (style,))
-                for place in lies.on}
+        style: {
+            place for lies in known.lies if style in (lies.styles or (style,)) for place in lies.on
+        }
         for style in known.styles
-    }  # fmt: skip
+    }
     found = tuple(
-        style for style, places in said.items()
+        style
+        for style, places in said.items()
         if not places or any(place.startswith("floor_") for place in places)
-    )  # fmt: skip
+    )
     return found or tuple(known.styles)
+
+
+def level_top(support: Shape, size: Size, foot: Foot, pose: Pose, slack: float) -> float | None:
+    """Height of a support's top above its base where an item shall stand.
+
+    Args:
+        support: What carries it.
+        size: Of the item, metres: nothing of the support may rise into its box.
+        foot: What the item stands on, in its own frame.
+        pose: Of the item, in the support's frame.
+        slack: How far below its middle the top may fall away under the foot, metres.
+
+    Returns:
+        None where the top is not level, too small or not free.
+    """
+    x, y, yaw = pose
+    middle = float(support.tops(np.array([x]), np.array([y]))[0])
+    if middle == -np.inf:
+        return None  # beside it, or over a hole
+    below = support.tops(*_grid(foot, pose))
+    half = (0.5 * size[0], 0.5 * size[1])
+    above = support.tops(*_grid((-half[0], -half[1], *half), pose))
+    # Thin rims slip through a grid, but not their corners.
+    highest = support.highest(box(x, y, size[0], size[1], 0.0, 0.0, yaw))
+    if max(below.max(), above.max(), highest) > middle + _ROUNDING:
+        return None
+    return None if below.min() < middle - slack else middle
+
+
+def above_foot(foot: Foot, x: float, y: float, yaw: float) -> tuple[float, float]:
+    """Where an item stands whose foot has its middle at a place; to the millimetre."""
+    u, v = 0.5 * (foot[0] + foot[2]), 0.5 * (foot[1] + foot[3])
+    c, s = float(np.cos(np.radians(yaw))), float(np.sin(np.radians(yaw)))
+    return round(x - c * u + s * v, 3), round(y - s * u - c * v, 3)
+
+
+def _grid(area: Foot, pose: Pose) -> tuple[Array, Array]:
+    """Places on a 5 by 5 grid over an area of an item that stands at a pose."""
+    x, y, yaw = pose
+    u, v = np.meshgrid(np.linspace(area[0], area[2], 5), np.linspace(area[1], area[3], 5))
+    c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
+    return x + c * u.ravel() - s * v.ravel(), y + s * u.ravel() + c * v.ravel()

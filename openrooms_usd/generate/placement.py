@@ -202,9 +202,10 @@ def _wall_poses(shell: Shell, group: Group, rng: np.random.Generator) -> tuple[A
             ends = min(at - first, last - at)
             near = min((abs(at - window) for window in windows), default=9.0)
             taste.append(
-                corners * (ends < 0.05) + 0.2 * (at == middle)
+                corners * (ends < 0.05)
+                + 0.2 * (at == middle)
                 + _BELOW_WINDOW_TASTE * (near < _BELOW_WINDOW_M)
-            )  # fmt: skip
+            )
     fancy = rng.uniform(0.0, 1.0, len(poses))
     return np.array(poses).reshape(-1, 3), np.array(taste) + fancy
 

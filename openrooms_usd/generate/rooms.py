@@ -9,7 +9,6 @@ import numpy as np
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
-from openrooms_usd.generate.backsplashes import backsplashes
 from openrooms_usd.generate.boxes import Pose
 from openrooms_usd.generate.clutter.living import lived_in
 from openrooms_usd.generate.coatracks import coat_racks
@@ -25,7 +24,7 @@ from openrooms_usd.generate.polygons import floor_plan
 from openrooms_usd.generate.programs import PROGRAMS, Program, Want
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.shell import Shell
-from openrooms_usd.generate.walls import ceiling_lamps, hang
+from openrooms_usd.generate.walls import backsplashes, ceiling_lamps, hang
 from openrooms_usd.library.assignment.weights import drawn
 from openrooms_usd.library.interiors import INTERIORS, Interior
 
@@ -215,10 +214,13 @@ def _furnished(
     room = Arrangement(shell)
     sides = np.ptp(shell.corners, axis=0)
     kit = Kit(
-        generator(shapes.seed, "generate", room_type, "furniture", attempt), shapes, shell.height,
-        (float(sides.max()), float(sides.min())), INTERIORS[style] if style else None,
+        generator(shapes.seed, "generate", room_type, "furniture", attempt),
+        shapes,
+        shell.height,
+        (float(sides.max()), float(sides.min())),
+        INTERIORS[style] if style else None,
         shell.clear_height,
-    )  # fmt: skip
+    )
     missing = 0
     for want in program.wants:
         count = _count(want, shell.area, kit)

@@ -60,9 +60,7 @@ class Side:
         """(2,) a place at a distance from the start and from the wall, metres."""
         return np.asarray(self.start + at * self.along + away * self.inward)
 
-    def keep(
-        self, at: float, width: float, depth: float, low: float, high: float
-    ) -> Array:  # fmt: skip
+    def keep(self, at: float, width: float, depth: float, low: float, high: float) -> Array:
         """(8,) a box that stands before the wall."""
         x, y = self.point(at, 0.5 * depth)
         return box(float(x), float(y), width, depth, low, high, self.yaw)
@@ -203,9 +201,15 @@ def shell_of(layout: PolygonLayout) -> Shell:
     gaps = tuple(_gap(o, shell) for o in layout.openings if o.wall is not None)
     standing, free = _standing(layout)
     return Shell(
-        corners, layout.height, gaps, shell.numbers, shell.clockwise, standing, free,
+        corners,
+        layout.height,
+        gaps,
+        shell.numbers,
+        shell.clockwise,
+        standing,
+        free,
         thickness=layout.wall_thickness,
-    )  # fmt: skip
+    )
 
 
 def _standing(layout: PolygonLayout) -> tuple[Array, Array]:

@@ -1,5 +1,6 @@
 """What hangs on the walls and from the ceiling once the furniture stands."""
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Final
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from openrooms_usd.categories.record import given
 from openrooms_usd.generate.boxes import overlap
+from openrooms_usd.generate.groups.kitchen import LEVEL_M, WALL_LOW_M
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
@@ -26,10 +28,17 @@ _NARROWEST_BAY_M: Final = 0.3
 # What fits where larger lamps do not, metres.
 _SMALL_LAMP_WIDTH_M: Final = 0.35
 
+# What is screwed on through tiles is flush to the wall, and may sink in by so much.
+_THICK_M: Final = 0.004
+# What windows keep for their casing and sill, metres.
+_CASING_M: Final = 0.12
+# No strip is narrower or lower, metres.
+_LEAST_M: Final = 0.06
+# First and last place along a wall, and the upper edge; metres.
+_Strip = tuple[float, float, float]
 
-def hang(
-    room: Arrangement, kit: Kit, wanted: tuple[tuple[str, int, int], ...]
-) -> list[Item]:  # fmt: skip
+
+def hang(room: Arrangement, kit: Kit, wanted: tuple[tuple[str, int, int], ...]) -> list[Item]:
     """Hang pictures, clocks, boards and lamps where the walls are free.
 
     Args:
@@ -136,3 +145,61 @@ def _grid(shell: Shell) -> list[tuple[float, float]]:
     counts = np.maximum(1, np.round(sides / np.sqrt(_FLOOR_PER_LAMP_M2))).astype(int).tolist()
     x, y = (low[i] + sides[i] * (np.arange(n) + 0.5) / n for i, n in enumerate(counts))
     return [(float(px), float(py)) for py in y for px in x]
+
+
+def backsplashes(room: Arrangement, kit: Kit) -> list[Item]:
+    """A strip above every worktop at a wall, up to wall cabinets or to the sill of a window."""
+    tops = [item for _, items in room.items for item in items if item.category == "worktop"]
+    return [item for top in tops for item in _above(room.shell, kit, top)]
+
+
+def _above(shell: Shell, kit: Kit, top: Item) -> Iterator[Item]:
+    index, at = _behind(shell, top)
+    side, half = shell.sides[index], 0.5 * top.size[0]
+    for first, last, high in _strips(
+        shell, index, max(at - half, 0.0), min(at + half, side.length)
+    ):
+        if last - first < _LEAST_M or high - LEVEL_M < _LEAST_M:
+            continue
+        size = (round(last - first, 3), _THICK_M, round(high - LEVEL_M, 3))
+        x, y = side.point(0.5 * (first + last), 0.5 * _THICK_M).tolist()
+        yield kit.item(
+            "backsplash",
+            round(x, 4),
+            round(y, 4),
+            side.yaw,
+            size=size,
+            style="panel",
+            z=LEVEL_M,
+            on="wall",
+            optional=True,
+        )
+
+
+def _behind(shell: Shell, top: Item) -> tuple[int, float]:
+    """The wall at the back of a worktop, and where along it the worktop's middle is, metres."""
+    back = np.array(top.at(0.0, 0.5 * top.size[1]))
+    offsets = [back - side.start for side in shell.sides]
+    away = [
+        abs(offset @ side.inward) + 9.0 * abs(np.sin(np.radians(0.5 * (side.yaw - top.yaw))))
+        for offset, side in zip(offsets, shell.sides, strict=True)
+    ]
+    index = int(np.argmin(away))
+    return index, float(offsets[index] @ shell.sides[index].along)
+
+
+def _strips(shell: Shell, index: int, first: float, last: float) -> Iterator[_Strip]:
+    """The length cut at the windows of its wall."""
+    windows = sorted(
+        (gap for gap in shell.gaps if gap.side == index and gap.kind == "window"),
+        key=lambda gap: gap.at,
+    )
+    for gap in windows:
+        reach = 0.5 * gap.width + _CASING_M
+        a, b = max(first, gap.at - reach), min(last, gap.at + reach)
+        if b <= a or gap.sill - _CASING_M > WALL_LOW_M:
+            continue
+        yield first, a, WALL_LOW_M
+        yield a, b, min(gap.sill - _CASING_M, WALL_LOW_M)
+        first = b
+    yield first, last, WALL_LOW_M

@@ -8,13 +8,12 @@ import pytest
 
 from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.clutter.draping import Edge, edges, hang_over
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.hooks import pegs
 from openrooms_usd.generate.clutter.laying import posed_object
 from openrooms_usd.generate.clutter.levels import along_edges, crossings, levels_of
-from openrooms_usd.generate.clutter.resting import rest_on
+from openrooms_usd.generate.clutter.living import sills
+from openrooms_usd.generate.clutter.resting import Surfaces, rest_on
 from openrooms_usd.generate.clutter.settling import settle, vessels
-from openrooms_usd.generate.clutter.sills import sills
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.rooms import Generated
 from openrooms_usd.generate.shapes import Shape, Shapes

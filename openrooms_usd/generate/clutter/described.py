@@ -9,9 +9,9 @@ import numpy as np
 from openrooms_usd.categories.record import given
 from openrooms_usd.description.alignment import FileObject, LibraryObject, named_objects
 from openrooms_usd.draws import generator
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import taken_by
 from openrooms_usd.generate.clutter.living import lived_in
+from openrooms_usd.generate.clutter.resting import Surfaces
 from openrooms_usd.generate.items import Item, placed
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shapes import Shape, Shapes

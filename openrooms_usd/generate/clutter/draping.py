@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import along_edges
+from openrooms_usd.generate.clutter.resting import Surfaces
 from openrooms_usd.generate.items import Item
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.furniture.lying import DRAPED_WALL_M, Place
@@ -52,9 +52,10 @@ _WAYS: Final[dict[Place, tuple[Way, ...]]] = {
     "towel_rail": (Way(0.0, (-0.5, 0.5), (-0.07, 0.07), 0.62),),
     "chair_back": (Way(180.0, (0.1, 0.55), (-0.05, 0.05), 0.8),),
     "sofa_arm": (
-        Way(90.0, (0.3, 0.52), (-0.2, 0.05), 0.5), Way(-90.0, (0.3, 0.52), (-0.05, 0.2), 0.5),
+        Way(90.0, (0.3, 0.52), (-0.2, 0.05), 0.5),
+        Way(-90.0, (0.3, 0.52), (-0.05, 0.2), 0.5),
     ),
-}  # fmt: skip
+}
 EDGES: Final[tuple[Place, ...]] = tuple(_WAYS)
 
 
@@ -102,9 +103,7 @@ def edges(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> I
                 yield Edge(place, item, number, along_edges(surfaces.shape(item).corners))
 
 
-def hang_over(
-    edge: Edge, width: float, height: float, rng: np.random.Generator
-) -> Fit | None:  # fmt: skip
+def hang_over(edge: Edge, width: float, height: float, rng: np.random.Generator) -> Fit | None:
     """How a cloth of a width and a longer flap hangs over an edge; None where it does not.
 
     Args:

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array
-from openrooms_usd.generate.clutter.forms import Surfaces
+from openrooms_usd.generate.clutter.resting import Surfaces
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.mesh import Mesh

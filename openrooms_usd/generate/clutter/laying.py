@@ -2,21 +2,23 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.categories.registry import BUILT
 from openrooms_usd.generate.boxes import NONE, Array, Pose, box, overlap, posed
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import CELL_M
-from openrooms_usd.generate.clutter.making import Make
-from openrooms_usd.generate.clutter.resting import skin_of
+from openrooms_usd.generate.clutter.resting import Surfaces, skin_of
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
+from openrooms_usd.generate.sizes import drawn_size
 from openrooms_usd.geometry.rotations import about_z, tilted
+from openrooms_usd.library.furniture import CATEGORIES, Size, category
+from openrooms_usd.library.furniture.lying import Lies, Place
 
 # Between things that lie beside each other, metres.
 _GAP_M: Final = 0.004
@@ -30,6 +32,8 @@ _TALL_M: Final = 0.18
 _TOGETHER, _BACKWARDS = 6.0, 3.0
 
 Tilt = tuple[float, float]
+
+Make = tuple[Size, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +214,73 @@ def item_at(thing: PosedObject, key: str, middle: Pose, z: float, on: str) -> It
     x, y = placed(middle, float(offset[0]), float(offset[1]))
     size, style = thing.make
     return Item(
-        key, thing.name, size, style, round(x, 4), round(y, 4),
-        round(z - float(thing.low[2]), 4), round(wrapped(middle[2]), 2), on, True,
-        tilt=thing.tilt, lies=True,
-    )  # fmt: skip
+        key,
+        thing.name,
+        size,
+        style,
+        round(x, 4),
+        round(y, 4),
+        round(z - float(thing.low[2]), 4),
+        round(wrapped(middle[2]), 2),
+        on,
+        True,
+        tilt=thing.tilt,
+        lies=True,
+    )
+
+
+@cache
+def candidates(place: Place, room_type: str, clutter: int) -> tuple[tuple[str, Lies], ...]:
+    """All that may lie at a place, with the row of its record that says so."""
+    return tuple(
+        (name, lies)
+        for name in BUILT
+        for lies in CATEGORIES[name].lies
+        if place in lies.on
+        and lies.clutter <= clutter
+        and (not lies.rooms or room_type in lies.rooms)
+    )
+
+
+@dataclass
+class Makes:
+    """The makes of small things that a room has.
+
+    Attributes:
+        rng: Draws them.
+    """
+
+    rng: np.random.Generator
+    _known: dict[tuple[str, tuple[str, ...]], list[Make]] = field(default_factory=dict)
+
+    def draw(self, name: str, lies: Lies, most: Size | None = None) -> Make | None:
+        """A make of a category: one that the room has, or a new one while there are few.
+
+        Args:
+            name: The category.
+            lies: What its record says of the place.
+            most: Width, depth and height that it must fit in, metres.
+
+        Returns:
+            None where nothing of it fits.
+        """
+        spec = category(name)
+        wanted = lies.styles or tuple(spec.styles)
+        made = self._known.setdefault((name, wanted), [])
+        limit = 1 if spec.alike else lies.makes
+        fitting = [make for make in made if most is None or _fits(make[0], most)]
+        if len(made) < limit and (not fitting or self.rng.random() < 1.0 / (1.0 + len(made))):
+            style = wanted[int(self.rng.integers(len(wanted)))]
+            usual = spec.styles[style].size or spec.size
+            size = drawn_size(self.rng, name, usual, (None, None, None), 0.0)
+            if spec.styles[style].suits(size) and (most is None or _fits(size, most)):
+                made.append((size, style))
+                return size, style
+        return fitting[int(self.rng.integers(len(fitting)))] if fitting else None
+
+
+def _fits(size: Size, most: Size) -> bool:
+    """Whether it fits in, perhaps turned by a right angle."""
+    width, depth, height = size
+    room = sorted(most[:2])
+    return height <= most[2] and min(width, depth) <= room[0] and max(width, depth) <= room[1]

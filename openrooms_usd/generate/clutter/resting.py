@@ -6,8 +6,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array
-from openrooms_usd.generate.clutter.levels import crossings, edge_cells
-from openrooms_usd.generate.shapes import Shape, tops
+from openrooms_usd.generate.clutter.levels import Level, crossings, edge_cells, levels_of
+from openrooms_usd.generate.items import Item
+from openrooms_usd.generate.shapes import Shape, Shapes, tops
+from openrooms_usd.library.furniture import Size
+from openrooms_usd.library.furniture.joinery import Order
 
 # Of a relief's cells, metres.
 RELIEF_CELL_M: Final = 0.005
@@ -141,3 +144,36 @@ class _Lines:
         if not len(points):
             return -np.inf
         return float((tops(self.corners, points[:, 0], points[:, 1]) - points[:, 2]).max())
+
+
+@dataclass
+class Surfaces:
+    """Finds the levels of each distinct object once.
+
+    Attributes:
+        shapes: The real form of objects.
+    """
+
+    shapes: Shapes
+
+    def __post_init__(self) -> None:
+        self._known: dict[tuple[str, Size, str, Order], tuple[Level, ...]] = {}
+        self._reliefs: dict[tuple[str, Size, str, Order], Relief] = {}
+
+    def shape(self, item: Item) -> Shape:
+        """The form of an item."""
+        return self.shapes.of(item.category, item.size, item.style, item.order)
+
+    def levels(self, item: Item) -> tuple[Level, ...]:
+        """The levels of an item, the lowest first."""
+        key = (item.category, item.size, item.style, item.order)
+        if key not in self._known:
+            self._known[key] = levels_of(self.shape(item))
+        return self._known[key]
+
+    def relief(self, item: Item) -> Relief:
+        """The upper side of an item."""
+        key = (item.category, item.size, item.style, item.order)
+        if key not in self._reliefs:
+            self._reliefs[key] = relief_of(self.shape(item))
+        return self._reliefs[key]

@@ -9,18 +9,18 @@ import numpy as np
 from openrooms_usd.categories.record import given
 from openrooms_usd.generate.boxes import Array, Pose
 from openrooms_usd.generate.clutter.amounts import ROOM_AMOUNTS, amount_of
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.ground import Ground
 from openrooms_usd.generate.clutter.laying import (
+    Makes,
     PosedObject,
     Taken,
     Tilt,
+    candidates,
     item_at,
     places_on,
     posed_object,
 )
-from openrooms_usd.generate.clutter.making import Makes, candidates
-from openrooms_usd.generate.clutter.resting import rest_on
+from openrooms_usd.generate.clutter.resting import Surfaces, rest_on
 from openrooms_usd.generate.clutter.soft import Seat, drop, lean
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item, placed
@@ -169,10 +169,11 @@ class Scatter:
         clusters = {cluster for cluster, _, _ in company}
         here = Counter(name for _, _, name in company)
         weights = [
-            lies.weight * (_COMPANY if lies.cluster and lies.cluster in clusters else 1.0)
+            lies.weight
+            * (_COMPANY if lies.cluster and lies.cluster in clusters else 1.0)
             / (1.0 + self._used.get((name, lies), 0) + _SAME_AGAIN * here[name])
             for name, lies in rows
-        ]  # fmt: skip
+        ]
         share = np.cumsum(weights) / np.sum(weights)
         return rows[int(np.searchsorted(share, self.rng.random()))]
 
@@ -216,7 +217,7 @@ class Scatter:
 
     def _row(
         self, number: int, spot: Spot, thing: PosedObject, lies: Lies, count: int
-    ) -> list[Item]:  # fmt: skip
+    ) -> list[Item]:
         """Several alike side by side, fewer where there is no space."""
         width, depth, height = thing.size
         for n in range(count, 0, -1):
@@ -290,9 +291,10 @@ class Scatter:
         if spot.around:
             yaws = yaws + 90.0 * self.rng.integers(0, 4, 16)
         mates = [
-            middle for cluster, middle, _ in self._company.get(number, [])
+            middle
+            for cluster, middle, _ in self._company.get(number, [])
             if lies.cluster and cluster == lies.cluster
-        ]  # fmt: skip
+        ]
         near = np.array(mates).reshape(-1, 2)
         return places_on(
             spot, size, yaws, self.taken.near(spot.box, {spot.carrier.key}), near, self.rng

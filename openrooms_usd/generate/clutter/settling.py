@@ -7,9 +7,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import PosedObject, posed_object
-from openrooms_usd.generate.clutter.resting import Relief, rest_on
+from openrooms_usd.generate.clutter.resting import Relief, Surfaces, rest_on
 from openrooms_usd.generate.clutter.scatter import Scatter
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
@@ -146,6 +145,15 @@ def _item(carrier: Item, thing: PosedObject, key: str, pose: Pose, z: float) -> 
     x, y = carrier.at(pose[0], pose[1])
     size, style = thing.make
     return Item(
-        key, thing.name, size, style, round(x, 4), round(y, 4), round(carrier.z + z, 4),
-        round(wrapped(carrier.yaw + pose[2]), 2), carrier.key, True, lies=True,
-    )  # fmt: skip
+        key,
+        thing.name,
+        size,
+        style,
+        round(x, 4),
+        round(y, 4),
+        round(carrier.z + z, 4),
+        round(wrapped(carrier.yaw + pose[2]), 2),
+        carrier.key,
+        True,
+        lies=True,
+    )

@@ -7,9 +7,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.laying import PosedObject
-from openrooms_usd.generate.clutter.resting import Relief, rest_on
+from openrooms_usd.generate.clutter.resting import Relief, Surfaces, rest_on
 from openrooms_usd.generate.items import Item, placed, wrapped
 from openrooms_usd.generate.shapes import Shape
 from openrooms_usd.geometry.rotations import about_z
@@ -94,7 +93,7 @@ def seats(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> I
 
 def lean(
     seat: Seat, thing: PosedObject, key: str, rng: np.random.Generator
-) -> tuple[Item, Pose] | None:  # fmt: skip
+) -> tuple[Item, Pose] | None:
     """A thing pushed back on a seat until it meets what is behind, and leans on that.
 
     Returns:
@@ -129,7 +128,7 @@ def lean(
 
 def drop(
     seat: Seat, thing: PosedObject, key: str, rng: np.random.Generator
-) -> tuple[Item, Pose] | None:  # fmt: skip
+) -> tuple[Item, Pose] | None:
     """A thing that lies on a seat, somewhere and turned in some way."""
     x0, x1, y0, y1 = seat.reach
     yaw = float(rng.uniform(-35.0, 35.0)) + 180.0 * float(rng.integers(2))
@@ -159,7 +158,17 @@ def _laid(
     turn = round(wrapped(seat.pose[2] + yaw), 2)
     height = round(seat.carrier.z + z, 4)
     item = Item(
-        key, thing.name, size, style, round(rx, 4), round(ry, 4), height, turn, seat.carrier.key,
-        True, tilt=thing.tilt, lies=True,
-    )  # fmt: skip
+        key,
+        thing.name,
+        size,
+        style,
+        round(rx, 4),
+        round(ry, 4),
+        height,
+        turn,
+        seat.carrier.key,
+        True,
+        tilt=thing.tilt,
+        lies=True,
+    )
     return item, (x, y, yaw)

@@ -8,21 +8,36 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.generate.boxes import Array, Pose, box
-from openrooms_usd.generate.clutter.forms import Surfaces
 from openrooms_usd.generate.clutter.levels import CELL_M, Level
+from openrooms_usd.generate.clutter.resting import Surfaces
 from openrooms_usd.generate.items import Item, placed
 from openrooms_usd.library.furniture import CATEGORIES
 from openrooms_usd.library.furniture.lying import Place
 
 # Boards and what is kept on them.
 _BOARDS: Final[tuple[Place, ...]] = (
-    "shelf", "low_shelf", "wardrobe_shelf", "cupboard", "drawer",
-)  # fmt: skip
+    "shelf",
+    "low_shelf",
+    "wardrobe_shelf",
+    "cupboard",
+    "drawer",
+)
 # What is no level top: seats and beds, edges and hooks.
 _NO_TOPS: Final[tuple[Place, ...]] = (
-    "bed_head", "bed_foot", "sofa_seat", "armchair_seat", "chair_seat", "sofa_arm", "chair_back",
-    "towel_rail", "clothes_rail", "hook", "wall", "in_bowl", "in_bin",
-)  # fmt: skip
+    "bed_head",
+    "bed_foot",
+    "sofa_seat",
+    "armchair_seat",
+    "chair_seat",
+    "sofa_arm",
+    "chair_back",
+    "towel_rail",
+    "clothes_rail",
+    "hook",
+    "wall",
+    "in_bowl",
+    "in_bin",
+)
 # Tops above this are out of reach, metres; boards below that are low ones.
 _HIGHEST_TOP_M: Final = 1.75
 _LOW_SHELF_M: Final = 0.6
