@@ -1,4 +1,4 @@
-"""Move a table, paint a sofa, add a vase: opinions in the edits layer, which the next compose keeps.
+"""Move a table, paint a sofa, add a vase: opinions in the edits, which the next compose keeps.
 
 Run: python examples/03_edit.py OUT
 """

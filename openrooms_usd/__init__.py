@@ -1,9 +1,11 @@
 """A declarative USD toolkit for photorealistic indoor scenes with ground truth.
 
 ``import openrooms_usd as ou`` offers what the command line does, as functions (docs/python.md): a
-room is generated, loaded or imported, composed into USD, then rendered, simulated, converted. The
-names are loaded on first use, so that importing the package costs nothing: ``pxr``, ``numpy`` and
-renderers are imported by the functions that need them.
+room is built, generated, loaded or imported, composed into USD, then edited, rendered, simulated,
+converted. ``open_`` gives a handle to what lies on disk, ``load_`` a value in memory, ``import_``
+makes ours of what is foreign, ``write_`` and ``save`` make files. The names are loaded on first
+use, so that importing the package costs nothing: ``pxr``, ``numpy`` and renderers are imported by
+the functions that need them.
 """
 
 import sys
@@ -31,7 +33,6 @@ if TYPE_CHECKING:
     from openrooms_usd.api.renders import compare as compare
     from openrooms_usd.api.renders import render as render
     from openrooms_usd.api.room import Room as Room
-    from openrooms_usd.api.rooms import copy_example as copy_example
     from openrooms_usd.api.rooms import generate as generate
     from openrooms_usd.api.rooms import import_capture as import_capture
     from openrooms_usd.api.rooms import load_room as load_room
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from openrooms_usd.api.scenes import open_scene as open_scene
     from openrooms_usd.api.scenes import simulate as simulate
     from openrooms_usd.api.scenes import validate as validate
+    from openrooms_usd.demo import copy_example as copy_example
     from openrooms_usd.errors import OrusdError as OrusdError
 
 # What each module offers. Type checkers read the lines above; a test keeps both equal.
@@ -53,9 +55,10 @@ _OFFERED = {
     "api.rendered": ("Render", "View", "read_render"),
     "api.renders": ("compare", "render"),
     "api.room": ("Room",),
-    "api.rooms": ("copy_example", "generate", "import_capture", "load_room", "new_room"),
+    "api.rooms": ("generate", "import_capture", "load_room", "new_room"),
     "api.scene": ("Scene",),
     "api.scenes": ("compose", "convert", "open_scene", "simulate", "validate"),
+    "demo": ("copy_example",),
     "errors": ("OrusdError",),
 }
 _HOME = {name: f"{__name__}.{home}" for home, names in _OFFERED.items() for name in names}

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Integral
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from openrooms_usd.api.given import AnyPath, path_of, room_of
@@ -136,20 +135,3 @@ def import_capture(
 
     imported = read(kind, path_of(source), path_of(out), options or {})
     return replace(imported, room=Room.of(imported.room))
-
-
-def copy_example(folder: AnyPath) -> Path:
-    """Copy the bundled example, a living room with a sky, into a folder.
-
-    Args:
-        folder: Made when it is missing; an example that is there already is kept.
-
-    Returns:
-        Its ``room.yaml``.
-
-    Raises:
-        OutputError: The folder cannot be written.
-    """
-    from openrooms_usd.demo import copy_example as copy
-
-    return copy(path_of(folder))

@@ -23,7 +23,16 @@ _CASING_DEPTH_M: Final = 0.015
 _TILES_M: Final = 0.004
 # Rooms of work, of stores, and such as are tiled.
 _WORK: Final = frozenset(
-    "bookstore classroom computer_cluster conference_room copy_room lobby mail_room office".split()
+    [
+        "bookstore",
+        "classroom",
+        "computer_cluster",
+        "conference_room",
+        "copy_room",
+        "lobby",
+        "mail_room",
+        "office",
+    ]
 )
 _STORES: Final = frozenset({"basement", "garage", "storage"})
 _WET: Final = frozenset({"bathroom"})
