@@ -1,6 +1,7 @@
 """A USD file that is read as it is now, and what it holds by name."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Generic, TypeVar
@@ -67,7 +68,8 @@ class SceneFile:
 
     path: Path
     _stage: Usd.Stage | None = field(default=None, repr=False)
-    _stamps: tuple[tuple[int, int], ...] = field(default=(), repr=False)
+    _files: tuple[Path, ...] = field(default=(), repr=False)
+    _stamps: list[tuple[int, int]] = field(default_factory=list, repr=False)
 
     def stage(self) -> Usd.Stage:
         """The stage as it is now, or as a block of `editing` has it.
@@ -77,15 +79,21 @@ class SceneFile:
         """
         if (open_now := being_edited(self.path)) is not None:
             return open_now
-        if self._stage is None or _stamps(self._stage) != self._stamps:
+        if self._stage is None or self._stamps != _stamps(self._files):
             with quiet():
                 self._stage = open_stage(self.path)
-            self._stamps = _stamps(self._stage)
+            layers = self._stage.GetUsedLayers()
+            real = sorted(layer.realPath for layer in layers if layer.realPath)
+            self._files = tuple(map(Path, real))
+            self._stamps = _stamps(self._files)
         return self._stage
 
 
-def _stamps(stage: Usd.Stage) -> tuple[tuple[int, int], ...]:
-    """When each file of a stage was written, and its size."""
-    files = {layer.realPath for layer in stage.GetUsedLayers() if layer.realPath}
-    paths = (path for path in map(Path, sorted(files)) if path.exists())
-    return tuple((path.stat().st_mtime_ns, path.stat().st_size) for path in paths)
+def _stamps(files: Iterable[Path]) -> list[tuple[int, int]]:
+    """When each file was written, and its size; files inside of packages have none."""
+    found = []
+    for file in files:
+        with suppress(OSError):
+            status = file.stat()
+            found.append((status.st_mtime_ns, status.st_size))
+    return found
