@@ -12,7 +12,7 @@ import sys
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from openrooms_usd.lazy import loader
+from openrooms_usd.lazy import homes, loader
 from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ _OFFERED = {
     "demo": ("copy_example",),
     "errors": ("OrusdError",),
 }
-_HOME = {name: f"{__name__}.{home}" for home, names in _OFFERED.items() for name in names}
+_HOME = homes(__name__, _OFFERED)
 
 __all__ = sorted([*_HOME, "__version__"])
 
