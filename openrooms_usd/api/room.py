@@ -309,10 +309,9 @@ class Room(description.Room):
     def save(self, file: AnyPath) -> Path:
         """Write it as a ``room.yaml`` that `ou.load_room` reads as the same room.
 
-        The names of files in it are written as they are: they begin in the folder of ``file`` then.
-
         Args:
-            file: The file to write; one that is there is replaced.
+            file: The file to write; one that is there is replaced. Names of files in the room are
+                written as they are: they begin in its folder then.
 
         Returns:
             The file.

@@ -226,17 +226,19 @@ class Scene(os.PathLike[str]):
             InputError: It was opened, so that its description is not known: use ``ou.compose``.
             OrusdError: As `compose`.
         """
+        from openrooms_usd.compose import compose_room
+        from openrooms_usd.usd.diagnostics import quiet
+
         if self.description is None:
             raise InputError(
                 "the description of this scene is not known, because it was not composed here",
                 place=self.path,
                 remedy="ou.compose(room, folder) composes it again",
             )
-        from openrooms_usd.api.scenes import compose
-
-        again = compose(self.description, self.folder, workers=workers, progress=progress)
-        self.composed = again.composed
-        assert self.composed is not None, "it was composed"
+        with quiet():
+            self.composed = compose_room(
+                self.description, self.folder, workers=workers, progress=progress
+            )
         return self.composed
 
     @cached_property
