@@ -80,9 +80,9 @@ class Scene(os.PathLike[str]):
     def objects(self) -> "ByName[SceneObject]":
         """What stands in it, by name or by the path of its prim.
 
-        Of a composed room its furniture. Elsewhere an object is what the channel ``instance`` takes
-        for one: the nearest labelled prim above a surface, else the nearest component, else the
-        surface itself.
+        Of a composed room its furniture, and by their paths alone what `shell` has. Elsewhere an
+        object is what the channel ``instance`` takes for one: the nearest labelled prim above a
+        surface, else the nearest component, else the surface itself.
 
         Raises:
             InputError: The file is missing or no readable USD.

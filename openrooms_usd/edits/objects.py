@@ -312,15 +312,20 @@ def objects_of(file: SceneFile) -> ByName[SceneObject]:
     prim above a surface, else the nearest component, else the surface itself.
     """
     stage = file.stage()
-    group = stage.GetPrimAtPath(names.FURNITURE)
-    children = group.GetChildren() if group else owners_of(stage.GetPseudoRoot())
-    return _things("object", file, filter(UsdGeom.Xformable, children))
+    if group := stage.GetPrimAtPath(names.FURNITURE):
+        furniture = filter(UsdGeom.Xformable, group.GetChildren())
+        return ByName("object", file.path, _things(file, furniture), _shell(file))
+    return ByName("object", file.path, _things(file, owners_of(stage.GetPseudoRoot())))
 
 
 def shell_of(file: SceneFile) -> ByName[SceneObject]:
     """Floor, ceiling, walls, doors, windows and trim of a composed room; nothing elsewhere."""
+    return ByName("part of the room", file.path, _shell(file))
+
+
+def _shell(file: SceneFile) -> dict[str, SceneObject]:
     room = file.stage().GetPrimAtPath(names.ROOM)
-    return _things("part of the room", file, owners_of(room) if room else ())
+    return _things(file, owners_of(room) if room else ())
 
 
 def materials_of(file: SceneFile) -> ByName[SceneMaterial]:
@@ -347,9 +352,9 @@ def _check_editable(path: Path, what: str) -> None:
         )
 
 
-def _things(what: str, file: SceneFile, prims: Iterable[Usd.Prim]) -> ByName[SceneObject]:
+def _things(file: SceneFile, prims: Iterable[Usd.Prim]) -> dict[str, SceneObject]:
     paths = [str(prim.GetPath()) for prim in prims]
-    return ByName(what, file.path, {path: SceneObject(file, path) for path in paths})
+    return {path: SceneObject(file, path) for path in paths}
 
 
 def _numbers(given: Iterable[float], what: str, counts: tuple[int, ...]) -> list[float]:

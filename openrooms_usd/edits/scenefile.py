@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Generic, TypeVar
 
 from pxr import Usd
@@ -23,15 +24,22 @@ class ByName(Mapping[str, Value], Generic[Value]):
     Where several prims have one name, their paths stand in its place.
     """
 
-    def __init__(self, what: str, place: Path, found: Mapping[str, Value]) -> None:
+    def __init__(
+        self,
+        what: str,
+        place: Path,
+        found: Mapping[str, Value],
+        also: Mapping[str, Value] = MappingProxyType({}),
+    ) -> None:
         """Name what was found.
 
         Args:
             what: What it is, for messages.
             place: The scene.
             found: By the path of its prim.
+            also: What has no name here, and is found by its path alone.
         """
-        self._what, self._place, self._found = what, place, dict(found)
+        self._what, self._place, self._found = what, place, {**also, **found}
         short = [getattr(value, "name", path) for path, value in found.items()]
         self._names = {
             name if short.count(name) == 1 else path: path

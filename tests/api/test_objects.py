@@ -67,6 +67,8 @@ def test_cameras_lights_materials_and_the_shell(scene: ou.Scene) -> None:
     assert scene.lights["Environment"].kind == "dome"
     assert {"Floor", "Ceiling", "door_0", "wall_0"} <= set(scene.shell)
     assert scene.shell["wall_0"].category == "wall"
+    # As legends of pictures name them.
+    assert scene.objects["/World/Room/Walls/wall_0"] == scene.shell["wall_0"]
     names = {one.name for row in scene.objects.values() for one in row.materials}
     assert names <= set(scene.materials) | {m.name for m in scene.materials.values()}
     assert all(m.textures or m.base_color for m in scene.materials.values())
