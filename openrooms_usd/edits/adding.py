@@ -1,5 +1,6 @@
 """New objects in a composed room: of the library or of a file, as opinions in the edits."""
 
+import logging
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -28,6 +29,7 @@ from openrooms_usd.usd.meshes import read_meshes, world_triangles
 
 Described: TypeAlias = LibraryObject | FileObject
 
+_LOG: Final = logging.getLogger("openrooms_usd")
 # From where tops are looked for, metres above the floor.
 _ABOVE_M: Final = 100.0
 
@@ -62,6 +64,8 @@ def add(scene: Path, said: Mapping[str, Any], base: Path | None = None) -> Stand
         give_model(context, spec, prim, wanted.asset)
         # The lights stage writes over bulbs, which it could not inside an instance.
         spec.instanceable = not wanted.emits
+        for note in context.notes:
+            _LOG.warning("%s", note)
         return standing(prim)
 
 

@@ -90,8 +90,8 @@ class Visible:
         Args:
             look: A family or a substance such as ``oak_planks`` or ``wood``, or a mapping as
                 ``materials`` of a room.yaml has it.
-            **fields: Further fields of the look: ``color``, ``roughness``, ``metallic``, ``file``,
-                ``size``, ``number``.
+            **fields: Further fields of the look: ``color``, ``roughness``, ``metallic``, ``size``,
+                ``number``, and ``file``, whose name begins in the current folder.
 
         Raises:
             DescriptionError: There is no such material or field.
@@ -101,7 +101,7 @@ class Visible:
         said = {"family": look} if isinstance(look, str) else dict(look or {})
         with self._changing("get another material"):
             chosen = assigning.look_of({**said, **fields})
-            assigning.assign(self._file.path, self.path, self._scope, chosen)
+            assigning.assign(self._file.path, self.path, self._scope, chosen, Path())
         return self
 
     def set_color(

@@ -77,10 +77,12 @@ def remake(
         # What was edited of the parts of the old model finds them no more.
         for child in list(spec.nameChildren):
             del spec.nameChildren[child.name]
+        # The place of a copy is in part that of its original, which it refers to no more.
+        local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
         give_model(context, spec, prim, asset)
         spec.instanceable = not known.emits
         label(prim, wanted)
-        _unscale(spec, prim)
+        _unscale(spec, prim, local)
         return standing(prim)
 
 
@@ -122,8 +124,7 @@ def _look(context: StageContext, prim: Usd.Prim) -> list[str]:
     return [publish_look(context, palette, look)]
 
 
-def _unscale(spec: Sdf.PrimSpec, prim: Usd.Prim) -> None:
-    """The model is made in its size: no scale is left on the object."""
-    local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
+def _unscale(spec: Sdf.PrimSpec, prim: Usd.Prim, local: Gf.Matrix4d) -> None:
+    """Keep the place without its scale: the model is made in its size."""
     scale = np.linalg.norm(np.array(local)[:3, :3], axis=1)
     author_placed(spec, prim, Gf.Matrix4d().SetScale(Gf.Vec3d(*(1.0 / scale).tolist())) * local)
