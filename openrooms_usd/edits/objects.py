@@ -76,13 +76,14 @@ class Visible:
     @property
     def materials(self) -> tuple[SceneMaterial, ...]:
         """What its surfaces are made of, in the order of its parts, each once."""
-        found = {
-            str(material.GetPath()): material
-            for prim in surfaces_of(self._prim)
-            for material in (bound_material(prim), *(row[1] for row in bound_subsets(prim)))
-            if material is not None
-        }
-        return tuple(map(material_of, found.values()))
+        with quiet():
+            found = {
+                str(material.GetPath()): material
+                for prim in surfaces_of(self._prim)
+                for material in (bound_material(prim), *(row[1] for row in bound_subsets(prim)))
+                if material is not None
+            }
+            return tuple(map(material_of, found.values()))
 
     def set_material(self, look: str | Mapping[str, Any] | None = None, **fields: Any) -> Self:
         """Let it be made of something else.
