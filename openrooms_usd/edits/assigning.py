@@ -12,10 +12,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from pxr import Sdf, Usd, UsdGeom, UsdShade
-from pydantic import ValidationError
 
 from openrooms_usd import names
-from openrooms_usd.description.data import placed, refused
 from openrooms_usd.description.materials import Look
 from openrooms_usd.description.room import Room, room_of
 from openrooms_usd.edits.editing import editing
@@ -57,11 +55,9 @@ def look_of(said: Mapping[str, Any] | str) -> Look:
     Raises:
         DescriptionError: It is none, in the words that compose would use.
     """
-    data = placed({"family": said} if isinstance(said, str) else said)
-    try:
-        return Look.model_validate(data)
-    except ValidationError as error:
-        raise refused(error, data, Look) from None
+    look = room_of({"materials": {"floor": said}}).materials.floor
+    assert look is not None, "it was given"
+    return look
 
 
 def assign(scene: Path, path: str, scope: Scope, look: Look, base: Path | None = None) -> Assigned:
