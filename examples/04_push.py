@@ -13,13 +13,6 @@ from pathlib import Path
 import openrooms_usd as ou
 from openrooms_usd import robots
 
-ROOM = {
-    "room": "storage",
-    "layout": {"polygon": [[-1.2, -1.1], [1.8, -1.1], [1.8, 1.1], [-1.2, 1.1]], "height": 2.4},
-    "alignment": {"objects": [{"category": "ceiling_lamp", "at": [0.3, 0]}]},
-    "materials": {"floor": "loop_carpet"},
-    "physics": {},
-}
 # PyBullet has no wheels for newer Pythons.
 ENGINES = [name for name in ("pybullet", "mujoco") if find_spec(name)]
 
@@ -39,7 +32,11 @@ def main(out: Path) -> None:
         print(f"{name:<6} the paper, whose motor and gap are not known: {pushing.PAPER[floor]} m")
 
     # In a room of ours the floor's coefficient is the mean of its per-pixel map.
-    scene = ou.compose(ROOM, out)
+    corners = [(-1.2, -1.1), (1.8, -1.1), (1.8, 1.1), (-1.2, 1.1)]
+    room = ou.new_room("storage", polygon=corners, height=2.4, physics=True)
+    room.add("ceiling_lamp", at=(0.3, 0))
+    room.set_material("floor", "loop_carpet")
+    scene = room.compose(out)
     push = pushing.Push(pushing.CARPET)
     cameras = {"onlooker": robots.look_at((0.1, -1.0, 1.1), (0.05, 0.1, 0.15))}
     world = pushing.world_of(push)

@@ -23,7 +23,7 @@ SEEN = ("radiance", "depth", "normal", "semantic")
 def main(out: Path) -> None:
     scene = ou.compose(ou.copy_example(out / "source"), out)
     engine = robots.load_engine("mujoco")
-    world = robots.with_robot(robots.read_world(scene), robots.rover((1.2, 1.2)))
+    world = robots.with_robot(robots.load_world(scene), robots.rover((1.2, 1.2)))
     seen = robots.RobotCameras(scene, world)
     simulation = engine.open(world)
     first = {"robot": robots.robot_camera(simulation, "rover")}

@@ -9,27 +9,17 @@ from pathlib import Path
 import openrooms_usd as ou
 from openrooms_usd import robots
 
-ROOM = {
-    "room": "living_room",
-    "layout": {
-        "polygon": [[0, 0], [3.6, 0], [3.6, 3], [0, 3]],
-        "openings": [{"kind": "window", "wall": 1}],
-    },
-    "alignment": {
-        "objects": [
-            {"category": "table", "at": [0.6, 2.4]},
-            {"category": "ceiling_lamp", "at": [1.8, 1.5]},
-        ]
-    },
-    "physics": {},
-}
 GOAL = (2.2, 1.6)
 ALONG, ACROSS = 0.3 + 0.18, 0.25 + 0.18  # From its middle to the robot's, when they touch.
 
 
 def main(out: Path) -> None:
-    scene = ou.compose(ROOM, out)
-    world = robots.with_robot(robots.read_world(scene), robots.cabinet((1.5, 1.0)))
+    room = ou.new_room("living_room", width=3.6, depth=3, physics=True)
+    room.add_window(wall=1)
+    room.add("table", at=(0.6, 2.4))
+    room.add("ceiling_lamp", at=(1.8, 1.5))
+    scene = room.compose(out)
+    world = robots.with_robot(robots.load_world(scene), robots.cabinet((1.5, 1.0)))
     world = robots.with_robot(world, robots.rover((0.5, 1.0)))
     simulation = robots.load_engine("mujoco").open(world)
     cameras = robots.RobotCameras(scene, world)

@@ -1,24 +1,26 @@
 """A declarative USD toolkit for photorealistic indoor scenes with ground truth.
 
 ``import openrooms_usd as ou`` offers what the command line does, as functions (docs/python.md): a
-room is generated, loaded or imported, composed into USD, then rendered, simulated, converted. The
-names are loaded on first use, so that importing the package costs nothing: ``pxr``, ``numpy`` and
-renderers are imported by the functions that need them.
+room is built, generated, loaded or imported, composed into USD, then edited, rendered, simulated,
+converted. ``open_`` gives a handle to what lies on disk, ``load_`` a value in memory, ``import_``
+makes ours of what is foreign, ``write_`` and ``save`` make files. The names are loaded on first
+use, so that importing the package costs nothing: ``pxr``, ``numpy`` and renderers are imported by
+the functions that need them.
 """
 
 import sys
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from openrooms_usd.lazy import loader
+from openrooms_usd.lazy import homes, loader
 from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
     from openrooms_usd.api.camera import Camera as Camera
-    from openrooms_usd.api.datasets import dataset as dataset
     from openrooms_usd.api.datasets import plan_dataset as plan_dataset
     from openrooms_usd.api.datasets import run_dataset as run_dataset
+    from openrooms_usd.api.datasets import write_dataset as write_dataset
     from openrooms_usd.api.films import render_path as render_path
     from openrooms_usd.api.light import Lightmaps as Lightmaps
     from openrooms_usd.api.light import Probe as Probe
@@ -34,95 +36,42 @@ if TYPE_CHECKING:
     from openrooms_usd.api.renderer import open_renderer as open_renderer
     from openrooms_usd.api.renders import compare as compare
     from openrooms_usd.api.renders import render as render
-    from openrooms_usd.api.rooms import copy_example as copy_example
+    from openrooms_usd.api.room import Room as Room
     from openrooms_usd.api.rooms import generate as generate
     from openrooms_usd.api.rooms import import_capture as import_capture
-    from openrooms_usd.api.rooms import load as load
-    from openrooms_usd.api.rooms import save as save
-    from openrooms_usd.api.scenes import Scene as Scene
+    from openrooms_usd.api.rooms import load_room as load_room
+    from openrooms_usd.api.rooms import new_room as new_room
+    from openrooms_usd.api.scene import Scene as Scene
     from openrooms_usd.api.scenes import compose as compose
     from openrooms_usd.api.scenes import convert as convert
-    from openrooms_usd.api.scenes import open as open
+    from openrooms_usd.api.scenes import open_scene as open_scene
     from openrooms_usd.api.scenes import simulate as simulate
     from openrooms_usd.api.scenes import validate as validate
+    from openrooms_usd.demo import copy_example as copy_example
     from openrooms_usd.description.rendering import RenderSettings as RenderSettings
-    from openrooms_usd.description.room import Room as Room
     from openrooms_usd.errors import OrusdError as OrusdError
 
-_HOME = {
-    "Camera": "openrooms_usd.api.camera",
-    "Lightmaps": "openrooms_usd.api.light",
-    "OpenRenderer": "openrooms_usd.api.renderer",
-    "OrusdError": "openrooms_usd.errors",
-    "Picture": "openrooms_usd.api.renderer",
-    "Probe": "openrooms_usd.api.light",
-    "Probes": "openrooms_usd.api.light",
-    "Render": "openrooms_usd.api.rendered",
-    "RenderSettings": "openrooms_usd.description.rendering",
-    "Room": "openrooms_usd.description.room",
-    "Scene": "openrooms_usd.api.scenes",
-    "View": "openrooms_usd.api.rendered",
-    "bake": "openrooms_usd.api.light",
-    "compare": "openrooms_usd.api.renders",
-    "compose": "openrooms_usd.api.scenes",
-    "convert": "openrooms_usd.api.scenes",
-    "copy_example": "openrooms_usd.api.rooms",
-    "dataset": "openrooms_usd.api.datasets",
-    "generate": "openrooms_usd.api.rooms",
-    "import_capture": "openrooms_usd.api.rooms",
-    "load": "openrooms_usd.api.rooms",
-    "open": "openrooms_usd.api.scenes",
-    "open_renderer": "openrooms_usd.api.renderer",
-    "plan_dataset": "openrooms_usd.api.datasets",
-    "probe": "openrooms_usd.api.light",
-    "read_render": "openrooms_usd.api.rendered",
-    "relight": "openrooms_usd.api.light",
-    "render": "openrooms_usd.api.renders",
-    "render_path": "openrooms_usd.api.films",
-    "robots": "openrooms_usd.api",
-    "run_dataset": "openrooms_usd.api.datasets",
-    "save": "openrooms_usd.api.rooms",
-    "simulate": "openrooms_usd.api.scenes",
-    "validate": "openrooms_usd.api.scenes",
+# What each module offers. Type checkers read the lines above; a test keeps both equal.
+_OFFERED = {
+    "api": ("robots",),
+    "api.camera": ("Camera",),
+    "api.datasets": ("plan_dataset", "run_dataset", "write_dataset"),
+    "api.films": ("render_path",),
+    "api.light": ("Lightmaps", "Probe", "Probes", "bake", "probe", "relight"),
+    "api.rendered": ("Render", "View", "read_render"),
+    "api.renderer": ("OpenRenderer", "Picture", "open_renderer"),
+    "api.renders": ("compare", "render"),
+    "api.room": ("Room",),
+    "api.rooms": ("generate", "import_capture", "load_room", "new_room"),
+    "api.scene": ("Scene",),
+    "api.scenes": ("compose", "convert", "open_scene", "simulate", "validate"),
+    "description.rendering": ("RenderSettings",),
+    "demo": ("copy_example",),
+    "errors": ("OrusdError",),
 }
+_HOME = homes(__name__, _OFFERED)
 
-__all__ = [
-    "Camera",
-    "Lightmaps",
-    "OpenRenderer",
-    "OrusdError",
-    "Picture",
-    "Probe",
-    "Probes",
-    "Render",
-    "RenderSettings",
-    "Room",
-    "Scene",
-    "View",
-    "__version__",
-    "bake",
-    "compare",
-    "compose",
-    "convert",
-    "copy_example",
-    "dataset",
-    "generate",
-    "import_capture",
-    "load",
-    "open",
-    "open_renderer",
-    "plan_dataset",
-    "probe",
-    "read_render",
-    "relight",
-    "render",
-    "render_path",
-    "robots",
-    "run_dataset",
-    "save",
-    "simulate",
-    "validate",
-]
+__all__ = sorted([*_HOME, "__version__"])
 
 if not TYPE_CHECKING:  # To type checkers there is nothing but the names above.
     __getattr__ = loader(__name__, _HOME)

@@ -82,31 +82,9 @@ def compose_room(
     workers: int | None = None,
     progress: Progress = silent,
 ) -> ComposeSummary:
-    """Compose a room.
+    """Compose a room: `openrooms_usd.api.scenes.compose` has the arguments and the errors.
 
     Stages whose inputs have not changed since their layer was written are skipped.
-
-    Args:
-        description: The room, or its ``room.yaml``.
-        out: The folder for ``scene.usda`` and ``layers/``.
-        base: The folder in which the names of files in the description begin; by default that of
-            the ``room.yaml``, and the current folder for a room that was read from none.
-        only: Run this stage alone, on the layers that are there.
-        flatten: Also write ``scene.usdc``, the layer stack merged into one layer.
-        usdz: Also write ``scene.usdz``, everything in one file.
-        include_outside: Whether files outside ``out`` may go into these files.
-        workers: Threads that a stage may use; all cores by default. The bytes never depend on it.
-        progress: Called with each stage's name, and the step where it tells its steps, and the
-            finished fraction of all stages.
-
-    Returns:
-        What was done.
-
-    Raises:
-        DescriptionError: The description has mistakes.
-        InputError: A file that the description names cannot be read.
-        StageError: The composed stage has errors, or another program has saved over the scene.
-        OutputError: ``out`` cannot be written.
     """
     described = description if isinstance(description, Room) else load_room(description)
     source = base or described.folder or Path()

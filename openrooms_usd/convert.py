@@ -123,25 +123,10 @@ def convert_stage(
     include_outside: bool = False,
     time_code: float | None = None,
 ) -> Report:
-    """Convert a USD file to a foreign form.
+    """Write a stage in a foreign form, as `openrooms_usd.api.scenes.convert` describes.
 
-    Args:
-        path: The USD file.
-        destination: The file or folder to write.
-        to: The exporter's name; None for what the destination's ending says (`exporter_of`).
-        options: What the exporter understands.
-        include_outside: Whether pictures outside the file's folder may be copied, and layers
-            where these are copied, too.
-        time_code: The moment to write of a stage that moves; None for the first sample of
-            everything, or for all of it where the exporter copies layers.
-
-    Returns:
-        What became of every prim.
-
-    Raises:
-        InputError: The file is no USD, no exporter has that name, or this one writes no moment.
-        StageError: It needs pictures outside its folder, or is not what the exporter needs.
-        OutputError: The destination cannot be written.
+    What an exporter copies by layers it takes from outside only with ``include_outside``, and
+    writes at all times where ``time_code`` is None.
     """
     from openrooms_usd.usd.diagnostics import reading
     from openrooms_usd.usd.layers import open_stage

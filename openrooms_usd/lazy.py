@@ -1,8 +1,18 @@
 """Names of a module that are loaded on first use (PEP 562)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from typing import Any
+
+
+def homes(package: str, offered: Mapping[str, Iterable[str]]) -> dict[str, str]:
+    """The module of each name.
+
+    Args:
+        package: What the modules lie in.
+        offered: The names that each module offers, by its name in the package.
+    """
+    return {name: f"{package}.{home}" for home, names in offered.items() for name in names}
 
 
 def loader(module: str, homes: Mapping[str, str]) -> Callable[[str], Any]:

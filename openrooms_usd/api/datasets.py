@@ -74,7 +74,7 @@ def plan_dataset(file: AnyPath) -> Iterator["Job"]:
     return plan_jobs(load_dataset(path_of(file, "a dataset.yaml")))
 
 
-def dataset(
+def write_dataset(
     renders: AnyPath | Sequence[AnyPath],
     out: AnyPath,
     *,

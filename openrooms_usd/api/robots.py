@@ -1,13 +1,13 @@
 """Robots in composed rooms: worlds, engines, robots, their cameras and what they do.
 
-A *world* is what a scene's physics says, `read_world`; robots are put into it (`with_robot`). An
+A *world* is what a scene's physics says, `load_world`; robots are put into it (`with_robot`). An
 *engine* opens it as a simulation. `RobotCameras` render what is seen of it (docs/robots.md).
 """
 
 from typing import TYPE_CHECKING
 
 from openrooms_usd.api.given import AnyPath, usd_file
-from openrooms_usd.lazy import loader
+from openrooms_usd.lazy import homes, loader
 
 if TYPE_CHECKING:
     from openrooms_usd.geometry.pinhole import look_at as look_at
@@ -29,49 +29,21 @@ if TYPE_CHECKING:
     from openrooms_usd.simulation.strips import row as row
     from openrooms_usd.simulation.strips import write_strip as write_strip
 
-_HOME = {
-    "Action": "openrooms_usd.simulation.driving",
-    "Engine": "openrooms_usd.simulate",
-    "RobotCameras": "openrooms_usd.simulation.robot_cameras",
-    "Simulation": "openrooms_usd.simulate",
-    "World": "openrooms_usd.physics.world",
-    "act": "openrooms_usd.simulation.driving",
-    "cabinet": "openrooms_usd.simulation.pushing",
-    "look_at": "openrooms_usd.geometry.pinhole",
-    "mean_friction": "openrooms_usd.simulation.floors",
-    "pusher": "openrooms_usd.simulation.robots",
-    "pushing": "openrooms_usd.simulation",
-    "robot_camera": "openrooms_usd.simulation.robot_cameras",
-    "rover": "openrooms_usd.simulation.robots",
-    "row": "openrooms_usd.simulation.strips",
-    "towards": "openrooms_usd.simulation.driving",
-    "with_friction": "openrooms_usd.simulation.floors",
-    "with_robot": "openrooms_usd.simulation.robots",
-    "write_strip": "openrooms_usd.simulation.strips",
+_OFFERED = {
+    "geometry.pinhole": ("look_at",),
+    "physics.world": ("World",),
+    "simulate": ("Engine", "Simulation"),
+    "simulation": ("pushing",),
+    "simulation.driving": ("Action", "act", "towards"),
+    "simulation.floors": ("mean_friction", "with_friction"),
+    "simulation.pushing": ("cabinet",),
+    "simulation.robot_cameras": ("RobotCameras", "robot_camera"),
+    "simulation.robots": ("pusher", "rover", "with_robot"),
+    "simulation.strips": ("row", "write_strip"),
 }
+_HOME = homes("openrooms_usd", _OFFERED)
 
-__all__ = [
-    "Action",
-    "Engine",
-    "RobotCameras",
-    "Simulation",
-    "World",
-    "act",
-    "cabinet",
-    "load_engine",
-    "look_at",
-    "mean_friction",
-    "pusher",
-    "pushing",
-    "read_world",
-    "robot_camera",
-    "rover",
-    "row",
-    "towards",
-    "with_friction",
-    "with_robot",
-    "write_strip",
-]
+__all__ = sorted([*_HOME, "load_engine", "load_world"])
 
 if not TYPE_CHECKING:  # To type checkers there is nothing but the names above.
     __getattr__ = loader(__name__, _HOME)
@@ -82,7 +54,7 @@ def __dir__() -> list[str]:
     return __all__
 
 
-def read_world(scene: AnyPath) -> "World":
+def load_world(scene: AnyPath) -> "World":
     """What the physics of a scene says: bodies, links, joints and contacts.
 
     Args:

@@ -1,16 +1,57 @@
-"""Ways to a room: from nothing, from a file or plain data, from a capture; and into a file."""
+"""Ways to a room: empty, from nothing, from a file or plain data, from a capture."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from numbers import Integral
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from openrooms_usd.api.given import AnyPath, path_of, room_of
 
 if TYPE_CHECKING:
-    from openrooms_usd.description.room import Room, RoomType
+    from openrooms_usd.api.room import Point, Room
+    from openrooms_usd.description.room import RoomType
     from openrooms_usd.description.styles import InteriorStyle
     from openrooms_usd.importing import ImportedRoom
+
+
+def new_room(
+    room_type: "RoomType" = "misc",
+    *,
+    width: float | str = 5.0,
+    depth: float | str = 4.0,
+    height: float | str | None = None,
+    polygon: "Sequence[Point] | None" = None,
+    seed: int = 0,
+    style: "InteriorStyle | None" = None,
+    physics: bool = False,
+) -> "Room":
+    """An empty room, to be built step by step.
+
+    Args:
+        room_type: Such as ``office``; chooses materials and other defaults.
+        width: Along x, metres; its corners are (0, 0), (width, 0), (width, depth), (0, depth), so
+            that wall 0 lies at y = 0, wall 1 at x = width, wall 2 at y = depth, wall 3 at x = 0.
+        depth: Along y, metres.
+        height: Floor to ceiling, metres; as usual by default.
+        polygon: Inner corners in order in place of a rectangle, metres.
+        seed: Fixes everything that is drawn.
+        style: What furniture, materials and colours go together.
+        physics: Whether things weigh, collide and move.
+
+    Returns:
+        The room: ``room.add("bed", at=(2, 1))``, ``room.add_window(wall=0)``,
+        ``room.compose("out")``.
+
+    Raises:
+        DescriptionError: There is no such room type or style, or a value is out of range.
+    """
+    from openrooms_usd.api.room import Room, given_of
+    from openrooms_usd.description import room_of as checked
+
+    corners = polygon or [(0, 0), (width, 0), (width, depth), (0, depth)]
+    layout = given_of(polygon=[list(corner) for corner in corners], height=height)
+    said = given_of(room=room_type, seed=seed, style=style, physics={} if physics else None)
+    return Room.of(checked({**said, "layout": layout}))
 
 
 def generate(
@@ -39,6 +80,7 @@ def generate(
     Raises:
         InputError: There is no such room type, style or seed, or no room of that area can be made.
     """
+    from openrooms_usd.api.room import Room
     from openrooms_usd.description import parse_room
     from openrooms_usd.errors import InputError
     from openrooms_usd.generate import generate as make
@@ -48,48 +90,25 @@ def generate(
         remedy = "give a whole number of at least 0"
         raise InputError(f"{seed!r} is no seed", place="seed", remedy=remedy)
     made = make(room_type, int(seed), area, style, clutter)
-    return parse_room(write(made), f"generated {room_type}")
+    return Room.of(parse_room(write(made), f"generated {room_type}"))
 
 
-def load(description: "Room | Mapping[str, Any] | AnyPath") -> "Room":
+def load_room(description: "Room | Mapping[str, Any] | AnyPath") -> "Room":
     """Read a room and check it.
 
     Args:
         description: A ``room.yaml``, a folder that holds one, or plain data as it would hold.
 
     Returns:
-        The room, with every default filled in.
+        The room, with every default filled in; changing it changes no file.
 
     Raises:
         InputError: The file is missing or cannot be read.
         DescriptionError: It has mistakes; the message lists all with their places.
     """
-    return room_of(description)
+    from openrooms_usd.api.room import Room
 
-
-def save(room: "Room | Mapping[str, Any]", file: AnyPath) -> Path:
-    """Write a room as a ``room.yaml`` that `load` reads back as the same room.
-
-    The names of files in it are written as they are: they begin in the folder of ``file`` then.
-
-    Args:
-        room: The room.
-        file: The file to write; one that is there is replaced.
-
-    Returns:
-        The file.
-
-    Raises:
-        DescriptionError: The room has mistakes.
-        OutputError: The file cannot be written.
-    """
-    from openrooms_usd.atomic import making, write_text
-    from openrooms_usd.description import dump_room
-
-    path, text = path_of(file), dump_room(room_of(room))
-    with making(path.parent):
-        write_text(path, text)
-    return path
+    return Room.of(room_of(description))
 
 
 def import_capture(
@@ -111,23 +130,8 @@ def import_capture(
         OutputError: The folder cannot be written, or holds another room or capture.
         MissingPackageError: The importer needs a package that is not installed.
     """
+    from openrooms_usd.api.room import Room
     from openrooms_usd.importing import import_capture as read
 
-    return read(kind, path_of(source), path_of(out), options or {})
-
-
-def copy_example(folder: AnyPath) -> Path:
-    """Copy the bundled example, a living room with a sky, into a folder.
-
-    Args:
-        folder: Made when it is missing; an example that is there already is kept.
-
-    Returns:
-        Its ``room.yaml``.
-
-    Raises:
-        OutputError: The folder cannot be written.
-    """
-    from openrooms_usd.demo import copy_example as copy
-
-    return copy(path_of(folder))
+    imported = read(kind, path_of(source), path_of(out), options or {})
+    return replace(imported, room=Room.of(imported.room))

@@ -1,115 +1,18 @@
 """Composed rooms: made, opened, edited, simulated, checked and written in other forms."""
 
-import os
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from openrooms_usd import names
 from openrooms_usd.api.given import AnyPath, choice_of, path_of, room_of, usd_file
+from openrooms_usd.api.scene import Scene
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
-    from pxr import Usd
-
-    from openrooms_usd.compose import ComposeSummary, StageSummary
     from openrooms_usd.convert import Report
     from openrooms_usd.description.room import Room
-    from openrooms_usd.edits.orphans import Orphan
     from openrooms_usd.simulate import Friction
     from openrooms_usd.simulation.settling import Settled
     from openrooms_usd.validation.model import Finding
-
-
-@dataclass(frozen=True, repr=False)
-class Scene(os.PathLike[str]):
-    """A composed room, or any USD file. It stands for its file wherever a path is taken.
-
-    Attributes:
-        path: The USD file; of a composed room its ``scene.usda``.
-        composed: What composing it did; None where it was only opened.
-    """
-
-    path: Path
-    composed: "ComposeSummary | None" = None
-
-    def __fspath__(self) -> str:
-        return str(self.path)
-
-    def __repr__(self) -> str:
-        states = [row.state for row in self.stages]
-        counts = (f"{states.count(state)} stages {state}" for state in dict.fromkeys(states))
-        said = [*counts, *([f"{len(self.notes)} notes"] if self.notes else [])]
-        return f"Scene({str(self.path)!r}{''.join(f', {text}' for text in said)})"
-
-    @property
-    def folder(self) -> Path:
-        """Where the file lies."""
-        return self.path.parent
-
-    @property
-    def edits(self) -> Path:
-        """The layer of a composed room that belongs to people."""
-        return self.folder / names.LAYERS / f"{names.EDITS}.usda"
-
-    @property
-    def stages(self) -> "tuple[StageSummary, ...]":
-        """What became of each stage when it was composed."""
-        return self.composed.stages if self.composed else ()
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What composing approximated or guessed, one sentence each."""
-        of_stages = tuple(note for row in self.stages for note in row.notes)
-        return (*of_stages, *(self.composed.notes if self.composed else ()))
-
-    @property
-    def orphans(self) -> "tuple[Orphan, ...]":
-        """Opinions of the edits that did nothing when it was composed."""
-        return self.composed.orphans if self.composed else ()
-
-    @property
-    def cameras(self) -> tuple[str, ...]:
-        """The names of its cameras."""
-        from openrooms_usd.usd.cameras import list_cameras
-
-        stage = self.stage()
-        return tuple(prim.GetName() for prim in list_cameras(stage))
-
-    @property
-    def objects(self) -> tuple[str, ...]:
-        """The names of its furniture: prims below ``/World/Furniture``."""
-        stage = self.stage()
-        prim = stage.GetPrimAtPath(names.FURNITURE)
-        return tuple(child.GetName() for child in prim.GetChildren()) if prim else ()
-
-    def stage(self) -> "Usd.Stage":
-        """Open it with USD.
-
-        Raises:
-            InputError: It is missing or no readable USD.
-        """
-        from openrooms_usd.usd.diagnostics import quiet
-        from openrooms_usd.usd.layers import open_stage
-
-        with quiet():
-            return open_stage(self.path)
-
-    def editing(self) -> "AbstractContextManager[Usd.Stage]":
-        """Open it such that all that is authored goes to ``layers/edits.usda``.
-
-        ``with scene.editing() as stage:`` saves the layer at the end of the block, and drops what
-        was authored where something fails. Compose the room again for its other layers to follow.
-
-        Raises:
-            InputError: It is no composed room.
-            StageError: With what was authored the room would not compose.
-        """
-        from openrooms_usd.edits.editing import editing
-
-        return editing(self.path)
 
 
 def compose(
@@ -163,10 +66,11 @@ def compose(
             workers=workers,
             progress=progress,
         )
-    return Scene(done.scene, done)
+    kept = described if base is None else described.located(path_of(base))
+    return Scene(done.scene, done, kept)
 
 
-def open(path: AnyPath) -> Scene:
+def open_scene(path: AnyPath) -> Scene:
     """Open a composed room by its folder, or any USD file.
 
     Args:

@@ -72,26 +72,10 @@ def run_dataset(
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> RunSummary:
-    """Make a dataset, or what is left of it.
+    """Make a dataset, or what is left of it: see `openrooms_usd.api.datasets.run_dataset`.
 
     What is finished stays, whoever made it; run again after whatever has ended a run before. The
     same file gives the same bytes with any number of workers.
-
-    Args:
-        file: The dataset.yaml.
-        root: The dataset's folder, or a URL.
-        workers: How many rooms are worked on at once.
-        executor: The name of who works them off.
-        options: What is asked of it, by name.
-        progress: Called with each view and the finished fraction.
-
-    Returns:
-        What was done.
-
-    Raises:
-        InputError: A file is missing, or a name is unknown.
-        DescriptionError: The dataset.yaml has mistakes.
-        OutputError: The folder cannot be written, or is that of another dataset.
     """
     dataset = load_dataset(file)
     hirer: Executor = adapters.load(adapters.EXECUTORS, executor)

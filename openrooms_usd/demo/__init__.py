@@ -1,5 +1,6 @@
 """Rooms to begin with: the bundled example with its sky, and a small one to be changed."""
 
+import os
 from importlib import resources
 from pathlib import Path
 
@@ -8,13 +9,11 @@ from openrooms_usd.description import schema
 from openrooms_usd.errors import OutputError
 
 
-def copy_example(folder: Path) -> Path:
-    """Copy the bundled example into a folder.
-
-    One that is there already is kept: somebody may have changed it.
+def copy_example(folder: str | os.PathLike[str]) -> Path:
+    """Copy the bundled example, a living room with a sky, into a folder.
 
     Args:
-        folder: Made when it is missing.
+        folder: Made when it is missing; an example that is there already is kept.
 
     Returns:
         Its ``room.yaml``.
@@ -22,6 +21,7 @@ def copy_example(folder: Path) -> Path:
     Raises:
         OutputError: The folder cannot be written.
     """
+    folder = Path(folder)
     if (folder / "room.yaml").is_file():
         return folder / "room.yaml"
     bundled = resources.files(__name__)

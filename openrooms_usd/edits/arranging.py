@@ -6,6 +6,7 @@ model in ``layers/edits/assets``, a copy that refers to the original, a prim tha
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 from typing import Final
 
@@ -110,17 +111,18 @@ def place(
     name: str,
     spot: Spot,
     *,
+    z: float | None = None,
     size: tuple[float, float, float] | None = None,
     snap: bool = True,
 ) -> Standing:
     """Move, turn or resize an object.
 
-    Its height stays, but that what stands on the floor does so wherever it is put.
-
     Args:
         scene: The ``scene.usda`` of the room.
         name: The object.
         spot: Where its origin shall be.
+        z: Height of its origin, metres; None: as it is, but that what stands on the floor does so
+            wherever it is snapped to.
         size: Its width, depth and height, metres; None: as they are.
         snap: Whether it comes flush to walls that are near.
 
@@ -136,7 +138,8 @@ def place(
         thing = standing(prim)
         goal = settled(room, thing, spot) if snap else spot
         floored = thing.support == "floor" and abs(thing.z - room.floor) < _ON_FLOOR_M
-        _write(stage, prim, _moved(prim, goal, room.floor if floored and snap else thing.z))
+        usual = room.floor if floored and snap else thing.z
+        _write(stage, prim, _moved(prim, goal, usual if z is None else z))
         return standing(prim)
 
 
@@ -153,7 +156,7 @@ def duplicate(scene: Path, name: str) -> Standing:
     """
     with editing(scene) as stage:
         original, room = furniture(stage, name), surroundings(stage)
-        path = _free(stage, original)
+        path = free_path(stage, original.GetPath().ReplaceName(f"{name}_copy"))
         layer = stage.GetEditTarget().GetLayer()
         spec = Sdf.CreatePrimInLayer(layer, path)
         spec.specifier, spec.typeName = Sdf.SpecifierDef, original.GetTypeName()
@@ -216,14 +219,10 @@ def beside(room: Surroundings, thing: Standing) -> Spot:
     return max(found)[1]
 
 
-def _free(stage: Usd.Stage, original: Usd.Prim) -> Sdf.Path:
-    """A path beside an object that neither this room nor a description of it has."""
-    name, number = f"{original.GetName()}_copy", 1
-    path = original.GetPath().ReplaceName(name)
-    while stage.GetPrimAtPath(path):
-        number += 1
-        path = original.GetPath().ReplaceName(f"{name}_{number}")
-    return path
+def free_path(stage: Usd.Stage, path: Sdf.Path) -> Sdf.Path:
+    """A path that the room does not have: this one, or with a number where it is taken."""
+    numbered = (path.ReplaceName(f"{path.name}_{number}") for number in count(2))
+    return next(one for one in chain([path], numbered) if not stage.GetPrimAtPath(one))
 
 
 def _moved(prim: Usd.Prim, spot: Spot, z: float) -> Gf.Matrix4d:

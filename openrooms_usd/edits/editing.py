@@ -1,8 +1,10 @@
 """People's changes made in Python: the composed stage, open such that they go to the edits."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final
 
 from pxr import Sdf, Usd
@@ -15,12 +17,18 @@ from openrooms_usd.usd.layers import open_stage
 
 _EDITS: Final = f"{names.LAYERS}/{names.EDITS}.usda"
 
+# The stages that this thread is editing, by their scene.
+_EDITING: Final[ContextVar[Mapping[Path, Usd.Stage]]] = ContextVar(
+    "editing", default=MappingProxyType({})
+)
+
 
 @contextmanager
 def editing(scene: Path) -> Iterator[Usd.Stage]:
     """Open a composed room such that all that is authored goes to ``layers/edits.usda``.
 
     The layer is saved when the block ends, and is as before when the block or the saving fails.
+    Inside of such a block, another one of the same room is a part of it: both are saved together.
 
     Args:
         scene: The ``scene.usda`` of a composed room.
@@ -34,11 +42,15 @@ def editing(scene: Path) -> Iterator[Usd.Stage]:
             compose wrote it.
         OutputError: The layer cannot be written.
     """
+    if (outer := being_edited(scene)) is not None:
+        yield outer
+        return
     _check_composed(scene)
     with claims.claimed(scene.parent):
         stage = open_stage(scene)
         layer = _edits(stage, scene)
         stage.SetEditTarget(Usd.EditTarget(layer))
+        before = _EDITING.set({**_EDITING.get(), scene.resolve(): stage})
         try:
             yield stage
             if layer.dirty:
@@ -46,8 +58,14 @@ def editing(scene: Path) -> Iterator[Usd.Stage]:
                     draft.export(layer, names.EDITS)
                     runner.check(draft)
         finally:
+            _EDITING.reset(before)
             # Layers are shared by name: what was not saved must not live on in memory.
             layer.Reload(force=True)
+
+
+def being_edited(scene: Path) -> Usd.Stage | None:
+    """The stage of a room that a block of `editing` around this call has open."""
+    return _EDITING.get().get(scene.resolve())
 
 
 def _check_composed(scene: Path) -> None:

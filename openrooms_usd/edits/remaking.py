@@ -19,7 +19,7 @@ from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, category, styles
-from openrooms_usd.library.assets import publish
+from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.stage import ASSETS
 from openrooms_usd.stages.base import StageContext
@@ -71,35 +71,59 @@ def remake(
         size = (round(width, _DIGITS), round(depth, _DIGITS), round(height, _DIGITS))
         context = context_of(stage, scene)
         asset = Catalogue(context).furniture(wanted, size, style)
-        file = publish(context.folder / ASSETS, asset)
         layer = stage.GetEditTarget().GetLayer()
         spec = Sdf.CreatePrimInLayer(layer, prim.GetPath())
         # What was edited of the parts of the old model finds them no more.
         for child in list(spec.nameChildren):
             del spec.nameChildren[child.name]
-        _refer(spec, [context.asset(f"{ASSETS}/{file}")])
+        # The place of a copy is in part that of its original, which it refers to no more.
+        local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
+        give_model(context, spec, prim, asset)
         spec.instanceable = not known.emits
         label(prim, wanted)
-        _unscale(spec, prim)
-        _refer(spec, [_dressed(context, prim), context.asset(f"{ASSETS}/{file}")])
+        _unscale(spec, prim, local)
         return standing(prim)
 
 
+def give_model(context: StageContext, spec: Sdf.PrimSpec, prim: Usd.Prim, asset: Asset) -> None:
+    """Let an object refer to a model and to a look for it, both beside the edits.
+
+    Args:
+        context: As `openrooms_usd.edits.assigning.context_of` has it.
+        spec: The object in the edits.
+        prim: The same in the composed stage.
+        asset: Published where it is not there yet.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    model = context.asset(f"{ASSETS}/{publish(context.folder / ASSETS, asset)}")
+    _refer(spec, [model])
+    _refer(spec, [*_look(context, prim), model])
+
+
 def _refer(spec: Sdf.PrimSpec, files: Sequence[str]) -> None:
-    spec.referenceList.ClearEditsAndMakeExplicit()
-    spec.referenceList.explicitItems = [Sdf.Reference(file) for file in files]
+    """Refer to these files alone; of an object of the edits, beside the body that physics gives."""
+    references = [Sdf.Reference(file) for file in files]
+    if spec.specifier == Sdf.SpecifierDef:
+        spec.referenceList.ClearEdits()
+        spec.referenceList.prependedItems = references
+    else:
+        spec.referenceList.ClearEditsAndMakeExplicit()
+        spec.referenceList.explicitItems = references
 
 
-def _dressed(context: StageContext, prim: Usd.Prim) -> str:
-    """A look for the model as the tables have it."""
+def _look(context: StageContext, prim: Usd.Prim) -> list[str]:
+    """A look for the model as the tables have it; none for one that brings its own materials."""
     look = Dresser(context, (Chooser(context),), {}).dressed(prim)
+    if not look.looks[0]:
+        return []
     palette = Palette(context)
     palette.publish(look.looks[0].values())
-    return publish_look(context, palette, look)
+    return [publish_look(context, palette, look)]
 
 
-def _unscale(spec: Sdf.PrimSpec, prim: Usd.Prim) -> None:
-    """The model is made in its size: no scale is left on the object."""
-    local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
+def _unscale(spec: Sdf.PrimSpec, prim: Usd.Prim, local: Gf.Matrix4d) -> None:
+    """Keep the place without its scale: the model is made in its size."""
     scale = np.linalg.norm(np.array(local)[:3, :3], axis=1)
     author_placed(spec, prim, Gf.Matrix4d().SetScale(Gf.Vec3d(*(1.0 / scale).tolist())) * local)

@@ -81,21 +81,7 @@ class ImportedRoom:
 def import_capture(
     kind: str, source: Path, out: Path, options: Mapping[str, str] = NO_OPTIONS
 ) -> ImportedRoom:
-    """Read a capture, copy what a room needs of it into a folder, and describe the room there.
-
-    Args:
-        kind: The name of the importer.
-        source: What it reads.
-        out: The folder; made when it is missing.
-        options: What is asked of the importer; paths begin in the current folder.
-
-    Returns:
-        The room and what was read.
-
-    Raises:
-        InputError: The source cannot be read, or has no usable floor.
-        OutputError: The folder cannot be written, or holds another room or capture.
-    """
+    """Describe a capture in a folder, as `openrooms_usd.api.rooms.import_capture` says."""
     importer: Importer = load(IMPORTERS, kind)
     check_path(source)
     try:

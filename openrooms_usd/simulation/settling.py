@@ -97,29 +97,10 @@ def settle(
     look: str | None = None,
     progress: Progress = silent,
 ) -> Settled:
-    """Let the room of a USD file settle, and write the poses as a layer.
+    """Let a room settle, and write its poses, as `openrooms_usd.api.scenes.simulate` describes.
 
     The room starts from where its stages and edits have put it: what an earlier run has written to
     the same layer does not count. So a second run writes the same.
-
-    Args:
-        path: The USD file; of a composed room its ``scene.usda``.
-        engine: The engine's name.
-        seconds: How long.
-        out: The layer; of a composed room by default the one beside its stages' layers.
-        timestep: Seconds of one step.
-        friction: Which coefficient of each surface counts.
-        look: Choose this variant of every object that has it, for its friction.
-        progress: Called with what is done and the finished fraction.
-
-    Returns:
-        How far everything has moved.
-
-    Raises:
-        InputError: The file is no USD, no engine has that name, or a number makes no sense.
-        MissingPackageError: The engine is not installed.
-        StageError: The stage has no physics, or the simulation explodes.
-        OutputError: The layer cannot be written.
     """
     from openrooms_usd.simulation.settledlayer import choose_look, settling
     from openrooms_usd.usd.rigid.reading import read_world

@@ -13,8 +13,8 @@ import pytest
 import openrooms_usd as ou
 
 ASKED = {
-    "bake", "compose", "convert", "dataset", "generate", "import_capture", "load", "open", "probe",
-    "relight", "render", "run_dataset", "simulate",
+    "bake", "compose", "convert", "generate", "import_capture", "load_room", "new_room",
+    "open_scene", "probe", "relight", "render", "run_dataset", "simulate", "write_dataset",
 }  # fmt: skip
 FUNCTIONS = [name for name in dir(ou) if inspect.isfunction(getattr(ou, name))]
 
@@ -31,9 +31,9 @@ def loaded(code: str) -> set[str]:
 def test_dir_and_completion_show_it() -> None:
     assert set(FUNCTIONS) >= ASKED
     completer = rlcompleter.Completer({"ou": ou})
-    offered = completer.attr_matches("ou.re")
-    assert offered == ["ou.read_render(", "ou.relight(", "ou.render(", "ou.render_path("]
-    assert set(dir(ou.robots)) >= {"rover", "RobotCameras", "read_world"}
+    offered = completer.attr_matches("ou.rend")
+    assert offered == ["ou.render(", "ou.render_path("]
+    assert set(dir(ou.robots)) >= {"rover", "RobotCameras", "load_world"}
     assert all(getattr(ou.robots, name) is not None for name in dir(ou.robots))
 
 
@@ -77,8 +77,8 @@ def test_a_function_explains_itself(name: str) -> None:
 def test_what_takes_long_tells_its_progress_in_one_way(name: str) -> None:
     parameters = inspect.signature(getattr(ou, name)).parameters
     takes_long = name in {
-        "bake", "compare", "compose", "dataset", "probe", "render", "render_path", "run_dataset",
-        "simulate",
+        "bake", "compare", "compose", "probe", "render", "render_path", "run_dataset", "simulate",
+        "write_dataset",
     }  # fmt: skip
     assert ("progress" in parameters) == takes_long
     if takes_long:

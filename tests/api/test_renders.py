@@ -132,7 +132,7 @@ def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:
         ou.simulate(scene, friction="sticky")  # type: ignore[arg-type]
     for wrong in ({"order": "bgr"}, {"layout": "flat"}, {"crowded": "no"}):
         with pytest.raises(InputError, match="cannot be chosen"):
-            ou.dataset(scene, "set", **wrong)  # type: ignore[arg-type]
+            ou.write_dataset(scene, "set", **wrong)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="no channel is named 'dept'"):
         ou.render(scene, channels=["dept"])
 
@@ -168,7 +168,7 @@ def test_a_probe_is_read_like_a_render(scene: ou.Scene, here: Path) -> None:
 
 def test_a_dataset_of_a_render(rendered: ou.Render, here: Path) -> None:
     seen: list[tuple[str, float]] = []
-    summary = ou.dataset(rendered, "set", progress=lambda *done: seen.append(done))
+    summary = ou.write_dataset(rendered, "set", progress=lambda *done: seen.append(done))
     assert [what for what, _ in seen] == ["left", "right"] and seen[-1][1] == 1.0
     assert summary.frames == {"main_xml": [1, 2]}
     assert "2 views" in repr(summary)

@@ -13,6 +13,8 @@ from typing import NamedTuple
 import pytest
 import yaml
 
+from docs import api
+
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [
     *(ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")),
@@ -168,3 +170,7 @@ def test_the_architecture_names_every_chapter() -> None:
     text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
     chapters = {p.parent.name for p in (ROOT / "openrooms_usd").glob("*/__init__.py")}
     assert {name for name in chapters if f"`{name}/`" not in text} == set()
+
+
+def test_the_reference_of_python_says_what_the_docstrings_say() -> None:
+    assert api.PAGE.read_text(encoding="utf-8") == api.page(), "run: python -m docs.api"

@@ -12,6 +12,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.compose import compose_room
 from openrooms_usd.edits.arranging import duplicate, place, relabel, remove
 from openrooms_usd.edits.history import History
+from openrooms_usd.edits.orphans import orphans_of
 from openrooms_usd.edits.remaking import remake
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.errors import DescriptionError, InputError, OrusdError
@@ -128,6 +129,14 @@ def test_a_copy_stands_beside_and_outlives_the_original(scene: Path) -> None:
     remove(scene, "chair_1")
     compose_room(scene.parents[1] / "room.yaml", scene.parent)
     assert len(box(scene, copy)) and objects(scene)["chair_1"] is False
+
+
+def test_a_copy_keeps_its_place_when_it_is_made_anew(scene: Path) -> None:
+    copy = duplicate(scene, "chair_1").name
+    before = box(scene, copy).mean(axis=0)[:2]
+    remake(scene, copy, "shell")
+    assert box(scene, copy).mean(axis=0)[:2] == pytest.approx(before, abs=0.02)
+    assert not orphans_of(scene.parent)
 
 
 def test_another_category_has_its_labels_and_its_model(scene: Path) -> None:

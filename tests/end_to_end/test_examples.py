@@ -15,7 +15,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 SAYS = {
     "01_compose": r"physics +written\n0 findings in scene\.usda",
     "02_read_ground_truth": r"\d{4,} pixels see a surface; .* agree within \d\.\de-0[67] m",
-    "03_edit_in_usd": r"\(2\.00, 3\.85\)\n.*\n.*\(2\.30, 3\.80\)",
+    "03_edit": r"lamp at \(3\.40, 4\.00, .*\n.*\n.*\n.*lamp at \(3\.50, 3\.70, .*\nvase at .*0\.74",
     "04_push": r"carpet +60 N .* 1 ms .*\n(.*\n)+our carpet 0\.\d+: 0\.\d+ m, by Coulomb 0\.\d+ m",
     "05_navigate": r"mean of its pixels: 0\.4\d\d\n(floor 0\.\d+ step \d: .*\n){6}",
     "06_rearrange": r"step 0: .* \d\d cm to go\n(.*\n)*step 3: .*, \d cm to go",

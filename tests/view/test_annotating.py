@@ -244,7 +244,7 @@ def shade(page: Page, path: str) -> np.ndarray:
 @pytest.fixture
 def generated(tmp_path: Path) -> Path:
     room = ou.generate("bedroom", seed=4, style="mid_century", clutter=1, area=12)
-    ou.save(room, tmp_path / "room.yaml")
+    room.save(tmp_path / "room.yaml")
     return ou.compose(tmp_path / "room.yaml", tmp_path / "out").path
 
 

@@ -264,7 +264,7 @@ def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
                 yield _placed_capture(catalogue, thing, capture.source)
     for name, item in named_objects(_described(alignment)):
         try:
-            yield _placed(catalogue, name, item)
+            yield placement_of(catalogue, name, item)
         except InputError as error:
             error.place = error.place or f"alignment.objects, {name}"
             raise
@@ -280,7 +280,12 @@ def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> Placeme
     )
 
 
-def _placed(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -> Placement:
+def placement_of(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -> Placement:
+    """An object of a description with its asset, before anything carries it.
+
+    Raises:
+        InputError: Its file cannot be read, or there is no such style.
+    """
     spec = CATEGORIES.get(item.category)
     if isinstance(item, FileObject):
         asset = catalogue.file(item)
