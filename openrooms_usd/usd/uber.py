@@ -42,13 +42,11 @@ class _Model:
             ``tint`` (of what colour), ``thin`` and ``normal``.
         idle: Other inputs with the values that change nothing.
         parts: Inputs of these first words count where the input is not zero.
-        unused: Inputs that a path tracer has no use for.
     """
 
     inputs: Mapping[str, tuple[str, Numbers]]
     idle: Mapping[str, float]
     parts: Mapping[str, str]
-    unused: frozenset[str] = frozenset()
 
 
 _STANDARD: Final = _Model(
@@ -124,7 +122,7 @@ _GLTF: Final = _Model(
             "cutoff": ("alpha_cutoff", (0.5,)), "glow": ("emissive_strength", _ONE),
             "glow_color": ("emissive", _NIL), "coat": ("clearcoat", _NIL),
             "coat_roughness": ("clearcoat_roughness", _NIL), "clear": ("transmission", _NIL),
-            "normal": ("normal", _NIL),
+            "normal": ("normal", _NIL), "occlusion": ("occlusion", _ONE),
         }
     ),
     idle=MappingProxyType(
@@ -140,7 +138,6 @@ _GLTF: Final = _Model(
             "tangent": "anisotropy_strength",
         }
     ),
-    unused=frozenset({"occlusion"}),
 )  # fmt: skip
 _MODELS: Final[Mapping[str, _Model]] = {
     "ND_standard_surface_surfaceshader": _STANDARD,
@@ -179,6 +176,7 @@ def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurfa
         normal=_normal(said),
         clearcoat=said.part("coat"),
         clearcoat_roughness=said.part("coat_roughness"),
+        occlusion=said.part("occlusion"),
         painted=said.painted,
     )
     if said.primvar("color")[0] and said.color("weight") != _ONE:
@@ -318,7 +316,7 @@ def _folded(value: float | Texture) -> Folded:
 
 def _tell_others(said: _Said) -> None:
     """Name what somebody wrote that has no place in a `PreviewSurface`."""
-    read = {name for name, _ in said.model.inputs.values()} | said.model.unused
+    read = {name for name, _ in said.model.inputs.values()}
     for socket in said.shader.GetInputs():
         name = str(socket.GetBaseName())
         if name in read or not _counts(said, name):

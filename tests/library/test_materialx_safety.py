@@ -120,7 +120,7 @@ def test_the_users_own_pictures_may_be_absolute(tmp_path: Path) -> None:
 
 
 def test_missing_pictures_are_one_error_that_names_them(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"I names lost\.png, which is missing") as caught:
+    with pytest.raises(InputError, match=r"I\.file: .*lost\.png is missing") as caught:
         read_material(textured(tmp_path, "lost.png"))
     assert "copy them into the folder" in str(caught.value)
 

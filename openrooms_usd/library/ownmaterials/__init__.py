@@ -3,9 +3,9 @@
 `read_material` chooses the reader by what lies at the path. What a file says and we cannot is never
 lost in silence: `OwnMaterial.losses` has a sentence for it.
 
-- `folders`, `naming`, `signals`, `images`: maps in a folder; `normalmaps`, `sizes`, `licences`:
-  what their files do not say;
-- `materialx`, `mtlxtext`, `shadings`: MaterialX; `constants`: numbers alone;
+- `folders`, `naming`: maps in a folder; `normalmaps`, `sizes`, `licences`: what their files do not
+  say;
+- `materialx`, `mtlxtext`: MaterialX; `constants`: numbers alone;
 - `material`: the one form of all; `publishing`: written as a material of ours.
 """
 
