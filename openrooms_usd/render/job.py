@@ -191,8 +191,8 @@ class RenderJob:
             RenderError: The renderer cannot do it.
         """
         from openrooms_usd.render.opened import open_with
+        from openrooms_usd.usd.cameras import set_field_of_view
         from openrooms_usd.usd.diagnostics import reading
-        from openrooms_usd.usd.fields_of_view import set_field_of_view
         from openrooms_usd.usd.layers import open_stage
         from openrooms_usd.usd.moments import hold
         from openrooms_usd.usd.mtlxlayers import read_mtlx_layers

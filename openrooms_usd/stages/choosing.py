@@ -13,8 +13,7 @@ from openrooms_usd.library import textures
 from openrooms_usd.library.assignment.rooms import Place, surface_of
 from openrooms_usd.library.assignment.weights import Weights, drawn
 from openrooms_usd.library.ensembles import Ensemble, ensemble_of
-from openrooms_usd.library.finish import Finish
-from openrooms_usd.library.finishes import FINISHES, finishes_of
+from openrooms_usd.library.finishes import FINISHES, Finish, finishes_of
 from openrooms_usd.library.interiors import INTERIORS
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.swatches import Swatch

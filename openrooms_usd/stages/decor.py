@@ -9,8 +9,8 @@ from pxr import Gf, Usd, UsdGeom
 from openrooms_usd.geometry.hallways import Hallway, door_space
 from openrooms_usd.library.furniture import Size, make, part_of, styles
 from openrooms_usd.stages.joinery import author_mesh
+from openrooms_usd.usd.frames import author_placement
 from openrooms_usd.usd.semantics import label
-from openrooms_usd.usd.transforms import author_placement
 
 # Free wall beside a picture, and the middle of pictures above the floor, metres.
 _MARGIN_M: Final = 0.12

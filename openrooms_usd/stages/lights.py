@@ -37,12 +37,12 @@ from openrooms_usd.stages.glow import author_glow
 from openrooms_usd.stages.screens import author_screens
 from openrooms_usd.untrusted import read_text
 from openrooms_usd.usd.activation import is_deactivated
+from openrooms_usd.usd.frames import UPRIGHT, is_upright
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.photometry import flux_share, nits_from_lumen, world_area, world_from_prim
 from openrooms_usd.usd.profiles import Profile, parse_profile, shaping
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shaping import define_shaping
-from openrooms_usd.usd.transforms import UPRIGHT, is_upright
 
 # Of a lamp of an unknown category.
 _DEFAULT_LUMEN: Final = 800.0

@@ -10,8 +10,8 @@ from scipy.sparse import csr_array, kron
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.splines import rational, spans
 from openrooms_usd.usd.arrays import integers, numbers, vector_of
-from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.tessellation import Drawn
 
 Array = NDArray[np.float64]
 

@@ -72,6 +72,7 @@ RANKS = (
         "lazy",
         "lettering",
         "names",
+        "tables",
         "untrusted",
         "urls",
         "version",

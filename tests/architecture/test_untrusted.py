@@ -30,9 +30,8 @@ READERS = (
     "openrooms_usd/library/usdfile.py",
     "openrooms_usd/library/wavefront.py",
     "openrooms_usd/library/assignment/annotations.py",
-    "openrooms_usd/scan/models/glb.py",
     "openrooms_usd/scan/models/meshscene.py",
-    "openrooms_usd/scan/models/folder.py",
+    "openrooms_usd/library/cads.py",
     "openrooms_usd/unpickling",
 )
 # Calls by the last word of what is called, where it may be a method of any object ...

@@ -112,8 +112,6 @@ def test_no_table_of_categories_stands_beside_the_records() -> None:
         "openrooms_usd/categories/words.py",
         # The shell of rooms, which several stages leave alone.
         "openrooms_usd/names.py",
-        # What goes together in a style: said of several at once.
-        "openrooms_usd/library/interiors.py",
         # What is fixed to the shell: which key says its material.
         "openrooms_usd/stages/surfaces.py",
         "openrooms_usd/view/fields.py",

@@ -7,11 +7,11 @@ import pytest
 
 from openrooms_usd.library.textures import fabric, leather, rubber
 from openrooms_usd.library.textures.base.family import Family, Order
-from openrooms_usd.library.textures.base.fibres import fibres
 from openrooms_usd.library.textures.base.lattice import cells, whole
 from openrooms_usd.library.textures.base.maps import ALBEDO_RANGE, Maps, normals
 from openrooms_usd.library.textures.base.noise import apart
-from openrooms_usd.library.textures.base.tints import tinted
+from openrooms_usd.library.textures.base.recipe import tinted
+from openrooms_usd.library.textures.base.strewn import fibres
 from openrooms_usd.library.textures.fabric.weave import (
     Thread,
     pattern,
@@ -21,7 +21,7 @@ from openrooms_usd.library.textures.fabric.weave import (
     woven,
 )
 from openrooms_usd.library.textures.fabric.woven import WOVEN
-from openrooms_usd.library.textures.rubber.moulds import MOULDS
+from openrooms_usd.library.textures.rubber.sheets import MOULDS
 
 FAMILIES: dict[str, Family] = {**fabric.FAMILIES, **leather.FAMILIES, **rubber.FAMILIES}
 

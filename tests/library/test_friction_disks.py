@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from openrooms_usd.library.friction import brdf, disks
+from openrooms_usd.library.friction import disks
 
 
 def unit(theta: float, phi: float) -> np.ndarray:
@@ -30,10 +30,10 @@ def published(A: float, R: float, light: np.ndarray, eye: np.ndarray, base: floa
 @pytest.mark.parametrize("angles", [(0, 0, 0), (30, 40, 170), (70, 5, 20), (60, 60, 180)])
 def test_it_is_the_published_formula(roughness, angles):
     light, eye = unit(angles[0], 0), unit(angles[1], angles[2])
-    value = brdf.evaluate([0.6, 0.3, 0.0], roughness, 0.0, light, eye)
+    value = disks.evaluate([0.6, 0.3, 0.0], roughness, 0.0, light, eye)
     expected = [published(A, roughness, light, eye, 0.05) for A in (0.6, 0.3, 0.0)]
     np.testing.assert_allclose(value, expected, rtol=1e-9)
-    metal = brdf.evaluate([0.9, 0.6, 0.5], roughness, 1.0, light, eye)
+    metal = disks.evaluate([0.9, 0.6, 0.5], roughness, 1.0, light, eye)
     expected = [published(0.0, roughness, light, eye, base) for base in (0.9, 0.6, 0.5)]
     np.testing.assert_allclose(metal, expected, rtol=1e-9)
 
@@ -42,8 +42,8 @@ def test_reciprocity_and_what_lies_below():
     rng = np.random.default_rng(1)
     light, eye = (rng.standard_normal((500, 3)) for _ in range(2))
     light, eye = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (light, eye))
-    there = brdf.evaluate([0.5, 0.2, 0.1], 0.3, 0.4, light, eye)
-    back = brdf.evaluate([0.5, 0.2, 0.1], 0.3, 0.4, eye, light)
+    there = disks.evaluate([0.5, 0.2, 0.1], 0.3, 0.4, light, eye)
+    back = disks.evaluate([0.5, 0.2, 0.1], 0.3, 0.4, eye, light)
     np.testing.assert_allclose(there, back, rtol=1e-9)
     below = (light[:, 2] <= 0) | (eye[:, 2] <= 0)
     assert (there[below] == 0).all() and (there[~below] > 0).all()
@@ -57,7 +57,7 @@ def test_the_distribution_is_normalised_however_narrow(roughness):
     cosine = 1 / np.sqrt(1 + tangent**2)
     half = np.stack([tangent * cosine, 0 * cosine, cosine], axis=-1)
     slope = roughness**2 / (1 - s**2) ** 1.5
-    D = brdf.distribution(half, np.array([roughness]))[:, 0]
+    D = disks.distribution(half, np.array([roughness]))[:, 0]
     # Projected solid angle: cos sin dtheta = tan cos^4 dtan, with dtan = slope ds.
     total = 2 * np.pi * np.mean(D * tangent * cosine**4 * slope)
     assert total == pytest.approx(1, abs=1e-6)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.library.environments import directions
-from openrooms_usd.library.sky import Air, daylight, rounded, sun_direction, sun_disk
-from openrooms_usd.library.skylight import hosek_wilkie
+from openrooms_usd.library.sky import Air, daylight, hosek_wilkie, rounded, sun_direction, sun_disk
 from openrooms_usd.library.solar import SunPosition, refraction, sun_position
 from openrooms_usd.library.sunlight import air_mass, clear_illuminance, direct_normal
 

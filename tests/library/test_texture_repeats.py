@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.library.finishes import FINISHES
 from openrooms_usd.library.textures import FAMILIES, family_of, make
-from openrooms_usd.library.textures.base import wear
+from openrooms_usd.library.textures.base import expanse
 
 LARGE_PATTERNS = {"damask", "houndstooth", "seersucker", "tartan", "ticking", "stitched_leather"}
 
@@ -60,7 +60,7 @@ def test_use_changes_gloss_mildly_over_centimetres(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     used = make(name, 2, resolution=64).roughness.astype(np.float64)
-    monkeypatch.setattr(wear, "_CLOUDS", {})
+    monkeypatch.setattr(expanse, "_CLOUDS", {})
     new = make(name, 2, resolution=64).roughness.astype(np.float64)
     change = (used + 1.0) / (new + 1.0)
     assert abs(change.mean() - 1.0) < 0.02 and 0.02 < change.std() < 0.15

@@ -7,8 +7,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 from pxr import UsdGeom, UsdLux
 
-from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
+from openrooms_usd.usd.lights import Portal, connect_portals, define_mesh_light, define_portal
 
 Array = NDArray[np.float64]
 NITS = 100.0

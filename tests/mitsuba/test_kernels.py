@@ -8,8 +8,7 @@ import pytest
 
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
-from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.portals import connect_portals, define_portal
+from openrooms_usd.usd.lights import connect_portals, define_mesh_light, define_portal
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.plugins.memory import aligned
 from tests.mitsuba.passes import LIT, PASSES

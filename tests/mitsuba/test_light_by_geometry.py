@@ -10,8 +10,7 @@ from pxr import UsdLux
 from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
-from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
+from openrooms_usd.usd.lights import Portal, connect_portals, define_mesh_light, define_portal
 from orusd_mitsuba import MitsubaRenderer
 from tests.mitsuba.lamps import NITS, SIZE, Array, blocks, closed_room, down, lamp, view_of, z_of
 

@@ -7,7 +7,7 @@ import pytest
 from pxr import Gf, UsdLux
 
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.portals import Portal, define_portal
+from openrooms_usd.usd.lights import Portal, define_portal
 from orusd_mitsuba.plugins.light_weights import light_weights
 
 

@@ -8,8 +8,7 @@ from pxr import UsdGeom, UsdLux
 
 from openrooms_usd.render.lights import view_lights
 from openrooms_usd.render.scene.lights import LightRecord
-from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
+from openrooms_usd.usd.lights import Portal, connect_portals, define_mesh_light, define_portal
 from openrooms_usd.usd.semantics import label
 
 SIZE = (64, 48)

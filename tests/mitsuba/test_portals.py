@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 from pxr import UsdLux
 
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal, read_portals
+from openrooms_usd.usd.lights import Portal, connect_portals, define_portal, read_portals
 
 NITS = 1000.0
 # A window in the wall y = 1 of a room about the origin: x and z from, x and z to.

@@ -12,8 +12,7 @@ from openrooms_usd.geometry import spherical_harmonics as sh
 from openrooms_usd.library import environments
 from openrooms_usd.render.exr import read_picture
 from openrooms_usd.render.probes import harmonics, irradiance, probe_stage
-from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.portals import Portal, define_portal
+from openrooms_usd.usd.lights import Portal, define_mesh_light, define_portal
 
 NITS = 1000.0
 SIZE = (32, 16)

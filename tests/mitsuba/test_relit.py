@@ -12,8 +12,7 @@ from pxr import UsdLux
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.opened import open_with
 from openrooms_usd.render.relight import Relighting, light_factors, relit
-from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.portals import Portal, define_portal
+from openrooms_usd.usd.lights import Portal, define_mesh_light, define_portal
 from orusd_mitsuba import MitsubaRenderer
 
 NITS = {"near": 800.0, "far": 3000.0}

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from openrooms_usd.library.skylight import hosek_wilkie
+from openrooms_usd.library.sky import hosek_wilkie
 from orusd_mitsuba import variants
 
 # What Mitsuba's plugin multiplies the authors' coefficients by, and what makes them nits.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pxr import Gf, UsdLux
 
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
+from openrooms_usd.usd.lights import Portal, connect_portals, define_portal
 
 SIZE = (32, 24)
 Passes = NDArray[np.float64]

@@ -372,7 +372,7 @@ def test_what_runs_in_a_stage_is_in_its_graph(tmp_path: Path) -> None:
         known = set(modules(*base.code_of(stage)))
         assert len(ran[stage.name]) >= 5, stage.name
         assert set(ran[stage.name]) <= known, stage.name
-    assert "openrooms_usd.library.skylight" in ran["lights"]
+    assert "openrooms_usd.library.sky" in ran["lights"]
     assert "openrooms_usd.physics.decomposition" in ran["physics"]
 
 

@@ -17,8 +17,8 @@ from openrooms_usd.usd.cameras import (
     framing_camera,
     list_cameras,
     read_camera,
+    set_field_of_view,
 )
-from openrooms_usd.usd.fields_of_view import set_field_of_view
 from openrooms_usd.usd.frames import world_from_stage
 from openrooms_usd.usd.meshes import define_mesh
 

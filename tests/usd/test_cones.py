@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
-from openrooms_usd.usd.cones import EVEN, Cone
 from openrooms_usd.usd.lights import read_lights
 from openrooms_usd.usd.profiles import Shaping, parse_profile, shaping
+from openrooms_usd.usd.shaping import EVEN, Cone
 
 DOWN = np.array([[0.0, 0.0, -1.0]])
 CASES = [(20.0, 0.0, 0.0), (30.0, 0.5, 0.0), (130.0, 1.0, 0.0), (180.0, 0.0, 8.0), (60.0, 0.5, 3.0),

@@ -8,7 +8,7 @@ import pytest
 from pxr import Usd, UsdGeom, Vt
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.crates import check_crate
+from openrooms_usd.usd.crate_reader import check_crate
 
 
 def crate(path: Path, points: int) -> bytes:

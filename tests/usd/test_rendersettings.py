@@ -7,8 +7,7 @@ from pxr import Gf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd.render.job import RenderJob
 from openrooms_usd.render.opened import OpenedStage, open_with
-from openrooms_usd.usd.cameras import read_camera
-from openrooms_usd.usd.fields_of_view import set_field_of_view
+from openrooms_usd.usd.cameras import read_camera, set_field_of_view
 from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.rendersettings import (
     asked_cameras,

@@ -66,7 +66,7 @@ def test_numbers_of_ade20k_and_coco_are_the_published_ones() -> None:
     )
     assert {n: c for n, c in COCO.items() if n >= 60} == COCO_FROM_60
     assert set(range(91)) - set(COCO) == COCO_NEVER_USED
-    grouped = [name for members in COCO_GROUPS.values() for name in members.split()]
+    grouped = [name for members in COCO_GROUPS.values() for name in members]
     assert [UNLABELED, *grouped] == list(COCO.values())
 
 

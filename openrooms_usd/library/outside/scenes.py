@@ -15,8 +15,7 @@ import numpy as np
 from openrooms_usd.library.outside.facades import Color, Style
 from openrooms_usd.library.outside.houses import House
 from openrooms_usd.library.outside.land import Ridge, Zone
-from openrooms_usd.library.outside.plants import Hedge, Plant
-from openrooms_usd.library.outside.sprites import Sprite, conifer, hedge, leafy
+from openrooms_usd.library.outside.plants import Hedge, Plant, Sprite, conifer, hedge, leafy
 
 _FAR: Final = 1e6
 _ALL: Final = (-_FAR, _FAR)

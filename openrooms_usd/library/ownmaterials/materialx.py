@@ -16,11 +16,14 @@ from pxr import Sdf, Tf, Usd, UsdShade
 
 from openrooms_usd import names, untrusted
 from openrooms_usd.errors import InputError, MissingPackageError
-from openrooms_usd.library.ownmaterials.licences import licence_in
-from openrooms_usd.library.ownmaterials.material import OwnMaterial
+from openrooms_usd.library.ownmaterials.material import (
+    OwnMaterial,
+    licence_in,
+    proportions,
+    tile_size,
+)
 from openrooms_usd.library.ownmaterials.mtlxtext import included, located, outlines, read_outline
 from openrooms_usd.library.ownmaterials.normalmaps import read_relief
-from openrooms_usd.library.ownmaterials.sizes import proportions, tile_size
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.mtlxlayers import MATERIALS, layer_of
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture

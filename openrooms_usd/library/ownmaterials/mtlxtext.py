@@ -14,7 +14,7 @@ from xml.parsers import expat
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.ownmaterials.licences import licence_files
+from openrooms_usd.library.ownmaterials.material import licence_files
 
 _MAX_DEPTH: Final = 64
 _MOST_INCLUDES: Final = 256

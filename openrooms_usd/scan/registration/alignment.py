@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.scan.models.cad import CadModel
-from openrooms_usd.scan.models.symmetry import symmetry_of
+from openrooms_usd.scan.models.cad import CadModel, symmetry_of
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
 from openrooms_usd.scan.registration.evidence import Evidence, gathered

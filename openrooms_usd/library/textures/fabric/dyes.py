@@ -5,11 +5,10 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.family import Color, Order
-from openrooms_usd.library.textures.base.noise import Field
+from openrooms_usd.library.textures.base import vocabulary as tx
 
 # Upholstery colours, scene-linear Rec.709: greys, natural linen, blues, greens, rust, ochre, rose.
-COLORS: Final[tuple[Color, ...]] = (
+COLORS: Final[tuple[tx.Color, ...]] = (
     (0.33, 0.33, 0.33),
     (0.12, 0.125, 0.13),
     (0.50, 0.46, 0.39),
@@ -23,15 +22,15 @@ COLORS: Final[tuple[Color, ...]] = (
     (0.44, 0.27, 0.25),
 )
 # Bleached, unbleached and sand-coloured yarns.
-NATURALS: Final[tuple[Color, ...]] = (
+NATURALS: Final[tuple[tx.Color, ...]] = (
     (0.66, 0.63, 0.56),
     (0.55, 0.49, 0.39),
     (0.42, 0.34, 0.24),
     (0.34, 0.29, 0.22),
     (0.24, 0.19, 0.13),
 )
-_CREAM: Final[Color] = (0.62, 0.58, 0.49)
-_BLACK: Final[Color] = (0.035, 0.035, 0.038)
+_CREAM: Final[tx.Color] = (0.62, 0.58, 0.49)
+_BLACK: Final[tx.Color] = (0.035, 0.035, 0.038)
 
 
 @dataclass(frozen=True)
@@ -47,9 +46,9 @@ class Dye:
 
     ends: tuple[str, ...]
     picks: tuple[str, ...]
-    palettes: tuple[tuple[Color, ...], ...]
+    palettes: tuple[tuple[tx.Color, ...], ...]
 
-    def drawn(self, order: Order) -> tuple[Field, Field]:
+    def drawn(self, order: tx.Order) -> tuple[tx.Field, tx.Field]:
         """(p, 3) and (q, 3) colours of the ends and picks of one repeat."""
         choice = int(order.rng.integers(len(self.ends)))
         palette = np.array(self.palettes[int(order.rng.integers(len(self.palettes)))])
@@ -61,11 +60,11 @@ def _numbers(letters: str) -> list[int]:
     return [ord(letter) - ord("a") for letter in letters]
 
 
-def _one(*palettes: tuple[Color, ...]) -> Dye:
+def _one(*palettes: tuple[tx.Color, ...]) -> Dye:
     return Dye(("a",), ("b" if len(palettes[0]) > 1 else "a",), palettes)
 
 
-def _checked(setts: tuple[str, ...], *palettes: tuple[Color, ...]) -> Dye:
+def _checked(setts: tuple[str, ...], *palettes: tuple[tx.Color, ...]) -> Dye:
     return Dye(setts, setts, palettes)
 
 

@@ -7,37 +7,24 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.cells import scattered_cells
-from openrooms_usd.library.textures.base.family import Color, Family, Order
-from openrooms_usd.library.textures.base.maps import Maps
-from openrooms_usd.library.textures.base.noise import Field, smoothstep
-from openrooms_usd.library.textures.base.recipe import (
-    displaced,
-    drawn_color,
-    drawn_roughness,
-    finished,
-    fractal,
-    mixed,
-    noise,
-    side_color,
-)
+from openrooms_usd.library.textures.base import vocabulary as tx
 
-WHITE: Final[tuple[Color, ...]] = ((0.74, 0.73, 0.71), (0.68, 0.68, 0.68), (0.76, 0.73, 0.68))
-VEIN: Final[tuple[Color, ...]] = ((0.26, 0.27, 0.29), (0.34, 0.33, 0.32), (0.30, 0.25, 0.19))
-BRECCIA: Final[tuple[Color, ...]] = (
+WHITE: Final[tuple[tx.Color, ...]] = ((0.74, 0.73, 0.71), (0.68, 0.68, 0.68), (0.76, 0.73, 0.68))
+VEIN: Final[tuple[tx.Color, ...]] = ((0.26, 0.27, 0.29), (0.34, 0.33, 0.32), (0.30, 0.25, 0.19))
+BRECCIA: Final[tuple[tx.Color, ...]] = (
     (0.46, 0.33, 0.23),
     (0.30, 0.13, 0.09),
     (0.40, 0.38, 0.36),
     (0.20, 0.24, 0.20),
 )
-CALCITE: Final[tuple[Color, ...]] = ((0.68, 0.64, 0.58), (0.60, 0.52, 0.42), (0.70, 0.70, 0.69))
-ONYX: Final[tuple[Color, ...]] = (
+CALCITE: Final[tuple[tx.Color, ...]] = ((0.68, 0.64, 0.58), (0.60, 0.52, 0.42), (0.70, 0.70, 0.69))
+ONYX: Final[tuple[tx.Color, ...]] = (
     (0.62, 0.44, 0.22),
     (0.46, 0.52, 0.34),
     (0.68, 0.57, 0.42),
     (0.58, 0.32, 0.17),
 )
-AGATE: Final[tuple[Color, ...]] = (
+AGATE: Final[tuple[tx.Color, ...]] = (
     (0.26, 0.30, 0.36),
     (0.42, 0.19, 0.09),
     (0.36, 0.34, 0.33),
@@ -47,34 +34,34 @@ AGATE: Final[tuple[Color, ...]] = (
 _POLISH: Final = 4e-6
 
 
-def carrara_marble(order: Order) -> Maps:
+def carrara_marble(order: tx.Order) -> tx.Maps:
     """White marble with grey clouds and a slanting net of soft veins."""
-    base, vein = drawn_color(order, WHITE, 0.04), side_color(order, VEIN)
-    gloss = drawn_roughness(order, 0.06, 0.16)
+    base, vein = tx.drawn_color(order, WHITE, 0.04), tx.side_color(order, VEIN)
+    gloss = tx.drawn_roughness(order, 0.06, 0.16)
     net = marble_veins(order)
-    cloud, fine = fractal(order, 0.35, 0.4), fractal(order, 0.003, 0.1)
+    cloud, fine = tx.fractal(order, 0.35, 0.4), tx.fractal(order, 0.003, 0.1)
     grey = np.clip(0.06 + 0.06 * cloud + 0.75 * net, 0.0, 0.9)
-    albedo = mixed(grey, vein * np.ones((1, 1, 3)), base * (1.0 + 0.012 * fine)[..., None])
-    return finished(order, albedo, _POLISH * (net + 0.1 * fine), gloss + 0.02 * net)
+    albedo = tx.mixed(grey, vein * np.ones((1, 1, 3)), base * (1.0 + 0.012 * fine)[..., None])
+    return tx.finished(order, albedo, _POLISH * (net + 0.1 * fine), gloss + 0.02 * net)
 
 
-def marble_veins(order: Order) -> Field:
+def marble_veins(order: tx.Order) -> tx.Field:
     """(N, N) strength of veins, 0..1: few strong ones, more and finer beside them."""
-    drift_s, drift_t = fractal(order, 0.35, 0.9), fractal(order, 0.35, 0.9)
-    crumple = fractal(order, 0.06, 0.5)
-    strong = displaced(_sheets(order, 0.9), order, 0.035 * drift_s, 0.035 * drift_t)
-    weak = displaced(_sheets(order, 0.4), order, 0.02 * drift_t, 0.02 * drift_s)
-    swell = np.clip(0.6 + 0.55 * noise(order, 0.3), 0.05, 1.6)
+    drift_s, drift_t = tx.fractal(order, 0.35, 0.9), tx.fractal(order, 0.35, 0.9)
+    crumple = tx.fractal(order, 0.06, 0.5)
+    strong = tx.displaced(_sheets(order, 0.9), order, 0.035 * drift_s, 0.035 * drift_t)
+    weak = tx.displaced(_sheets(order, 0.4), order, 0.02 * drift_t, 0.02 * drift_s)
+    swell = np.clip(0.6 + 0.55 * tx.noise(order, 0.3), 0.05, 1.6)
     rag = 1.0 + 0.35 * crumple
     wide = np.exp(-np.abs(strong) / (0.15 * swell)) * np.clip(rag, 0.2, 1.8) * 0.5
     core = np.exp(-((strong / (0.03 * swell)) ** 2)) * np.clip(swell, 0.2, 1.0) * 0.9
-    thin = np.exp(-np.abs(weak) / 0.035) * np.clip(0.45 + 0.5 * noise(order, 0.2), 0.0, 1.0)
+    thin = np.exp(-np.abs(weak) / 0.035) * np.clip(0.45 + 0.5 * tx.noise(order, 0.2), 0.0, 1.0)
     return np.clip(wide + core + 0.6 * thin, 0.0, 1.0)
 
 
-def _sheets(order: Order, length: float) -> Field:
+def _sheets(order: tx.Order, length: float) -> tx.Field:
     """(N, N) a noise whose zero lines run aslant: two noises, long along t, sheared and summed."""
-    wave = noise(order, length * 0.33, length)
+    wave = tx.noise(order, length * 0.33, length)
     lean = order.rng.choice([-1, 1])
     rows = np.arange(order.resolution)
     # Shearing by a whole turn over the height keeps the wrap-around.
@@ -82,69 +69,69 @@ def _sheets(order: Order, length: float) -> Field:
     return np.asarray(wave[rows[:, None], (rows[None, :] + shift[:, None]) % order.resolution])
 
 
-def breccia_marble(order: Order) -> Maps:
+def breccia_marble(order: tx.Order) -> tx.Maps:
     """Angular fragments of 1 to 12 cm, healed by light calcite."""
-    base, calcite = drawn_color(order, BRECCIA), side_color(order, CALCITE, 0.05)
-    gloss = drawn_roughness(order, 0.06, 0.16)
-    rag_s, rag_t = fractal(order, 0.1, 0.55), fractal(order, 0.1, 0.55)
-    large = scattered_cells(order, 0.13, 1.0, (0.008 * rag_s, 0.008 * rag_t))
-    small = scattered_cells(order, 0.035, 1.0, (0.0025 * rag_t, 0.0025 * rag_s))
+    base, calcite = tx.drawn_color(order, BRECCIA), tx.side_color(order, CALCITE, 0.05)
+    gloss = tx.drawn_roughness(order, 0.06, 0.16)
+    rag_s, rag_t = tx.fractal(order, 0.1, 0.55), tx.fractal(order, 0.1, 0.55)
+    large = tx.scattered_cells(order, 0.13, 1.0, (0.008 * rag_s, 0.008 * rag_t))
+    small = tx.scattered_cells(order, 0.035, 1.0, (0.0025 * rag_t, 0.0025 * rag_s))
     # Some of the large pieces broke again.
     crushed = (order.rng.random(large.count) < 0.45)[large.index]
     index = np.where(crushed, large.count + small.index, large.index)
     edge = np.where(crushed, np.minimum(large.edge, 1.6 * small.edge), large.edge)
-    open_ = np.clip(0.0022 + 0.0022 * noise(order, 0.12), 0.0002, 0.02)
-    vein = 1.0 - smoothstep(0.0, 1.0, (edge - 0.3 * open_) / open_)
+    open_ = np.clip(0.0022 + 0.0022 * tx.noise(order, 0.12), 0.0002, 0.02)
+    vein = 1.0 - tx.smoothstep(0.0, 1.0, (edge - 0.3 * open_) / open_)
     tone = np.exp(0.38 * order.rng.uniform(-1.0, 1.0, large.count + small.count))[index]
-    cloud = fractal(order, 0.06, 0.3)
+    cloud = tx.fractal(order, 0.06, 0.3)
     palette = np.array(BRECCIA)
     others = palette[order.rng.integers(len(palette), size=len(palette) * 64)]
     hues = base * (others / palette.mean(axis=0)) ** 0.3
     pieces = hues[index % len(hues)] * (tone * np.maximum(1.0 + 0.10 * cloud, 0.3))[..., None]
     white = calcite * (1.0 + 0.03 * cloud)[..., None]
-    return finished(order, mixed(vein, white, pieces), _POLISH * vein, gloss + 0.03 * vein)
+    return tx.finished(order, tx.mixed(vein, white, pieces), _POLISH * vein, gloss + 0.03 * vein)
 
 
-def banded_onyx(order: Order) -> Maps:
+def banded_onyx(order: tx.Order) -> tx.Maps:
     """Bands laid down by a spring, flowing along s, some sharp and white, some deep."""
-    color, gloss = drawn_color(order, ONYX), drawn_roughness(order, 0.05, 0.12)
+    color, gloss = tx.drawn_color(order, ONYX), tx.drawn_roughness(order, 0.05, 0.12)
     up = (np.arange(order.resolution)[:, None] + 0.5) / order.resolution
-    flow = 0.16 * noise(order, 0.7, 0.45) + 0.05 * noise(order, 0.15, 0.1)
-    flow = flow + 0.006 * fractal(order, 0.03, 0.4)
+    flow = 0.16 * tx.noise(order, 0.7, 0.45) + 0.05 * tx.noise(order, 0.15, 0.1)
+    flow = flow + 0.006 * tx.fractal(order, 0.03, 0.4)
     depth = up * order.size + 0.35 * flow
     band = _layers(order, depth, 0.55)
-    haze, fine = fractal(order, 0.2, 0.5), fractal(order, 0.006, 0.2)
+    haze, fine = tx.fractal(order, 0.2, 0.5), tx.fractal(order, 0.006, 0.2)
     tone = np.exp(0.30 * band + 0.06 * haze + 0.012 * fine)
-    pale = smoothstep(0.8, 1.9, band)
+    pale = tx.smoothstep(0.8, 1.9, band)
     hue = np.exp(np.multiply.outer(0.22 * band, (-0.25, -0.05, 0.55)))
     milk = np.array([0.74, 0.71, 0.65])
-    albedo = mixed(0.65 * pale, milk * np.ones((1, 1, 3)), color * hue * tone[..., None])
-    return finished(order, albedo, _POLISH * 0.5 * band, gloss + 0.01 * pale)
+    albedo = tx.mixed(0.65 * pale, milk * np.ones((1, 1, 3)), color * hue * tone[..., None])
+    return tx.finished(order, albedo, _POLISH * 0.5 * band, gloss + 0.01 * pale)
 
 
-def agate(order: Order) -> Maps:
+def agate(order: tx.Order) -> tx.Maps:
     """Slices of nodules: rings that follow the wall of each hollow, crystals in its middle."""
-    color, gloss = drawn_color(order, AGATE), drawn_roughness(order, 0.04, 0.10)
+    color, gloss = tx.drawn_color(order, AGATE), tx.drawn_roughness(order, 0.04, 0.10)
     width = order.rng.uniform(0.14, 0.20)
-    rag_s, rag_t = fractal(order, width, 0.8), fractal(order, width, 0.8)
-    hollow = scattered_cells(order, width, 1.0, (0.06 * width * rag_s, 0.06 * width * rag_t))
-    scallop = 0.0008 * np.abs(noise(order, 0.012)) + 0.003 * noise(order, 0.04)
+    rag_s, rag_t = tx.fractal(order, width, 0.8), tx.fractal(order, width, 0.8)
+    hollow = tx.scattered_cells(order, width, 1.0, (0.06 * width * rag_s, 0.06 * width * rag_t))
+    scallop = 0.0008 * np.abs(tx.noise(order, 0.012)) + 0.003 * tx.noise(order, 0.04)
     depth = hollow.edge + scallop
     own = order.rng.uniform(0.0, order.size, hollow.count)[hollow.index]
     band = _layers(order, (0.9 * depth + own) % order.size, 0.05)
-    middle = smoothstep(0.30 * width, 0.33 * width, depth)
-    rind = 1.0 - smoothstep(0.0005, 0.0022, hollow.edge)
-    crystal = np.abs(noise(order, 0.006)) - 0.6
+    middle = tx.smoothstep(0.30 * width, 0.33 * width, depth)
+    rind = 1.0 - tx.smoothstep(0.0005, 0.0022, hollow.edge)
+    crystal = np.abs(tx.noise(order, 0.006)) - 0.6
     tint = np.exp(0.35 * order.rng.uniform(-1.0, 1.0, hollow.count))[hollow.index]
     tone = np.exp(0.3 * band * (1.0 - middle) + 0.12 * crystal * middle) * tint
     hue = np.exp(np.multiply.outer(0.2 * band * (1.0 - middle), (-0.4, 0.0, 0.3)))
     quartz = np.array([0.55, 0.54, 0.55]) * (1.0 + 0.2 * crystal)[..., None]
-    body = mixed(0.55 * middle, quartz, color * hue * tone[..., None])
-    albedo = mixed(0.75 * rind, np.full((1, 1, 3), 0.10), body)
-    return finished(order, albedo, _POLISH * band, gloss + 0.05 * rind)
+    body = tx.mixed(0.55 * middle, quartz, color * hue * tone[..., None])
+    albedo = tx.mixed(0.75 * rind, np.full((1, 1, 3), 0.10), body)
+    return tx.finished(order, albedo, _POLISH * band, gloss + 0.05 * rind)
 
 
-def _layers(order: Order, depth: Field, thickest: float) -> Field:
+def _layers(order: tx.Order, depth: tx.Field, thickest: float) -> tx.Field:
     """(N, N) lightness of layers by their depth in metres, deviation 1; periodic over the size."""
     count = 2048
     frequency = np.fft.rfftfreq(count, order.size / count)
@@ -158,9 +145,9 @@ def _layers(order: Order, depth: Field, thickest: float) -> Field:
     return np.asarray(np.interp(place % count, np.arange(count + 1), wrapped))
 
 
-FAMILIES: Final[dict[str, Family]] = {
-    "carrara_marble": Family(carrara_marble, 1.5, frozenset({"floor", "wall", "worktop"})),
-    "breccia_marble": Family(breccia_marble, 1.0, frozenset({"floor", "wall", "worktop"})),
-    "banded_onyx": Family(banded_onyx, 1.0, frozenset({"wall", "worktop", "object"})),
-    "agate": Family(agate, 0.6, frozenset({"worktop", "object"})),
+FAMILIES: Final[dict[str, tx.Family]] = {
+    "carrara_marble": tx.Family(carrara_marble, 1.5, frozenset({"floor", "wall", "worktop"})),
+    "breccia_marble": tx.Family(breccia_marble, 1.0, frozenset({"floor", "wall", "worktop"})),
+    "banded_onyx": tx.Family(banded_onyx, 1.0, frozenset({"wall", "worktop", "object"})),
+    "agate": tx.Family(agate, 0.6, frozenset({"worktop", "object"})),
 }

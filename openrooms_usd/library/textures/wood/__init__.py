@@ -1,7 +1,7 @@
 """Wood: pieces cut from a tree, floors laid of it, and boards made of its parts.
 
-- `species`: what distinguishes woods; `knots`: where branches were; `boards`: pieces side by side;
-- `timber`: the face of one piece;
+- `species`: what distinguishes woods; `boards`: pieces side by side;
+- `timber`: the face of one piece, with its knots;
 - `solid`: veneers, staves and planks; `parquet`: floors; `woodbased`: strands, particles, cork.
 """
 

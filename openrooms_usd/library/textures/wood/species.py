@@ -6,7 +6,7 @@ Where in a ring the pores lie and how wide the rays are: R. B. Hoadley, Identify
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from openrooms_usd.library.textures.base.family import Color
+from openrooms_usd.library.textures.base import vocabulary as tx
 
 Cut = Literal["flat", "quarter", "mixed", "peeled"]
 
@@ -33,7 +33,7 @@ class Timber:
         knot: Range of their radii, metres.
     """
 
-    color: Color
+    color: tx.Color
     late: float
     ring: tuple[float, float]
     pores: float
