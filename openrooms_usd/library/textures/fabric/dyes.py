@@ -6,29 +6,12 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Upholstery colours, scene-linear Rec.709: greys, natural linen, blues, greens, rust, ochre, rose.
-COLORS: Final[tuple[tx.Color, ...]] = (
-    (0.33, 0.33, 0.33),
-    (0.12, 0.125, 0.13),
-    (0.50, 0.46, 0.39),
-    (0.40, 0.33, 0.25),
-    (0.085, 0.13, 0.20),
-    (0.20, 0.29, 0.36),
-    (0.14, 0.21, 0.15),
-    (0.30, 0.32, 0.22),
-    (0.36, 0.14, 0.075),
-    (0.45, 0.29, 0.09),
-    (0.44, 0.27, 0.25),
-)
-# Bleached, unbleached and sand-coloured yarns.
-NATURALS: Final[tuple[tx.Color, ...]] = (
-    (0.66, 0.63, 0.56),
-    (0.55, 0.49, 0.39),
-    (0.42, 0.34, 0.24),
-    (0.34, 0.29, 0.22),
-    (0.24, 0.19, 0.13),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+COLORS: Final[tuple[tx.Color, ...]] = _PALETTES["dyes_colors"]
+NATURALS: Final[tuple[tx.Color, ...]] = _PALETTES["dyes_naturals"]
 _CREAM: Final[tx.Color] = (0.62, 0.58, 0.49)
 _BLACK: Final[tx.Color] = (0.035, 0.035, 0.038)
 

@@ -7,16 +7,12 @@ import numpy as np
 from openrooms_usd.library.textures.base import lattice
 from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.fabric.dyes import COLORS, NATURALS
+from openrooms_usd.tables import read_table
 
-# Velvet is dyed deep, carpets in muted colours.
-_DEEP: Final[tuple[tx.Color, ...]] = (
-    (0.03, 0.10, 0.09), (0.025, 0.04, 0.12), (0.17, 0.025, 0.045), (0.27, 0.13, 0.03),
-    (0.10, 0.10, 0.105), (0.30, 0.22, 0.20), (0.07, 0.09, 0.04), (0.14, 0.05, 0.10),
-)  # fmt: skip
-_CARPETS: Final[tuple[tx.Color, ...]] = (
-    (0.40, 0.36, 0.30), (0.28, 0.25, 0.21), (0.22, 0.22, 0.22), (0.10, 0.105, 0.11),
-    (0.10, 0.13, 0.18), (0.17, 0.20, 0.15), (0.30, 0.17, 0.11), (0.50, 0.46, 0.40),
-)  # fmt: skip
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+_DEEP: Final[tuple[tx.Color, ...]] = _PALETTES["pile_deep"]
+_CARPETS: Final[tuple[tx.Color, ...]] = _PALETTES["pile_carpets"]
 
 
 def _pile(

@@ -6,21 +6,13 @@ import numpy as np
 
 from openrooms_usd.library.textures.base import lattice
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Tan, cognac, browns, black, cream, grey, oxblood, navy, olive, white.
-COLORS: Final[tuple[tx.Color, ...]] = (
-    (0.30, 0.155, 0.07), (0.28, 0.105, 0.04), (0.13, 0.065, 0.035), (0.06, 0.035, 0.025),
-    (0.032, 0.031, 0.03), (0.56, 0.49, 0.39), (0.19, 0.185, 0.18), (0.095, 0.022, 0.02),
-    (0.03, 0.04, 0.075), (0.11, 0.105, 0.05), (0.68, 0.66, 0.62),
-)  # fmt: skip
-_BUFFED: Final[tuple[tx.Color, ...]] = (
-    (0.33, 0.21, 0.115), (0.21, 0.12, 0.065), (0.10, 0.065, 0.045), (0.23, 0.22, 0.21),
-    (0.05, 0.05, 0.05), (0.08, 0.10, 0.16), (0.42, 0.34, 0.25), (0.24, 0.075, 0.06),
-)  # fmt: skip
-_GLAZED: Final[tuple[tx.Color, ...]] = (
-    (0.025, 0.025, 0.025), (0.33, 0.02, 0.025), (0.70, 0.69, 0.66), (0.48, 0.30, 0.22),
-    (0.06, 0.02, 0.03), (0.02, 0.03, 0.09),
-)  # fmt: skip
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+COLORS: Final[tuple[tx.Color, ...]] = _PALETTES["hide_colors"]
+_BUFFED: Final[tuple[tx.Color, ...]] = _PALETTES["hide_buffed"]
+_GLAZED: Final[tuple[tx.Color, ...]] = _PALETTES["hide_glazed"]
 
 
 def leather(

@@ -19,14 +19,13 @@ from openrooms_usd.library.textures.metal.metals import (
     bare,
     drawn_metal,
 )
+from openrooms_usd.tables import read_table
+
+_PALETTES: Final = read_table(__file__, "palettes.toml")
 
 RUST: Final[tuple[tx.Color, ...]] = ((0.24, 0.085, 0.032), (0.16, 0.055, 0.028), (0.30, 0.13, 0.05))
 OLD_RUST: Final[tuple[tx.Color, ...]] = ((0.065, 0.034, 0.026), (0.09, 0.042, 0.028))
-VERDIGRIS: Final[tuple[tx.Color, ...]] = (
-    (0.21, 0.38, 0.32),
-    (0.27, 0.43, 0.36),
-    (0.17, 0.32, 0.29),
-)
+VERDIGRIS: Final[tuple[tx.Color, ...]] = _PALETTES["corroded_verdigris"]
 TARNISH: Final[tuple[tx.Color, ...]] = ((0.085, 0.05, 0.036), (0.06, 0.04, 0.032))
 
 

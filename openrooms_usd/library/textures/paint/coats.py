@@ -7,40 +7,13 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Interior colours, scene-linear Rec.709: whites, greys, sand, sage, mist, blush, ochre.
-WALLS: Final[tuple[tx.Color, ...]] = (
-    (0.80, 0.79, 0.76),
-    (0.76, 0.74, 0.69),
-    (0.72, 0.72, 0.71),
-    (0.60, 0.60, 0.59),
-    (0.70, 0.64, 0.54),
-    (0.59, 0.63, 0.54),
-    (0.58, 0.65, 0.69),
-    (0.72, 0.61, 0.56),
-    (0.71, 0.62, 0.43),
-)
-# Colours of joinery: whites, greys, near black, deep green, blue, oxblood.
-JOINERY: Final[tuple[tx.Color, ...]] = (
-    (0.79, 0.785, 0.77),
-    (0.76, 0.75, 0.72),
-    (0.42, 0.41, 0.39),
-    (0.17, 0.175, 0.18),
-    (0.055, 0.058, 0.06),
-    (0.09, 0.14, 0.11),
-    (0.10, 0.16, 0.24),
-    (0.22, 0.06, 0.05),
-)
-# Powder coats as they are named by RAL: 9016, 9006 as a plain grey, 7016, 9005, 6005, 3003, 5010.
-METALWORK: Final[tuple[tx.Color, ...]] = (
-    (0.85, 0.86, 0.84),
-    (0.37, 0.37, 0.36),
-    (0.040, 0.050, 0.056),
-    (0.022, 0.022, 0.023),
-    (0.022, 0.056, 0.036),
-    (0.24, 0.022, 0.030),
-    (0.022, 0.085, 0.24),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+WALLS: Final[tuple[tx.Color, ...]] = _PALETTES["coats_walls"]
+JOINERY: Final[tuple[tx.Color, ...]] = _PALETTES["coats_joinery"]
+METALWORK: Final[tuple[tx.Color, ...]] = _PALETTES["coats_metalwork"]
 
 
 @dataclass(frozen=True)

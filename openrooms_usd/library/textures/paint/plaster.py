@@ -5,16 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Lime and earth colours, scene-linear Rec.709.
-EARTHS: Final[tuple[tx.Color, ...]] = (
-    (0.74, 0.71, 0.65),
-    (0.62, 0.57, 0.49),
-    (0.55, 0.43, 0.31),
-    (0.50, 0.52, 0.46),
-    (0.40, 0.45, 0.48),
-    (0.55, 0.36, 0.27),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+EARTHS: Final[tuple[tx.Color, ...]] = _PALETTES["plaster_earths"]
 WHITES: Final[tuple[tx.Color, ...]] = ((0.80, 0.79, 0.77), (0.76, 0.75, 0.72), (0.70, 0.69, 0.66))
 
 

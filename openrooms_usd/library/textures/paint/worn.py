@@ -5,15 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Milk and chalk paints, scene-linear Rec.709.
-MILK: Final[tuple[tx.Color, ...]] = (
-    (0.70, 0.68, 0.60),
-    (0.42, 0.50, 0.47),
-    (0.30, 0.38, 0.42),
-    (0.52, 0.40, 0.30),
-    (0.33, 0.12, 0.09),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+MILK: Final[tuple[tx.Color, ...]] = _PALETTES["worn_milk"]
 _WOOD: Final = np.array((0.25, 0.155, 0.085))
 _PLASTER: Final = np.array((0.56, 0.52, 0.46))
 

@@ -6,24 +6,12 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Housings: whites, greys, black, and the colours of toys and kitchenware. Scene-linear Rec.709.
-COLORS: Final[tuple[tx.Color, ...]] = (
-    (0.76, 0.76, 0.75),
-    (0.68, 0.65, 0.58),
-    (0.36, 0.365, 0.37),
-    (0.10, 0.103, 0.107),
-    (0.030, 0.030, 0.032),
-    (0.45, 0.045, 0.035),
-    (0.055, 0.16, 0.36),
-    (0.65, 0.42, 0.06),
-    (0.10, 0.26, 0.13),
-)
-DARK: Final[tuple[tx.Color, ...]] = (
-    (0.030, 0.030, 0.032),
-    (0.055, 0.056, 0.058),
-    (0.11, 0.11, 0.11),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+COLORS: Final[tuple[tx.Color, ...]] = _PALETTES["parts_colors"]
+DARK: Final[tuple[tx.Color, ...]] = _PALETTES["parts_dark"]
 
 
 def _plain(order: tx.Order, colors: tuple[tx.Color, ...] = COLORS) -> tx.Field:

@@ -9,16 +9,11 @@ from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.wood.boards import planks, staves
 from openrooms_usd.library.textures.wood.species import ASH, OAK
 from openrooms_usd.library.textures.wood.timber import face
+from openrooms_usd.tables import read_table
 
-# Floors of linoleum and vinyl: sand, grey, rust, green, blue, charcoal. Scene-linear Rec.709.
-FLOORS: Final[tuple[tx.Color, ...]] = (
-    (0.46, 0.40, 0.31),
-    (0.38, 0.38, 0.36),
-    (0.32, 0.15, 0.09),
-    (0.22, 0.28, 0.20),
-    (0.17, 0.23, 0.30),
-    (0.11, 0.11, 0.11),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+FLOORS: Final[tuple[tx.Color, ...]] = _PALETTES["sheets_floors"]
 
 
 def _wood_laminate(order: tx.Order) -> tx.Maps:

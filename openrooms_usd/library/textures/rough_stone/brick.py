@@ -9,31 +9,19 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
+
+_PALETTES: Final = read_table(__file__, "palettes.toml")
 
 # Length and height of a brick with its joint, and the joint: metres.
 STANDARD: Final = (0.225, 0.075)
 LONG: Final = (0.300, 0.062)
 JOINT: Final = 0.010
 
-CLAY: Final[tuple[tx.Color, ...]] = (
-    (0.33, 0.125, 0.075),
-    (0.27, 0.095, 0.065),
-    (0.40, 0.20, 0.115),
-    (0.44, 0.30, 0.17),
-    (0.22, 0.10, 0.08),
-)
-GREY_CLAY: Final[tuple[tx.Color, ...]] = (
-    (0.16, 0.14, 0.13),
-    (0.36, 0.31, 0.25),
-    (0.27, 0.14, 0.10),
-    (0.50, 0.43, 0.34),
-)
+CLAY: Final[tuple[tx.Color, ...]] = _PALETTES["brick_clay"]
+GREY_CLAY: Final[tuple[tx.Color, ...]] = _PALETTES["brick_grey_clay"]
 MORTAR: Final[tuple[tx.Color, ...]] = ((0.42, 0.39, 0.35), (0.33, 0.31, 0.29), (0.50, 0.46, 0.39))
-WHITEWASH: Final[tuple[tx.Color, ...]] = (
-    (0.76, 0.74, 0.70),
-    (0.70, 0.69, 0.67),
-    (0.78, 0.74, 0.66),
-)
+WHITEWASH: Final[tuple[tx.Color, ...]] = _PALETTES["brick_whitewash"]
 
 
 def running_bond_brick(order: tx.Order) -> tx.Maps:

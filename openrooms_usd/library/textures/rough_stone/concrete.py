@@ -9,31 +9,14 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-CEMENT: Final[tuple[tx.Color, ...]] = (
-    (0.36, 0.355, 0.34),
-    (0.29, 0.285, 0.28),
-    (0.43, 0.42, 0.40),
-    (0.38, 0.36, 0.32),
-)
-PEBBLES: Final[tuple[tx.Color, ...]] = (
-    (0.40, 0.35, 0.28),
-    (0.22, 0.21, 0.21),
-    (0.52, 0.48, 0.42),
-    (0.34, 0.24, 0.17),
-)
-RENDER: Final[tuple[tx.Color, ...]] = (
-    (0.68, 0.65, 0.58),
-    (0.58, 0.50, 0.38),
-    (0.74, 0.73, 0.70),
-    (0.55, 0.42, 0.30),
-)
-PLASTER: Final[tuple[tx.Color, ...]] = (
-    (0.72, 0.68, 0.61),
-    (0.62, 0.56, 0.48),
-    (0.50, 0.43, 0.36),
-    (0.56, 0.56, 0.54),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+CEMENT: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_cement"]
+PEBBLES: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_pebbles"]
+RENDER: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_render"]
+PLASTER: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_plaster"]
 
 
 def cast_concrete(order: tx.Order) -> tx.Maps:

@@ -9,40 +9,17 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-FIELDSTONE: Final[tuple[tx.Color, ...]] = (
-    (0.30, 0.27, 0.23),
-    (0.24, 0.23, 0.22),
-    (0.36, 0.31, 0.24),
-    (0.33, 0.26, 0.20),
-)
-SANDSTONE: Final[tuple[tx.Color, ...]] = (
-    (0.46, 0.36, 0.24),
-    (0.42, 0.29, 0.19),
-    (0.50, 0.44, 0.34),
-)
-LIMESTONE: Final[tuple[tx.Color, ...]] = (
-    (0.48, 0.43, 0.35),
-    (0.40, 0.38, 0.35),
-    (0.52, 0.46, 0.36),
-)
-LEDGER: Final[tuple[tx.Color, ...]] = (
-    (0.24, 0.235, 0.23),
-    (0.38, 0.33, 0.27),
-    (0.46, 0.41, 0.34),
-    (0.18, 0.18, 0.185),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+FIELDSTONE: Final[tuple[tx.Color, ...]] = _PALETTES["masonry_fieldstone"]
+SANDSTONE: Final[tuple[tx.Color, ...]] = _PALETTES["masonry_sandstone"]
+LIMESTONE: Final[tuple[tx.Color, ...]] = _PALETTES["masonry_limestone"]
+LEDGER: Final[tuple[tx.Color, ...]] = _PALETTES["masonry_ledger"]
 SETT: Final[tuple[tx.Color, ...]] = ((0.24, 0.235, 0.23), (0.30, 0.28, 0.26), (0.19, 0.185, 0.19))
-TERRACOTTA: Final[tuple[tx.Color, ...]] = (
-    (0.42, 0.19, 0.10),
-    (0.46, 0.25, 0.145),
-    (0.36, 0.15, 0.085),
-)
-QUARRY: Final[tuple[tx.Color, ...]] = (
-    (0.30, 0.105, 0.065),
-    (0.22, 0.085, 0.065),
-    (0.42, 0.29, 0.19),
-)
+TERRACOTTA: Final[tuple[tx.Color, ...]] = _PALETTES["masonry_terracotta"]
+QUARRY: Final[tuple[tx.Color, ...]] = _PALETTES["masonry_quarry"]
 BED: Final[tuple[tx.Color, ...]] = ((0.38, 0.36, 0.33), (0.46, 0.42, 0.36), (0.30, 0.29, 0.28))
 
 

@@ -9,33 +9,15 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-SLATE: Final[tuple[tx.Color, ...]] = (
-    (0.085, 0.09, 0.10),
-    (0.12, 0.125, 0.12),
-    (0.10, 0.115, 0.10),
-    (0.13, 0.105, 0.11),
-)
-TRAVERTINE: Final[tuple[tx.Color, ...]] = (
-    (0.56, 0.47, 0.35),
-    (0.62, 0.55, 0.45),
-    (0.50, 0.38, 0.26),
-)
-SANDSTONE: Final[tuple[tx.Color, ...]] = (
-    (0.48, 0.36, 0.23),
-    (0.42, 0.27, 0.17),
-    (0.52, 0.44, 0.33),
-)
-BASALT: Final[tuple[tx.Color, ...]] = (
-    (0.10, 0.10, 0.105),
-    (0.14, 0.135, 0.13),
-    (0.08, 0.08, 0.085),
-)
-LIMESTONE: Final[tuple[tx.Color, ...]] = (
-    (0.52, 0.47, 0.38),
-    (0.46, 0.43, 0.38),
-    (0.56, 0.52, 0.45),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+SLATE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_slate"]
+TRAVERTINE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_travertine"]
+SANDSTONE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_sandstone"]
+BASALT: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_basalt"]
+LIMESTONE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_limestone"]
 GROUT: Final[tuple[tx.Color, ...]] = ((0.28, 0.27, 0.26), (0.20, 0.195, 0.19))
 
 

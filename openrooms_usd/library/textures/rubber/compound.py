@@ -7,30 +7,15 @@ import numpy as np
 from openrooms_usd.library.textures.base import lattice
 from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.leather.hide import bent
+from openrooms_usd.tables import read_table
 
-# Carbon black, whatever else is in it.
-BLACKS: Final[tuple[tx.Color, ...]] = (
-    (0.03, 0.03, 0.03),
-    (0.038, 0.038, 0.039),
-    (0.048, 0.047, 0.046),
-)
-# Carbon black, greys, and the dull colours that floors and mats are pigmented with.
-COLORS: Final[tuple[tx.Color, ...]] = (
-    (0.032, 0.032, 0.032), (0.045, 0.045, 0.047), (0.075, 0.077, 0.08), (0.15, 0.15, 0.15),
-    (0.06, 0.09, 0.13), (0.17, 0.06, 0.045), (0.08, 0.11, 0.08), (0.24, 0.21, 0.17),
-)  # fmt: skip
-_BRIGHT: Final[tuple[tx.Color, ...]] = (
-    (0.09, 0.22, 0.42), (0.42, 0.07, 0.06), (0.12, 0.32, 0.14), (0.55, 0.40, 0.07),
-    (0.20, 0.20, 0.21), (0.06, 0.06, 0.062), (0.45, 0.22, 0.40),
-)  # fmt: skip
-_SPONGES: Final[tuple[tx.Color, ...]] = (
-    (0.60, 0.44, 0.10), (0.52, 0.38, 0.20), (0.24, 0.42, 0.52), (0.58, 0.30, 0.32),
-    (0.38, 0.30, 0.17), (0.35, 0.45, 0.18),
-)  # fmt: skip
-_LATEX: Final[tuple[tx.Color, ...]] = (
-    (0.55, 0.44, 0.26), (0.50, 0.33, 0.16), (0.03, 0.03, 0.03), (0.45, 0.06, 0.06),
-    (0.62, 0.60, 0.55), (0.12, 0.30, 0.42),
-)  # fmt: skip
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+BLACKS: Final[tuple[tx.Color, ...]] = _PALETTES["compound_blacks"]
+COLORS: Final[tuple[tx.Color, ...]] = _PALETTES["compound_colors"]
+_BRIGHT: Final[tuple[tx.Color, ...]] = _PALETTES["compound_bright"]
+_SPONGES: Final[tuple[tx.Color, ...]] = _PALETTES["compound_sponges"]
+_LATEX: Final[tuple[tx.Color, ...]] = _PALETTES["compound_latex"]
 # What flecks are of: coloured granules of EPDM among black ones of tyres.
 _FLECKS: Final[tuple[tuple[tx.Color, ...], ...]] = (
     ((0.40, 0.41, 0.41),),

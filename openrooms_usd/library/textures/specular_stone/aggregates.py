@@ -9,32 +9,15 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-FELDSPAR: Final[tuple[tx.Color, ...]] = (
-    (0.42, 0.40, 0.38),
-    (0.42, 0.26, 0.20),
-    (0.36, 0.33, 0.27),
-    (0.48, 0.44, 0.38),
-)
-CHIPS: Final[tuple[tx.Color, ...]] = (
-    (0.66, 0.63, 0.58),
-    (0.30, 0.29, 0.28),
-    (0.48, 0.32, 0.22),
-    (0.20, 0.20, 0.20),
-    (0.40, 0.42, 0.40),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+FELDSPAR: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_feldspar"]
+CHIPS: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_chips"]
 BINDER: Final[tuple[tx.Color, ...]] = ((0.62, 0.60, 0.56), (0.46, 0.45, 0.44), (0.54, 0.47, 0.40))
-CEMENT: Final[tuple[tx.Color, ...]] = (
-    (0.33, 0.325, 0.31),
-    (0.26, 0.255, 0.25),
-    (0.40, 0.385, 0.36),
-)
-QUARTZ: Final[tuple[tx.Color, ...]] = (
-    (0.72, 0.71, 0.69),
-    (0.34, 0.33, 0.32),
-    (0.54, 0.49, 0.43),
-    (0.12, 0.12, 0.125),
-)
+CEMENT: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_cement"]
+QUARTZ: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_quartz"]
 
 
 def granite(order: tx.Order) -> tx.Maps:

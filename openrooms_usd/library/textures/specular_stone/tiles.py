@@ -9,34 +9,14 @@ import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.specular_stone.veins import marble_veins
+from openrooms_usd.tables import read_table
 
-PORCELAIN: Final[tuple[tx.Color, ...]] = (
-    (0.44, 0.42, 0.39),
-    (0.30, 0.29, 0.28),
-    (0.58, 0.55, 0.50),
-    (0.40, 0.34, 0.27),
-)
-GLAZE: Final[tuple[tx.Color, ...]] = (
-    (0.76, 0.75, 0.72),
-    (0.70, 0.71, 0.70),
-    (0.12, 0.20, 0.17),
-    (0.10, 0.17, 0.28),
-    (0.52, 0.60, 0.56),
-    (0.05, 0.05, 0.055),
-)
-MOSAIC: Final[tuple[tx.Color, ...]] = (
-    (0.74, 0.73, 0.71),
-    (0.30, 0.32, 0.33),
-    (0.08, 0.085, 0.09),
-    (0.38, 0.48, 0.50),
-)
-ZELLIGE: Final[tuple[tx.Color, ...]] = (
-    (0.66, 0.62, 0.54),
-    (0.12, 0.30, 0.26),
-    (0.08, 0.16, 0.30),
-    (0.50, 0.28, 0.12),
-    (0.40, 0.52, 0.46),
-)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+PORCELAIN: Final[tuple[tx.Color, ...]] = _PALETTES["tiles_porcelain"]
+GLAZE: Final[tuple[tx.Color, ...]] = _PALETTES["tiles_glaze"]
+MOSAIC: Final[tuple[tx.Color, ...]] = _PALETTES["tiles_mosaic"]
+ZELLIGE: Final[tuple[tx.Color, ...]] = _PALETTES["tiles_zellige"]
 GROUT: Final[tuple[tx.Color, ...]] = ((0.52, 0.51, 0.49), (0.36, 0.355, 0.35), (0.60, 0.59, 0.57))
 DARK_GROUT: Final[tuple[tx.Color, ...]] = ((0.17, 0.165, 0.16), (0.22, 0.21, 0.20))
 DARK_STONE: Final = (0.045, 0.045, 0.048)

@@ -8,28 +8,16 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
+
+_PALETTES: Final = read_table(__file__, "palettes.toml")
 
 WHITE: Final[tuple[tx.Color, ...]] = ((0.74, 0.73, 0.71), (0.68, 0.68, 0.68), (0.76, 0.73, 0.68))
 VEIN: Final[tuple[tx.Color, ...]] = ((0.26, 0.27, 0.29), (0.34, 0.33, 0.32), (0.30, 0.25, 0.19))
-BRECCIA: Final[tuple[tx.Color, ...]] = (
-    (0.46, 0.33, 0.23),
-    (0.30, 0.13, 0.09),
-    (0.40, 0.38, 0.36),
-    (0.20, 0.24, 0.20),
-)
+BRECCIA: Final[tuple[tx.Color, ...]] = _PALETTES["veins_breccia"]
 CALCITE: Final[tuple[tx.Color, ...]] = ((0.68, 0.64, 0.58), (0.60, 0.52, 0.42), (0.70, 0.70, 0.69))
-ONYX: Final[tuple[tx.Color, ...]] = (
-    (0.62, 0.44, 0.22),
-    (0.46, 0.52, 0.34),
-    (0.68, 0.57, 0.42),
-    (0.58, 0.32, 0.17),
-)
-AGATE: Final[tuple[tx.Color, ...]] = (
-    (0.26, 0.30, 0.36),
-    (0.42, 0.19, 0.09),
-    (0.36, 0.34, 0.33),
-    (0.20, 0.30, 0.29),
-)
+ONYX: Final[tuple[tx.Color, ...]] = _PALETTES["veins_onyx"]
+AGATE: Final[tuple[tx.Color, ...]] = _PALETTES["veins_agate"]
 # What polishing leaves: harder veins stand out by some micrometres.
 _POLISH: Final = 4e-6
 
