@@ -14,7 +14,7 @@ from openrooms_usd.library.textures.base.maps import Maps, encoded
 from openrooms_usd.library.textures.base.recipe import covered, displaced, fractal, whole
 from openrooms_usd.library.textures.base.strewn import chips, lines, pits
 from openrooms_usd.library.textures.metal.metals import ALUMINIUM, COPPER, IRON, SILVER
-from openrooms_usd.library.textures.rough_stone.brick import JOINT, STANDARD, english_bond
+from openrooms_usd.library.textures.rough_stone.masonry import JOINT, STANDARD, english_bond
 
 Field = NDArray[np.float64]
 

@@ -13,6 +13,118 @@ from openrooms_usd.tables import read_table
 
 _PALETTES: Final = read_table(__file__, "palettes.toml")
 
+CEMENT: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_cement"]
+PEBBLES: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_pebbles"]
+RENDER: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_render"]
+PLASTER: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_plaster"]
+
+
+def cast_concrete(order: tx.Order) -> tx.Maps:
+    """Concrete from smooth formwork: clouds of cement, blowholes of 1 to 8 mm."""
+    color, matt = tx.drawn_color(order, CEMENT), tx.drawn_roughness(order, 0.7, 0.85)
+    cloud, fine = tx.fractal(order, 0.45, 0.45), tx.fractal(order, 0.02, 0.1)
+    holes = tx.pits(order, order.rng.uniform(0.006, 0.014), (0.0007, 0.0045))
+    hole = tx.covered(order, holes.inside)
+    # Blowholes come in swarms, where the vibrator did not reach.
+    hole = hole * tx.smoothstep(
+        -0.4, 0.0, tx.noise(order, 0.3) + order.rng.uniform(-1.0, 1.0, holes.count)[holes.index]
+    )
+    shade = np.maximum(1.0 + 0.075 * cloud + 0.03 * fine, 0.4) * (1.0 - 0.5 * hole)
+    height = 0.0003 * tx.noise(order, 0.35) + 12e-6 * fine - 0.0016 * hole
+    return tx.finished(order, shade[..., None] * color, height, matt + 0.03 * cloud + 0.1 * hole)
+
+
+def board_formed_concrete(order: tx.Order) -> tx.Maps:
+    """Concrete that shows the sawn boards of its formwork, 0.1 to 0.15 m wide, grain along s."""
+    color, matt = tx.drawn_color(order, CEMENT), tx.drawn_roughness(order, 0.78, 0.9)
+    boards = _boards(order)
+    grain = tx.dealt(order, _turned(_sawn(order)), boards.index, boards.count)
+    edge = np.minimum(boards.bed, boards.side) + 0.0004 * tx.noise(order, 0.012)
+    fin = 1.0 - tx.smoothstep(0.0, 0.0035, edge)
+    broken = tx.smoothstep(-0.9, 0.6, tx.noise(order, 0.06))
+    level = 0.0012 * order.rng.uniform(-1.0, 1.0, boards.count)[boards.index]
+    cloud, fine = tx.fractal(order, 0.4, 0.35), tx.fractal(order, 0.01, 0.1)
+    hole = tx.covered(order, tx.pits(order, 0.004, (0.0007, 0.004)).inside)
+    tone = (1.0 + 0.07 * order.rng.uniform(-1.0, 1.0, boards.count))[boards.index]
+    shade = tone * np.maximum(1.0 + 0.05 * cloud + 0.03 * fine + 0.045 * grain, 0.3)
+    shade = shade * (1.0 - 0.45 * hole) * (1.0 - 0.22 * fin)
+    height = level + 0.00028 * grain + 0.0022 * fin * broken + 15e-6 * fine - 0.0012 * hole
+    return tx.finished(order, shade[..., None] * color, height, matt - 0.02 * grain + 0.02 * cloud)
+
+
+def _boards(order: tx.Order) -> tx.Laid:
+    """Boards of 0.1 to 0.15 m and 1.5 to 2.5 m, running along s."""
+    rows = tx.whole(order.size, order.rng.uniform(0.10, 0.15))
+    heights = order.rng.uniform(0.85, 1.15, rows)
+    columns = tx.whole(order.size, 2.0)
+    lengths = [np.full(columns, order.size / columns)] * rows
+    starts = order.rng.uniform(0.0, order.size, rows)
+    return tx.laid(order, heights * (order.size / float(heights.sum())), lengths, starts)
+
+
+def _sawn(order: tx.Order) -> tx.Field:
+    """(N, N) the relief of a sawn face, rings brushed out by the saw; along t."""
+    rings = 7.0 * tx.noise(order, 0.09, 1.2) + 1.5 * tx.noise(order, 0.02, 0.25)
+    return np.asarray(np.cos(rings * 2.2) * 0.8 + 0.7 * tx.noise(order, 0.0025, 0.12))
+
+
+def _turned(field: tx.Field) -> tx.Field:
+    return np.ascontiguousarray(field.T)
+
+
+def exposed_aggregate(order: tx.Order) -> tx.Maps:
+    """Concrete washed before it set: pebbles of 6 to 14 mm stand out of the cement."""
+    cement, matt = tx.side_color(order, CEMENT), tx.drawn_roughness(order, 0.75, 0.88)
+    width = order.rng.uniform(0.009, 0.014)
+    warp = (0.07 * width * tx.noise(order, width / 2), 0.07 * width * tx.noise(order, width / 2))
+    stones = tx.scattered_cells(order, width, 1.0, warp)
+    margin = width * order.rng.uniform(0.04, 0.2, stones.count)[stones.index]
+    inside = stones.edge - margin
+    on = tx.covered(order, inside)
+    base, palette = tx.drawn_color(order, PEBBLES), np.array(PEBBLES)
+    others = palette[order.rng.integers(len(palette), size=stones.count)]
+    hues = base * (others / palette.mean(axis=0)) ** 0.8
+    fine = tx.fractal(order, 0.004, 0.15)
+    pebbles = hues[stones.index] * np.maximum(1.0 + 0.06 * fine, 0.3)[..., None]
+    dome = np.sqrt(np.clip(inside / (0.3 * width), 0.0, 1.0))
+    sunk = order.rng.uniform(0.6, 1.0, stones.count)[stones.index]
+    mortar = cement * np.maximum((1.0 + 0.07 * fine) * (0.75 + 0.25 * (1.0 - on)), 0.1)[..., None]
+    height = on * dome * sunk * 0.28 * width + (1.0 - on) * 0.00012 * fine
+    rough = matt + 0.08 * (1.0 - on) - 0.06 * on * (sunk - 0.8)
+    return tx.finished(order, tx.mixed(on, pebbles, 0.85 * mortar), height, rough)
+
+
+def stucco(order: tx.Order) -> tx.Maps:
+    """Render thrown on with a machine and pressed flat on top: islands with crevices between."""
+    color, matt = tx.drawn_color(order, RENDER, 0.05), tx.drawn_roughness(order, 0.85, 0.95)
+    coarse = order.rng.uniform(0.012, 0.022)
+    splash = tx.band_noise(order.rng, order.resolution, order.size, coarse)
+    splash = splash + 1.3 * tx.fractal(order, 0.03, 0.25) + 0.5 * tx.noise(order, 0.12)
+    sand = tx.fractal(order, 0.003, 0.1)
+    flat = tx.smoothstep(-0.9, 0.6, splash)
+    height = 0.0021 * flat + 0.0001 * splash + 60e-6 * sand
+    shade = (0.84 + 0.16 * flat) * np.maximum(1.0 + 0.02 * sand + 0.015 * tx.noise(order, 0.4), 0.5)
+    return tx.finished(order, shade[..., None] * color, height, matt + 0.02 * sand - 0.05 * flat)
+
+
+def trowelled_plaster(order: tx.Order) -> tx.Maps:
+    """Lime or clay plaster in overlapping strokes of a trowel, each leaving a faint ridge."""
+    color, matt = tx.drawn_color(order, PLASTER, 0.05), tx.drawn_roughness(order, 0.6, 0.8)
+    height, tone = np.zeros((order.resolution,) * 2), np.zeros((order.resolution,) * 2)
+    for width in (0.22, 0.15):
+        warp = (0.06 * width * tx.noise(order, width), 0.06 * width * tx.noise(order, width))
+        strokes = tx.scattered_cells(order, width, 1.0, warp)
+        angle = order.rng.uniform(0.0, np.pi, strokes.count)[strokes.index]
+        run = np.cos(angle) * strokes.across + np.sin(angle) * strokes.up
+        ridge = np.exp(-((strokes.edge / 0.0025) ** 2))
+        height = height + 0.0035 * run * 0.5 + 0.00022 * ridge
+        tone = tone + order.rng.uniform(-1.0, 1.0, strokes.count)[strokes.index]
+    cloud, fine = tx.fractal(order, 0.25, 0.4), tx.fractal(order, 0.004, 0.2)
+    height = height + 0.0003 * cloud + 15e-6 * fine
+    shade = np.maximum(1.0 + 0.018 * tone + 0.035 * cloud + 0.012 * fine, 0.4)
+    return tx.finished(order, shade[..., None] * color, height, matt - 0.02 * tone + 0.02 * fine)
+
+
 SLATE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_slate"]
 TRAVERTINE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_travertine"]
 SANDSTONE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_sandstone"]
@@ -133,6 +245,11 @@ def _seams(order: tx.Order) -> tx.Field:
 
 
 FAMILIES: Final[dict[str, tx.Family]] = {
+    "cast_concrete": tx.Family(cast_concrete, 1.5, frozenset({"wall", "ceiling", "floor"})),
+    "board_formed_concrete": tx.Family(board_formed_concrete, 2.0, frozenset({"wall", "ceiling"})),
+    "exposed_aggregate": tx.Family(exposed_aggregate, 0.6, frozenset({"floor", "wall"})),
+    "stucco": tx.Family(stucco, 0.8, frozenset({"wall", "ceiling"})),
+    "trowelled_plaster": tx.Family(trowelled_plaster, 1.5, frozenset({"wall", "ceiling"})),
     "slate": tx.Family(slate, 1.2, frozenset({"floor", "wall"})),
     "travertine": tx.Family(travertine, 1.0, frozenset({"floor", "wall"})),
     "sandstone": tx.Family(sandstone, 1.0, frozenset({"floor", "wall"})),

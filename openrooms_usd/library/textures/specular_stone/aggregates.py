@@ -13,6 +13,127 @@ from openrooms_usd.tables import read_table
 
 _PALETTES: Final = read_table(__file__, "palettes.toml")
 
+WHITE: Final[tuple[tx.Color, ...]] = ((0.74, 0.73, 0.71), (0.68, 0.68, 0.68), (0.76, 0.73, 0.68))
+VEIN: Final[tuple[tx.Color, ...]] = ((0.26, 0.27, 0.29), (0.34, 0.33, 0.32), (0.30, 0.25, 0.19))
+BRECCIA: Final[tuple[tx.Color, ...]] = _PALETTES["veins_breccia"]
+CALCITE: Final[tuple[tx.Color, ...]] = ((0.68, 0.64, 0.58), (0.60, 0.52, 0.42), (0.70, 0.70, 0.69))
+ONYX: Final[tuple[tx.Color, ...]] = _PALETTES["veins_onyx"]
+AGATE: Final[tuple[tx.Color, ...]] = _PALETTES["veins_agate"]
+# What polishing leaves: harder veins stand out by some micrometres.
+_POLISH: Final = 4e-6
+
+
+def carrara_marble(order: tx.Order) -> tx.Maps:
+    """White marble with grey clouds and a slanting net of soft veins."""
+    base, vein = tx.drawn_color(order, WHITE, 0.04), tx.side_color(order, VEIN)
+    gloss = tx.drawn_roughness(order, 0.06, 0.16)
+    net = marble_veins(order)
+    cloud, fine = tx.fractal(order, 0.35, 0.4), tx.fractal(order, 0.003, 0.1)
+    grey = np.clip(0.06 + 0.06 * cloud + 0.75 * net, 0.0, 0.9)
+    albedo = tx.mixed(grey, vein * np.ones((1, 1, 3)), base * (1.0 + 0.012 * fine)[..., None])
+    return tx.finished(order, albedo, _POLISH * (net + 0.1 * fine), gloss + 0.02 * net)
+
+
+def marble_veins(order: tx.Order) -> tx.Field:
+    """(N, N) strength of veins, 0..1: few strong ones, more and finer beside them."""
+    drift_s, drift_t = tx.fractal(order, 0.35, 0.9), tx.fractal(order, 0.35, 0.9)
+    crumple = tx.fractal(order, 0.06, 0.5)
+    strong = tx.displaced(_sheets(order, 0.9), order, 0.035 * drift_s, 0.035 * drift_t)
+    weak = tx.displaced(_sheets(order, 0.4), order, 0.02 * drift_t, 0.02 * drift_s)
+    swell = np.clip(0.6 + 0.55 * tx.noise(order, 0.3), 0.05, 1.6)
+    rag = 1.0 + 0.35 * crumple
+    wide = np.exp(-np.abs(strong) / (0.15 * swell)) * np.clip(rag, 0.2, 1.8) * 0.5
+    core = np.exp(-((strong / (0.03 * swell)) ** 2)) * np.clip(swell, 0.2, 1.0) * 0.9
+    thin = np.exp(-np.abs(weak) / 0.035) * np.clip(0.45 + 0.5 * tx.noise(order, 0.2), 0.0, 1.0)
+    return np.clip(wide + core + 0.6 * thin, 0.0, 1.0)
+
+
+def _sheets(order: tx.Order, length: float) -> tx.Field:
+    """(N, N) a noise whose zero lines run aslant: two noises, long along t, sheared and summed."""
+    wave = tx.noise(order, length * 0.33, length)
+    lean = order.rng.choice([-1, 1])
+    rows = np.arange(order.resolution)
+    # Shearing by a whole turn over the height keeps the wrap-around.
+    shift = (lean * rows) % order.resolution
+    return np.asarray(wave[rows[:, None], (rows[None, :] + shift[:, None]) % order.resolution])
+
+
+def breccia_marble(order: tx.Order) -> tx.Maps:
+    """Angular fragments of 1 to 12 cm, healed by light calcite."""
+    base, calcite = tx.drawn_color(order, BRECCIA), tx.side_color(order, CALCITE, 0.05)
+    gloss = tx.drawn_roughness(order, 0.06, 0.16)
+    rag_s, rag_t = tx.fractal(order, 0.1, 0.55), tx.fractal(order, 0.1, 0.55)
+    large = tx.scattered_cells(order, 0.13, 1.0, (0.008 * rag_s, 0.008 * rag_t))
+    small = tx.scattered_cells(order, 0.035, 1.0, (0.0025 * rag_t, 0.0025 * rag_s))
+    # Some of the large pieces broke again.
+    crushed = (order.rng.random(large.count) < 0.45)[large.index]
+    index = np.where(crushed, large.count + small.index, large.index)
+    edge = np.where(crushed, np.minimum(large.edge, 1.6 * small.edge), large.edge)
+    open_ = np.clip(0.0022 + 0.0022 * tx.noise(order, 0.12), 0.0002, 0.02)
+    vein = 1.0 - tx.smoothstep(0.0, 1.0, (edge - 0.3 * open_) / open_)
+    tone = np.exp(0.38 * order.rng.uniform(-1.0, 1.0, large.count + small.count))[index]
+    cloud = tx.fractal(order, 0.06, 0.3)
+    palette = np.array(BRECCIA)
+    others = palette[order.rng.integers(len(palette), size=len(palette) * 64)]
+    hues = base * (others / palette.mean(axis=0)) ** 0.3
+    pieces = hues[index % len(hues)] * (tone * np.maximum(1.0 + 0.10 * cloud, 0.3))[..., None]
+    white = calcite * (1.0 + 0.03 * cloud)[..., None]
+    return tx.finished(order, tx.mixed(vein, white, pieces), _POLISH * vein, gloss + 0.03 * vein)
+
+
+def banded_onyx(order: tx.Order) -> tx.Maps:
+    """Bands laid down by a spring, flowing along s, some sharp and white, some deep."""
+    color, gloss = tx.drawn_color(order, ONYX), tx.drawn_roughness(order, 0.05, 0.12)
+    up = (np.arange(order.resolution)[:, None] + 0.5) / order.resolution
+    flow = 0.16 * tx.noise(order, 0.7, 0.45) + 0.05 * tx.noise(order, 0.15, 0.1)
+    flow = flow + 0.006 * tx.fractal(order, 0.03, 0.4)
+    depth = up * order.size + 0.35 * flow
+    band = _layers(order, depth, 0.55)
+    haze, fine = tx.fractal(order, 0.2, 0.5), tx.fractal(order, 0.006, 0.2)
+    tone = np.exp(0.30 * band + 0.06 * haze + 0.012 * fine)
+    pale = tx.smoothstep(0.8, 1.9, band)
+    hue = np.exp(np.multiply.outer(0.22 * band, (-0.25, -0.05, 0.55)))
+    milk = np.array([0.74, 0.71, 0.65])
+    albedo = tx.mixed(0.65 * pale, milk * np.ones((1, 1, 3)), color * hue * tone[..., None])
+    return tx.finished(order, albedo, _POLISH * 0.5 * band, gloss + 0.01 * pale)
+
+
+def agate(order: tx.Order) -> tx.Maps:
+    """Slices of nodules: rings that follow the wall of each hollow, crystals in its middle."""
+    color, gloss = tx.drawn_color(order, AGATE), tx.drawn_roughness(order, 0.04, 0.10)
+    width = order.rng.uniform(0.14, 0.20)
+    rag_s, rag_t = tx.fractal(order, width, 0.8), tx.fractal(order, width, 0.8)
+    hollow = tx.scattered_cells(order, width, 1.0, (0.06 * width * rag_s, 0.06 * width * rag_t))
+    scallop = 0.0008 * np.abs(tx.noise(order, 0.012)) + 0.003 * tx.noise(order, 0.04)
+    depth = hollow.edge + scallop
+    own = order.rng.uniform(0.0, order.size, hollow.count)[hollow.index]
+    band = _layers(order, (0.9 * depth + own) % order.size, 0.05)
+    middle = tx.smoothstep(0.30 * width, 0.33 * width, depth)
+    rind = 1.0 - tx.smoothstep(0.0005, 0.0022, hollow.edge)
+    crystal = np.abs(tx.noise(order, 0.006)) - 0.6
+    tint = np.exp(0.35 * order.rng.uniform(-1.0, 1.0, hollow.count))[hollow.index]
+    tone = np.exp(0.3 * band * (1.0 - middle) + 0.12 * crystal * middle) * tint
+    hue = np.exp(np.multiply.outer(0.2 * band * (1.0 - middle), (-0.4, 0.0, 0.3)))
+    quartz = np.array([0.55, 0.54, 0.55]) * (1.0 + 0.2 * crystal)[..., None]
+    body = tx.mixed(0.55 * middle, quartz, color * hue * tone[..., None])
+    albedo = tx.mixed(0.75 * rind, np.full((1, 1, 3), 0.10), body)
+    return tx.finished(order, albedo, _POLISH * band, gloss + 0.05 * rind)
+
+
+def _layers(order: tx.Order, depth: tx.Field, thickest: float) -> tx.Field:
+    """(N, N) lightness of layers by their depth in metres, deviation 1; periodic over the size."""
+    count = 2048
+    frequency = np.fft.rfftfreq(count, order.size / count)
+    draw = order.rng.random(count) - 0.5
+    falling = (1.0 + (frequency * thickest) ** 2) ** -0.45 * (frequency < 1.0 / 0.0012)
+    profile = np.fft.irfft(np.fft.rfft(draw) * falling, count)
+    profile = profile - profile.mean()
+    profile = profile / np.sqrt(np.mean(profile**2))
+    place = depth / order.size * count
+    wrapped = np.append(profile, profile[0])
+    return np.asarray(np.interp(place % count, np.arange(count + 1), wrapped))
+
+
 FELDSPAR: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_feldspar"]
 CHIPS: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_chips"]
 BINDER: Final[tuple[tx.Color, ...]] = ((0.62, 0.60, 0.56), (0.46, 0.45, 0.44), (0.54, 0.47, 0.40))
@@ -138,6 +259,10 @@ def hairlines(order: tx.Order, width: float, opening: float) -> tx.Field:
 
 
 FAMILIES: Final[dict[str, tx.Family]] = {
+    "carrara_marble": tx.Family(carrara_marble, 1.5, frozenset({"floor", "wall", "worktop"})),
+    "breccia_marble": tx.Family(breccia_marble, 1.0, frozenset({"floor", "wall", "worktop"})),
+    "banded_onyx": tx.Family(banded_onyx, 1.0, frozenset({"wall", "worktop", "object"})),
+    "agate": tx.Family(agate, 0.6, frozenset({"worktop", "object"})),
     "granite": tx.Family(granite, 0.6, frozenset({"floor", "wall", "worktop"})),
     "black_galaxy_granite": tx.Family(
         black_galaxy_granite, 0.5, frozenset({"floor", "wall", "worktop"})

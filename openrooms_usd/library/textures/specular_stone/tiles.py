@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
-from openrooms_usd.library.textures.specular_stone.veins import marble_veins
+from openrooms_usd.library.textures.specular_stone.aggregates import marble_veins
 from openrooms_usd.tables import read_table
 
 _PALETTES: Final = read_table(__file__, "palettes.toml")
