@@ -200,8 +200,11 @@ def quaternion(rotation: Array) -> Array:
     else:
         i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
         q[i], q[j], q[k], q[3] = (
-            squares[i], m[j, i] + m[i, j], m[k, i] + m[i, k], m[k, j] - m[j, k],
-        )  # fmt: skip
+            squares[i],
+            m[j, i] + m[i, j],
+            m[k, i] + m[i, k],
+            m[k, j] - m[j, k],
+        )
     q /= np.linalg.norm(q)
     # What is smaller is rounding; zeros are shorter.
     q[np.abs(q) < 1e-12] = 0.0

@@ -222,9 +222,13 @@ def _add_layers(draft: _Draft, preview: PreviewSurface) -> None:
 _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
     (lambda p: p.transmission > 0.0, "light that it lets through diffusely is left out"),
     (lambda p: isinstance(p.clearcoat, Texture), "a textured clearcoat is left out"),
-    (lambda p: isinstance(p.clearcoat_roughness, Texture),
-     "a textured clearcoatRoughness is taken as 0.01"),
+    (
+        lambda p: isinstance(p.clearcoat_roughness, Texture),
+        "a textured clearcoatRoughness is taken as 0.01",
+    ),
     (lambda p: isinstance(p.specular, Texture), "a textured specular colour is left out"),
-    (lambda p: not isinstance(p.normal, Texture) and p.normal != (0.0, 0.0, 1.0),
-     "a constant normal is left out"),
-)  # fmt: skip
+    (
+        lambda p: not isinstance(p.normal, Texture) and p.normal != (0.0, 0.0, 1.0),
+        "a constant normal is left out",
+    ),
+)

@@ -209,9 +209,14 @@ class _Translation:
         shown = look.key, mesh.double_sided, radiance
         if shown not in self._materials:
             self._materials[shown] = made = add_material(
-                self.document, self._pictures, look.preview, name=look.name,
-                double_sided=mesh.double_sided, radiance=radiance, brighter=self._factor,
-            )  # fmt: skip
+                self.document,
+                self._pictures,
+                look.preview,
+                name=look.name,
+                double_sided=mesh.double_sided,
+                radiance=radiance,
+                brighter=self._factor,
+            )
             self._tell(look, made.losses)
         return self._materials[shown]
 

@@ -82,9 +82,13 @@ def cad_files(folder: Path, suffixes: Collection[str]) -> tuple[CadFile, ...]:
 def _described(folder: Path, path: Path, name: str, entry: Mapping[str, Any]) -> CadFile:
     parent = path.parent.name if path.parent != folder else ""
     return CadFile(
-        name, path, str(entry.get("category", parent)),
-        _chosen(_SYMMETRIES, entry, "symmetry", folder), _chosen(_AXES, entry, "up", folder), entry,
-    )  # fmt: skip
+        name,
+        path,
+        str(entry.get("category", parent)),
+        _chosen(_SYMMETRIES, entry, "symmetry", folder),
+        _chosen(_AXES, entry, "up", folder),
+        entry,
+    )
 
 
 def _named(folder: Path, suffixes: Collection[str]) -> dict[str, Path]:

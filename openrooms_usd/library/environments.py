@@ -19,32 +19,13 @@ from numpy.typing import NDArray
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sunlight import RGB_FROM_XYZ
+from openrooms_usd.tables import read_table
 
 Array = NDArray[np.float64]
 
-# Preetham, Shirley, Smits: A Practical Analytic Model for Daylight (SIGGRAPH 1999), appendix A.2:
-# Perez coefficients A..E of Y, x and y, each linear in the turbidity (slope, offset).
-_PEREZ: Final = np.array(
-    [
-        [(0.1787, -1.4630), (-0.3554, 0.4275), (-0.0227, 5.3251), (0.1206, -2.5771),
-         (-0.0670, 0.3703)],
-        [(-0.0193, -0.2592), (-0.0665, 0.0008), (-0.0004, 0.2125), (-0.0641, -0.8989),
-         (-0.0033, 0.0452)],
-        [(-0.0167, -0.2608), (-0.0950, 0.0092), (-0.0079, 0.2102), (-0.0441, -1.6537),
-         (-0.0109, 0.0529)],
-    ]
-)  # fmt: skip
-# Zenith chromaticity x and y: (T^2, T, 1) times matrix times (s^3, s^2, s, 1), s the sun's angle.
-_ZENITH: Final = np.array(
-    [
-        [[0.00166, -0.00375, 0.00209, 0.0],
-         [-0.02903, 0.06377, -0.03202, 0.00394],
-         [0.11693, -0.21196, 0.06052, 0.25886]],
-        [[0.00275, -0.00610, 0.00317, 0.0],
-         [-0.04214, 0.08970, -0.04153, 0.00516],
-         [0.15346, -0.26756, 0.06670, 0.26688]],
-    ]
-)  # fmt: skip
+_TABLES: Final = read_table(__file__, "preetham.toml")
+_PEREZ: Final = np.array(_TABLES["perez"])
+_ZENITH: Final = np.array(_TABLES["zenith"])
 
 # Scene-linear base colours of what stands and lies outside, and of sunlight.
 _LAWN: Final = np.array([0.092, 0.112, 0.055])

@@ -27,8 +27,10 @@ Array = NDArray[np.float64]
 
 _MAX_COORDINATE_M: Final = 1e4
 _MOVING: Final[Mapping[str, Literal["hinge", "rail"]]] = {
-    "revolute": "hinge", "continuous": "hinge", "prismatic": "rail",
-}  # fmt: skip
+    "revolute": "hinge",
+    "continuous": "hinge",
+    "prismatic": "rail",
+}
 # A hinge without limits turns all round.
 _ROUND_DEG: Final = (-180.0, 180.0)
 

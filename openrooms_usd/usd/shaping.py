@@ -117,8 +117,13 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
         return None, (*losses, *lost)
     normalize = profile is not None and bool(_value(api.GetShapingIesNormalizeAttr(), False))
     scale = number_of(_value(api.GetShapingIesAngleScaleAttr(), 0.0)) or 0.0
-    found = shaping(profile or EVEN, light.world_from_light, normalize=normalize,
-                    scale=scale if profile else 0.0, cut=cone.of)  # fmt: skip
+    found = shaping(
+        profile or EVEN,
+        light.world_from_light,
+        normalize=normalize,
+        scale=scale if profile else 0.0,
+        cut=cone.of,
+    )
     return found, (*losses, *lost)
 
 

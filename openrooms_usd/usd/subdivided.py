@@ -234,8 +234,13 @@ class Subdivided:
             interpolation: As USD names it.
         """
         cage, fine = self.cage, self.refinement.cage
-        sizes = {_T.constant: 1, _T.uniform: len(cage.counts), _T.faceVarying: len(cage.indices),
-                 _T.vertex: len(cage.corners), _T.varying: len(cage.corners)}  # fmt: skip
+        sizes = {
+            _T.constant: 1,
+            _T.uniform: len(cage.counts),
+            _T.faceVarying: len(cage.indices),
+            _T.vertex: len(cage.corners),
+            _T.varying: len(cage.corners),
+        }
         if len(values) == 1 and not len(indices):
             # One value alone is that of all, whatever its interpolation.
             interpolation = _T.constant

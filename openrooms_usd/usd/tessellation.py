@@ -86,8 +86,11 @@ def _plane(prim: Usd.Prim) -> Mesh | None:
     if width <= 0 or length <= 0:
         return None
     # In the schema's words: X axis: width along Z, length along Y; Y: X and Z; Z: X and Y.
-    sides = {"X": ((0, 0, width), (0, length, 0)), "Y": ((width, 0, 0), (0, 0, length)),
-             "Z": ((width, 0, 0), (0, length, 0))}  # fmt: skip
+    sides = {
+        "X": ((0, 0, width), (0, length, 0)),
+        "Y": ((width, 0, 0), (0, 0, length)),
+        "Z": ((width, 0, 0), (0, length, 0)),
+    }
     axis = _axis(prim)
     u, v = np.array(sides[axis], dtype=np.float64)
     normal = _AXES[axis][2]

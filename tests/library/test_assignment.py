@@ -80,11 +80,17 @@ def test_rooms_draw_from_their_own_lists() -> None:
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("leg", "leg"), ("leg_1", "leg"), ("Leg.002", "leg"), ("leg12", "leg"), ("leg_1_2", "leg"),
-        ("SeatCushion_3", "seat_cushion"), ("drawer front-04", "drawer_front"), ("17", ""),
+        ("leg", "leg"),
+        ("leg_1", "leg"),
+        ("Leg.002", "leg"),
+        ("leg12", "leg"),
+        ("leg_1_2", "leg"),
+        ("SeatCushion_3", "seat_cushion"),
+        ("drawer front-04", "drawer_front"),
+        ("17", ""),
         ("pied_avant", "pied_avant"),
     ],
-)  # fmt: skip
+)
 def test_parts_that_differ_by_a_number_are_of_one_kind(name: str, kind: str) -> None:
     assert kind_of(name) == kind
 

@@ -107,8 +107,9 @@ def test_the_shipped_table_is_what_is_made():
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("substance", SUBSTANCES)
 def test_nodes_are_the_mapping(mapping, substance):
-    albedo = np.array([[a, b, c] for a in shipped.ALBEDO for b in shipped.ALBEDO
-                       for c in shipped.ALBEDO])  # fmt: skip
+    albedo = np.array(
+        [[a, b, c] for a in shipped.ALBEDO for b in shipped.ALBEDO for c in shipped.ALBEDO]
+    )
     for roughness in (0.0, 0.3, 1.0):
         exact = mapping.friction(substance, albedo, roughness)
         for a, b in zip(friction_of(substance, albedo, roughness), exact, strict=True):
@@ -163,8 +164,9 @@ def test_pictures_and_shapes(monkeypatch):
     one = friction_of("wood", albedo[10], roughness[10])
     assert float(one.static) == whole.static[1, 3] and one.static.shape == ()
     monkeypatch.setattr(shipped, "_PIXELS_AT_A_TIME", 5)
-    np.testing.assert_array_equal(friction_of("wood", albedo, roughness).static.reshape(6, 7),
-                                  whole.static)  # fmt: skip
+    np.testing.assert_array_equal(
+        friction_of("wood", albedo, roughness).static.reshape(6, 7), whole.static
+    )
     assert friction_of("wood", np.zeros((0, 3)), np.zeros(0)).static.shape == (0,)
 
 

@@ -9,8 +9,15 @@ from openrooms_usd.library.furniture import CATEGORIES, Furniture, Size, make, p
 from openrooms_usd.library.furniture.books import BINDINGS, Shelf, bound
 from openrooms_usd.library.furniture.fronts import HANDLES, Look, leaf
 
-STORAGE = ("cabinet", "wardrobe", "dresser", "bookshelf", "file_cabinet", "counter",
-           "kitchen_cabinet")  # fmt: skip
+STORAGE = (
+    "cabinet",
+    "wardrobe",
+    "dresser",
+    "bookshelf",
+    "file_cabinet",
+    "counter",
+    "kitchen_cabinet",
+)
 STYLED = [(name, style) for name in STORAGE for style in CATEGORIES[name].styles]
 
 

@@ -136,5 +136,8 @@ def test_many_writers_at_once(folder: Path) -> None:
     assert len(results) == 6 and all(result == results[0] for result in results)
     entry = folder / "cache/textures" / DENIM.entry
     assert sorted(path.name for path in entry.iterdir()) == [
-        "albedo.png", "checksums.json", "normal.png", "roughness.png"
-    ]  # fmt: skip
+        "albedo.png",
+        "checksums.json",
+        "normal.png",
+        "roughness.png",
+    ]

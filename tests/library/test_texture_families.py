@@ -131,9 +131,13 @@ def test_families_differ_in_structure() -> None:
 def test_a_recoloured_copy_is_found_out() -> None:
     """Other colours of the same recipe are not taken for another family."""
     dyed = np.array(
-        [[statistics(make("oak_planks", n, color=(0.3, 0.1, 0.2), resolution=RESOLUTION))
-          for n in LEARNT]]
-    )  # fmt: skip
+        [
+            [
+                statistics(make("oak_planks", n, color=(0.3, 0.1, 0.2), resolution=RESOLUTION))
+                for n in LEARNT
+            ]
+        ]
+    )
     own = np.array([[sample("oak_planks", n) for n in LEARNT]])
     other = np.array([[sample("vinyl_planks", n) for n in LEARNT]])
     apart, copied = np.abs(own - other).mean(), np.abs(own - dyed).mean()

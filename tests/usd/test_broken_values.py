@@ -20,9 +20,12 @@ from openrooms_usd.validate import validate_stage
 from openrooms_usd.validation.licences import licences
 
 READERS: list[Callable[[str], object]] = [
-    textures.picture_facts, textures.read_texture, textures.texture_size, textures.color_space,
+    textures.picture_facts,
+    textures.read_texture,
+    textures.texture_size,
+    textures.color_space,
     read_panorama,
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("reader", READERS)

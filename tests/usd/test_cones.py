@@ -11,8 +11,15 @@ from openrooms_usd.usd.profiles import Shaping, parse_profile, shaping
 from openrooms_usd.usd.shaping import EVEN, Cone
 
 DOWN = np.array([[0.0, 0.0, -1.0]])
-CASES = [(20.0, 0.0, 0.0), (30.0, 0.5, 0.0), (130.0, 1.0, 0.0), (180.0, 0.0, 8.0), (60.0, 0.5, 3.0),
-         (0.8, 0.25, 0.0), (180.0, 0.0, 2000.0)]  # fmt: skip
+CASES = [
+    (20.0, 0.0, 0.0),
+    (30.0, 0.5, 0.0),
+    (130.0, 1.0, 0.0),
+    (180.0, 0.0, 8.0),
+    (60.0, 0.5, 3.0),
+    (0.8, 0.25, 0.0),
+    (180.0, 0.0, 2000.0),
+]
 
 
 def ways(polar: float, around: float = 20.0) -> list[float]:

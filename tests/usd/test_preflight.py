@@ -53,10 +53,19 @@ def test_as_deep_as_anybody_builds_is_opened(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "literal",
     [
-        '"%s"', "'%s'", '"""%s\n"""', "'''%s\n'''", '"\\"%s"', '"""\\""" " %s"""', '""', "''",
-        '"a" # %s', '"a" // %s', '"a" /* %s\n*/',
+        '"%s"',
+        "'%s'",
+        '"""%s\n"""',
+        "'''%s\n'''",
+        '"\\"%s"',
+        '"""\\""" " %s"""',
+        '""',
+        "''",
+        '"a" # %s',
+        '"a" // %s',
+        '"a" /* %s\n*/',
     ],
-)  # fmt: skip
+)
 def test_brackets_in_strings_and_comments_nest_nothing(literal: str) -> None:
     text = literal.replace("%s", "([{" * DEEP)
     preflight.check_text(f'{HEAD}def "a" {{\nstring s = {text}\n}}\n'.encode(), "here")
@@ -97,13 +106,13 @@ ARCS = {
     "sublayer": "(\nsubLayers = [@./b.usda@]\n)\n",
     "reference": 'def "a" (\nreferences = @./b.usda@\n) {\n}\n',
     "payload": 'def "a" (\npayload = @./b.usda@\n) {\n}\n',
-    "expression": "(\nexpressionVariables = {\nstring V = \"b\"\n}\n"
+    "expression": '(\nexpressionVariables = {\nstring V = "b"\n}\n'
     'subLayers = [@`"./${V}.usda"`@]\n)\n',
     "variant": 'def "a" (\nvariantSets = "v"\nvariants = {\nstring v = "x"\n}\n) {\n'
     'variantSet "v" = {\n"x" (\nreferences = @./b.usda@\n) {\n}\n}\n}\n',
     "clip": 'def "a" (\nclips = {\ndictionary default = {\nasset[] assetPaths = [@./b.usda@]\n'
     "asset manifestAssetPath = @./b.usda@\n}\n}\n) {\n}\n",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("arc", ARCS)

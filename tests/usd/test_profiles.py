@@ -109,8 +109,11 @@ def test_lights_of_a_stage_follow_their_file(tmp_path: Path) -> None:
     stage = Usd.Stage.CreateNew(str(tmp_path / "a.usda"))
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    for kind, file in ((UsdLux.DiskLight, "a.ies"), (UsdLux.SphereLight, "none.ies"),
-                       (UsdLux.DistantLight, "a.ies")):  # fmt: skip
+    for kind, file in (
+        (UsdLux.DiskLight, "a.ies"),
+        (UsdLux.SphereLight, "none.ies"),
+        (UsdLux.DistantLight, "a.ies"),
+    ):
         define_shaping(kind.Define(stage, f"/{kind.__name__}").GetPrim(), f"./{file}")
     disk, sphere, sun = read_lights(stage)
     assert disk.losses == () and disk.shaping is not None

@@ -98,11 +98,18 @@ def test_left_handed_shapes_are_turned_inside_out() -> None:
     assert trimesh.Trimesh(mesh.points, mesh.triangles).volume == pytest.approx(-8.0)
 
 
-@pytest.mark.parametrize(("kind", "values"), [
-    ("Cube", {"size": 0.0}), ("Sphere", {"radius": -1.0}), ("Sphere", {"radius": np.nan}),
-    ("Cylinder", {"height": 0.0}), ("Cone", {"radius": 0.0}), ("Plane", {"width": 0.0}),
-    ("Capsule", {"radius": 0.0}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        ("Cube", {"size": 0.0}),
+        ("Sphere", {"radius": -1.0}),
+        ("Sphere", {"radius": np.nan}),
+        ("Cylinder", {"height": 0.0}),
+        ("Cone", {"radius": 0.0}),
+        ("Plane", {"width": 0.0}),
+        ("Capsule", {"radius": 0.0}),
+    ],
+)
 def test_shapes_without_size_are_skipped(kind: str, values: dict[str, float]) -> None:
     stage = new_stage()
     prim = stage.DefinePrim("/World/shape", kind)

@@ -56,9 +56,13 @@ def outside_panorama(
     columns, seed = site.turn(height), site.seed
     turn = columns * 180.0 / height
     day = daylight_of(
-        generator(seed, "outside", "clouds"), position, air, north=north - turn, clouds=clouds,
+        generator(seed, "outside", "clouds"),
+        position,
+        air,
+        north=north - turn,
+        clouds=clouds,
         height=height,
-    )  # fmt: skip
+    )
     whole, made = site.far(height)
     surfaces = site.surfaces()
     world = World(day, _shadows(day, whole), site.eye)

@@ -113,9 +113,17 @@ def _unit(ways: Floats) -> Floats:
 
 
 def _stamped(
-    rng: np.random.Generator, aspect: float, at: Floats, out: Floats, middle: Floats, size: Floats,
-    trunk: float, *, scale: float = 1.0, around: bool = False,
-) -> Sprite:  # fmt: skip
+    rng: np.random.Generator,
+    aspect: float,
+    at: Floats,
+    out: Floats,
+    middle: Floats,
+    size: Floats,
+    trunk: float,
+    *,
+    scale: float = 1.0,
+    around: bool = False,
+) -> Sprite:
     """Clusters of leaves at (N, 3) places (right, up, to the eye) in heights of the plant."""
     height, width = _ROWS, round(_ROWS * aspect)
     pad = _CLUSTER_SIDE

@@ -18,6 +18,7 @@ from openrooms_usd.library.ownmaterials.material import (
     tile_size,
 )
 from openrooms_usd.library.ownmaterials.normalmaps import Green, Relief, read_relief
+from openrooms_usd.tables import read_table
 from openrooms_usd.usd.surfaces import Channel, PreviewSurface, Texture
 from openrooms_usd.usd.textures import picture_facts
 
@@ -40,28 +41,12 @@ Map = Literal[
 ]
 MAPS: Final[tuple[Map, ...]] = get_args(Map)
 
-_NORMAL: Final = ("normal", "normals", "normalmap", "nor", "norm", "nrm", "nml")
-_WORDS: Final[dict[Map, tuple[str, ...]]] = {
-    "base_color": (
-        "color", "colour", "col", "basecolor", "basecolour", "albedo", "diffuse", "diff",
-        "diffusecolor", "diffusecolour",
-    ),
-    "normal": _NORMAL,
-    "normal_gl": tuple(map("".join, product(_NORMAL, ("gl", "ogl", "opengl")))),
-    "normal_dx": tuple(map("".join, product(_NORMAL, ("dx", "directx")))),
-    "roughness": ("roughness", "rough", "rgh"),
-    "glossiness": ("glossiness", "gloss", "smoothness"),
-    "metallic": ("metallic", "metalness", "metal"),
-    "occlusion": ("ambientocclusion", "occlusion", "ao", "occ"),
-    "opacity": ("opacity", "alpha", "mask", "cutout"),
-    "displacement": ("displacement", "disp", "height", "heightmap", "bump"),
-    "specular": ("specular", "spec", "specularcolor", "reflection"),
-    "emission": ("emission", "emissive", "emit"),
-    "occlusion_roughness_metallic": ("arm", "orm", "aorm", "occlusionroughnessmetallic"),
-    "roughness_metallic_occlusion": ("rma", "rmao"),
-    "metallic_roughness": ("metallicroughness", "metalroughness"),
-}  # fmt: skip
-_MAP_OF: Final = {word: kind for kind, words in _WORDS.items() for word in words}
+_WORDS: Final[dict[Map, tuple[str, ...]]] = read_table(__file__, "maps.toml")  # type: ignore[assignment]
+_NORMALS_OF: Final[dict[Map, tuple[str, ...]]] = {
+    "normal_gl": tuple(map("".join, product(_WORDS["normal"], ("gl", "ogl", "opengl")))),
+    "normal_dx": tuple(map("".join, product(_WORDS["normal"], ("dx", "directx")))),
+}
+_MAP_OF: Final = {word: kind for kind, words in (_WORDS | _NORMALS_OF).items() for word in words}
 # The most words that one map's name has: occlusion, roughness, metallic.
 _MAX_MAP_WORDS: Final = 3
 _ASIDE: Final = re.compile(
@@ -103,8 +88,17 @@ def map_of(stem: str) -> Named | None:
 
 # What is read, and which type is taken where two files differ in nothing else.
 _SUFFIXES: Final = (
-    ".png", ".exr", ".tif", ".tiff", ".jpg", ".jpeg", ".hdr", ".tga", ".bmp", ".webp",
-)  # fmt: skip
+    ".png",
+    ".exr",
+    ".tif",
+    ".tiff",
+    ".jpg",
+    ".jpeg",
+    ".hdr",
+    ".tga",
+    ".bmp",
+    ".webp",
+)
 _INVERTED: Final = ((-1.0, -1.0, -1.0, 1.0), (1.0, 1.0, 1.0, 0.0))
 
 

@@ -209,10 +209,15 @@ class _Reading:
             held = self.frames.rigid(body) if body else self.frames.placed(np.eye(4))
             ends.append((fixed, inverse(self.links[fixed].frame) @ held @ anchor))
         return Edge(
-            path, motion, (ends[0][0], ends[1][0]), (ends[0][1], ends[1][1]),
-            joint_axis(desc), limits_of(self.frames, motion, desc),
-            damping_of(self.frames, motion, desc), friction_of(self.frames, motion, path),
-        )  # fmt: skip
+            path,
+            motion,
+            (ends[0][0], ends[1][0]),
+            (ends[0][1], ends[1][1]),
+            joint_axis(desc),
+            limits_of(self.frames, motion, desc),
+            damping_of(self.frames, motion, desc),
+            friction_of(self.frames, motion, path),
+        )
 
     def _body(self, tree: Tree, taken: set[str]) -> Body:
         base = self.links[tree.links[0]]

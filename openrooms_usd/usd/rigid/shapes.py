@@ -110,12 +110,16 @@ class ShapeReader:
         key = _shared(prim)
         if key not in self._contacts:
             made = physics.read(prim)
-            self._contacts[key] = UNKNOWN if made is None else Contact(
-                made.static_friction,
-                min(made.dynamic_friction, made.static_friction),
-                min(made.restitution, 1.0),
-                prim.GetName(),
-            )  # fmt: skip
+            self._contacts[key] = (
+                UNKNOWN
+                if made is None
+                else Contact(
+                    made.static_friction,
+                    min(made.dynamic_friction, made.static_friction),
+                    min(made.restitution, 1.0),
+                    prim.GetName(),
+                )
+            )
         return self._contacts[key]
 
     def visuals(self, placed: PlacedMesh, link_from_world: Array) -> Iterator[Visual]:

@@ -73,12 +73,21 @@ def _long_waves(field: Field) -> Field:
 # How much the roughness varies, share of its mean: clouds of a hand's width and more, and smears
 # of fingers and cloths. Glossy things show both most; cloth and rubber take no polish.
 _CLOUDS: Final[dict[Substance, float]] = {
-    "leather": 0.05, "metal": 0.08, "paint": 0.05, "plastic": 0.06, "rough_stone": 0.02,
-    "specular_stone": 0.06, "wood": 0.06,
-}  # fmt: skip
+    "leather": 0.05,
+    "metal": 0.08,
+    "paint": 0.05,
+    "plastic": 0.06,
+    "rough_stone": 0.02,
+    "specular_stone": 0.06,
+    "wood": 0.06,
+}
 _SMEARS: Final[dict[Substance, float]] = {
-    "metal": 0.10, "paint": 0.05, "plastic": 0.10, "specular_stone": 0.08, "wood": 0.05,
-}  # fmt: skip
+    "metal": 0.10,
+    "paint": 0.05,
+    "plastic": 0.10,
+    "specular_stone": 0.08,
+    "wood": 0.05,
+}
 _CLOUD_M: Final = 0.25
 _SMEAR_M: Final = (0.02, 0.06)
 # Long waves need few texels; they are drawn on a grid of so many and read between them.

@@ -1,10 +1,10 @@
 """Fabrics: woven, knitted, and of standing or matted fibres."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from openrooms_usd.library.textures.fabric.weave import (
     twill,
     woven,
 )
+from openrooms_usd.tables import read_table
 
 Figure = Callable[[int, int], NDArray[np.bool_]]
 Shape = Callable[[tx.Order], tx.Field]
@@ -149,65 +150,26 @@ def _yarn(per_cm: float, **options: float) -> Thread:
     return Thread((93.0 * per_cm, 107.0 * per_cm), **options)
 
 
-WOVEN: Final = {
-    "linen": Fabric(
-        0.12, pattern("X.", ".X"), _yarn(15, slub=0.22, melange=0.18, bend=0.12),
-        _yarn(13, slub=0.28, melange=0.2, bend=0.12), dyes.NATURAL,
-    ),
-    # Duck: ends go in pairs.
-    "canvas": Fabric(
-        0.1, pattern("XX..", "..XX"), _yarn(18, twist=0.12), _yarn(10, twist=0.12, slub=0.06),
-        dyes.NATURAL, wrinkle=20e-6,
-    ),
-    "twill": Fabric(0.1, twill(2, 2), _yarn(18, melange=0.06), _yarn(15, melange=0.06)),
-    "herringbone": Fabric(
-        0.15, pointed(twill(2, 2), 12), _yarn(11, twist=0.1), _yarn(10, twist=0.1), dyes.TWO_TONE,
-        fuzz=0.09,
-    ),
-    "houndstooth": Fabric(
-        0.16, twill(2, 2), _yarn(9, twist=0.1), _yarn(9, twist=0.1), dyes.HOUNDSTOOTH, fuzz=0.08,
-    ),
-    "tartan": Fabric(
-        0.2, twill(2, 2), _yarn(12, melange=0.06), _yarn(12, melange=0.06), dyes.TARTAN, fuzz=0.07,
-    ),
-    "satin": Fabric(
-        0.06, satin(8, 3), _yarn(34, melange=0.05, slub=0.05), _yarn(24, melange=0.05), dyes.SILK,
-        roughness=(0.3, 0.42), relief=0.25, crimp=0.3, hollow=0.25, fuzz=0.01, wrinkle=120e-6,
-    ),
-    "basket_weave": Fabric(
-        0.16, pattern("XXX...", "XXX...", "XXX...", "...XXX", "...XXX", "...XXX"),
-        _yarn(7, twist=0.14, slub=0.12), _yarn(7, twist=0.14, slub=0.12), fuzz=0.08,
-    ),
-    "denim": Fabric(
-        0.08, twill(3, 1), _yarn(25, melange=0.16, slub=0.14), _yarn(17, melange=0.06), dyes.INDIGO,
-        crimp=0.4, fuzz=0.1,
-    ),
-    "ticking": Fabric(
-        0.1, twill(2, 1), _yarn(24, melange=0.04), _yarn(16, melange=0.04), dyes.TICKING, crimp=0.4,
-    ),
-    "damask": Fabric(
-        0.09, satin(5, 2), _yarn(30, melange=0.03, slub=0.04), _yarn(30, melange=0.03, slub=0.04),
-        dyes.TWO_TONE, roughness=(0.42, 0.55), relief=0.4, crimp=0.3, hollow=0.3, fuzz=0.02,
-        figure=medallions,
-    ),
-    "waffle_weave": Fabric(
-        0.11, pattern("X.", ".X"), _yarn(13), _yarn(13), dyes.NATURAL, relief=0.5, shape=waffle,
-    ),
-    "seersucker": Fabric(
-        0.096, pattern("X.", ".X"), _yarn(30, melange=0.04), _yarn(26, melange=0.04),
-        dyes.SEERSUCKER, relief=0.4, hollow=0.35, shape=puckers,
-    ),
-    # Thick hard yarns, for floors.
-    "sisal": Fabric(
-        0.25, pattern("XX..", "..XX"), _yarn(3.2, slub=0.1, melange=0.15, twist=0.2),
-        _yarn(2.6, slub=0.16, melange=0.25, twist=0.25), dyes.NATURAL, roughness=(0.86, 0.95),
-        hollow=0.65, fuzz=0.16, uses=frozenset({"floor"}),
-    ),
-    # Ribs: picks far thicker than the ends that cover them.
-    "repp": Fabric(
-        0.1, pattern("X.", ".X"), _yarn(26, melange=0.05), _yarn(6, slub=0.1), crimp=0.75,
-    ),
-}  # fmt: skip
+_WEAVES: Final[Mapping[str, Callable[..., Pattern]]] = {
+    "pattern": pattern,
+    "twill": twill,
+    "satin": satin,
+    "pointed_twill": lambda up, down, width: pointed(twill(up, down), width),
+}
+_NAMED: Final = {"medallions": medallions, "waffle": waffle, "puckers": puckers}
+
+
+def _fabric(told: dict[str, Any]) -> Fabric:
+    """A cloth of the table."""
+    weave, *given = told.pop("weave")
+    yarns = {name: _yarn(**told.pop(name)) for name in ("warp", "weft")}
+    dye = getattr(dyes, told.pop("dye", "PLAIN"))
+    named = {name: _NAMED[told.pop(name)] for name in ("figure", "shape") if name in told}
+    uses = {"uses": frozenset(told.pop("uses"))} if "uses" in told else {}
+    return Fabric(weave=_WEAVES[weave](*given), dye=dye, **yarns, **named, **uses, **told)
+
+
+WOVEN: Final = {n: _fabric(told) for n, told in read_table(__file__, "cloths.toml").items()}
 
 
 def _family(fabric: Fabric) -> tx.Family:

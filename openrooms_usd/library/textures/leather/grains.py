@@ -188,9 +188,13 @@ _GOODS: Final[frozenset[tx.Use]] = frozenset({"furniture", "object"})
 
 # Hides are larger than their pictures.
 _LAID: Final = {
-    "cracked_leather": 2, "full_grain_leather": 4, "nappa": 4, "nubuck": 4, "pebbled_leather": 4,
+    "cracked_leather": 2,
+    "full_grain_leather": 4,
+    "nappa": 4,
+    "nubuck": 4,
+    "pebbled_leather": 4,
     "suede": 4,
-}  # fmt: skip
+}
 
 FAMILIES: Final[dict[str, tx.Family]] = {
     name: tx.Family(lattice.resolved(make, detail), size, uses, laid=_LAID.get(name, 1))

@@ -108,8 +108,11 @@ def wire_mesh(order: tx.Order) -> tx.Maps:
     inside = radius - np.minimum(np.abs(beside_s), np.abs(beside_t))
     solid = tx.covered(order, inside)
     top = np.fmax(warp, weft)
-    drawn = np.where(np.nan_to_num(warp, nan=-1.0) > np.nan_to_num(weft, nan=-1.0),
-                     tx.noise(order, 0.0004, 0.03), tx.noise(order, 0.03, 0.0004))  # fmt: skip
+    drawn = np.where(
+        np.nan_to_num(warp, nan=-1.0) > np.nan_to_num(weft, nan=-1.0),
+        tx.noise(order, 0.0004, 0.03),
+        tx.noise(order, 0.03, 0.0004),
+    )
     low = np.clip(0.5 - 0.5 * np.nan_to_num(top) / radius, 0.0, 1.0)
     shade = np.minimum(1.0 + 0.03 * drawn - 0.15 * low, 1.05)[..., None] * metal
     height = np.where(np.isnan(top), -2.0 * radius, np.nan_to_num(top))

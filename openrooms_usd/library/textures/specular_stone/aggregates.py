@@ -194,8 +194,12 @@ def terrazzo(order: tx.Order) -> tx.Maps:
     on = tx.covered(order, stones.inside)
     kinds = order.rng.integers(0, 4, stones.count)
     tone = np.exp(0.14 * order.rng.uniform(-1.0, 1.0, stones.count))
-    hues = np.stack([tx.drawn_color(order, CHIPS) if kind == 0 else tx.side_color(order, CHIPS)
-                     for kind in range(4)])  # fmt: skip
+    hues = np.stack(
+        [
+            tx.drawn_color(order, CHIPS) if kind == 0 else tx.side_color(order, CHIPS)
+            for kind in range(4)
+        ]
+    )
     cloud, fine = tx.fractal(order, 0.02, 0.35), tx.fractal(order, 0.003, 0.1)
     bodies = (hues[kinds] * tone[:, None])[stones.index] * (1.0 + 0.05 * cloud)[..., None]
     ground = binder * np.maximum(1.0 + 0.03 * fine + 0.02 * tx.noise(order, 0.3), 0.4)[..., None]

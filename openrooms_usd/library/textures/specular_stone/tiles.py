@@ -56,9 +56,16 @@ def hexagon_mosaic(order: tx.Order) -> tx.Maps:
     inside = cells.edge - 0.001
     relief = 0.0007 + 0.0008 * _pillow(inside, 0.0015)
     return _glazed(
-        order, cells.index, cells.count, inside, relief, MOSAIC, varied=0.05, gloss=(0.25, 0.4),
+        order,
+        cells.index,
+        cells.count,
+        inside,
+        relief,
+        MOSAIC,
+        varied=0.05,
+        gloss=(0.25, 0.4),
         accents=0.16,
-    )  # fmt: skip
+    )
 
 
 def penny_mosaic(order: tx.Order) -> tx.Maps:

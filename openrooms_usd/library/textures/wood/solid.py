@@ -139,9 +139,17 @@ def _burl(order: tx.Order) -> tx.Maps:
     """Veneer of a burl: grain that turns about countless small buds."""
     boards = staves(order, (0.3, 0.34), mirrored=True)
     timber = replace(
-        WALNUT, cut="peeled", ring=(0.0022, 0.0034), knots=900.0, knot=(0.0012, 0.004),
-        pore=(0.0012, 0.003), pores=0.25, late=0.42, color=(0.21, 0.115, 0.058), redder=0.14,
-    )  # fmt: skip
+        WALNUT,
+        cut="peeled",
+        ring=(0.0022, 0.0034),
+        knots=900.0,
+        knot=(0.0012, 0.004),
+        pore=(0.0012, 0.003),
+        pores=0.25,
+        late=0.42,
+        color=(0.21, 0.115, 0.058),
+        redder=0.14,
+    )
     wood = face(order, boards, timber)
     swirl = tx.fractal(order, 0.06, 0.7)
     wood = wood.darker(1.0 - 0.22 * np.tanh(boards.spread(order, swirl)))
@@ -165,7 +173,9 @@ FAMILIES: Final[dict[str, tx.Family]] = {
             timber=replace(MAPLE, knots=2500.0, knot=(0.0007, 0.0016), ring=(0.003, 0.005)),
             leaf=(0.3, 0.3),
         ),
-        0.6, _CABINETS, grain=True,
+        0.6,
+        _CABINETS,
+        grain=True,
     ),
     "brushed_larch": tx.Family(_brushed, 0.9, frozenset({"wall", "furniture"}), grain=True),
     "butcher_block": tx.Family(_butcher_block, 0.9, _TOPS, grain=True),
@@ -177,7 +187,9 @@ FAMILIES: Final[dict[str, tx.Family]] = {
     "oak_slats": tx.Family(_slats, 0.6, frozenset({"wall", "ceiling"}), grain=True),
     "pine_staves": tx.Family(
         partial(_panel, timber=replace(PINE, knots=14.0), width=(0.06, 0.09)),
-        1.0, _CABINETS, grain=True,
+        1.0,
+        _CABINETS,
+        grain=True,
     ),
     "quartered_oak": tx.Family(
         partial(
@@ -185,7 +197,9 @@ FAMILIES: Final[dict[str, tx.Family]] = {
             timber=replace(OAK, cut="quarter", flecks=0.2, fleck=(0.0045, 0.05, 1.15)),
             leaf=(0.14, 0.2),
         ),
-        0.8, _CABINETS, grain=True,
+        0.8,
+        _CABINETS,
+        grain=True,
     ),
     "reclaimed_planks": tx.Family(_reclaimed, 2.0, frozenset({"floor", "wall"}), grain=True),
     "sapele_ribbon": tx.Family(partial(_veneer, timber=SAPELE), 0.8, _CABINETS, grain=True),
@@ -195,4 +209,4 @@ FAMILIES: Final[dict[str, tx.Family]] = {
     ),
     "whitewashed_boards": tx.Family(_whitewashed, 1.6, frozenset({"floor", "wall"}), grain=True),
     "zebrano": tx.Family(partial(_veneer, timber=ZEBRANO), 0.6, _CABINETS, grain=True),
-}  # fmt: skip
+}
