@@ -54,6 +54,7 @@ ALLOWED = {
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.OpenAsAnonymous"): "looked through before",
     ("openrooms_usd/edits/merging.py", "Usd.Stage.Open"): "layers that were looked through",
     ("openrooms_usd/ledger.py", "self._file.open"): "writes",
+    ("openrooms_usd/library/ownmaterials/materialx.py", "Usd.Stage.Open"): "a layer in memory",
     ("openrooms_usd/package.py", "Sdf.Layer.FindOrOpen"): "looked through before",
     ("openrooms_usd/package.py", "target.open"): "writes",
     ("openrooms_usd/package.py", "zipfile.ZipFile"): "writes",

@@ -1,16 +1,21 @@
 """Daylight: published lux, exact energy of the sun's disk, and no moment that breaks it."""
 
 import math
+import os
 from datetime import UTC, datetime, timedelta
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from openrooms_usd.library import skycache
 from openrooms_usd.library.environments import directions
 from openrooms_usd.library.sky import Air, daylight, hosek_wilkie, rounded, sun_direction, sun_disk
+from openrooms_usd.library.skycache import cached_picture
 from openrooms_usd.library.solar import SunPosition, refraction, sun_position
 from openrooms_usd.library.sunlight import air_mass, clear_illuminance, direct_normal
+from openrooms_usd.usercache import VARIABLE
 
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
@@ -239,3 +244,64 @@ def test_rounding_keeps_so_many_bits() -> None:
     np.testing.assert_array_equal(found, rounded(found, 10))
     np.testing.assert_array_equal(rounded(values * (1 + 1e-13), 10), found)
     assert rounded(np.zeros(1), 10)[0] == 0
+
+
+KEY = "ab" * 32
+
+
+class Maker:
+    """Writes a picture, and counts how often."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, path: Path) -> None:
+        self.calls += 1
+        path.write_bytes(b"pixels")
+
+
+@pytest.fixture
+def entries(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv(VARIABLE, str(tmp_path / "cache"))
+    return tmp_path / "cache" / skycache.FOLDER
+
+
+def test_a_picture_is_made_once_and_again_where_its_entry_is_damaged(
+    tmp_path: Path, entries: Path
+) -> None:
+    make = Maker()
+    for name in "abc":
+        cached_picture(KEY, tmp_path / name, make)
+        assert (tmp_path / name).read_bytes() == b"pixels"
+    assert make.calls == 1
+    [entry] = entries.iterdir()
+    entry.write_bytes(entry.read_bytes().replace(b"pixels", b"pixelz"))
+    cached_picture(KEY, tmp_path / "d", make)
+    assert make.calls == 2 and (tmp_path / "d").read_bytes() == b"pixels"
+    cached_picture(KEY, tmp_path / "e", make)
+    assert make.calls == 2
+
+
+def test_it_is_made_each_time_where_there_is_no_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(VARIABLE, "off")
+    make = Maker()
+    for name in "ab":
+        cached_picture(KEY, tmp_path / name, make)
+    assert make.calls == 2
+
+
+def test_those_used_last_stay_and_files_of_others_too(
+    tmp_path: Path, entries: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(skycache, "_MOST", 2)
+    make = Maker()
+    entries.mkdir(parents=True)
+    (entries / "mine.sky").write_bytes(b"of somebody else")
+    os.utime(entries / "mine.sky", (1, 1))
+    for age, name in enumerate(("first", "second")):
+        cached_picture(name, tmp_path / name, make)
+        os.utime(entries / f"{name}.sky", (10 + age, 10 + age))
+    cached_picture("third", tmp_path / "third", make)
+    assert {path.stem for path in entries.iterdir()} == {"mine", "second", "third"}
