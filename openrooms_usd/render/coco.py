@@ -127,7 +127,7 @@ def _category(name: str, number: int, taxonomy: str) -> Plain:
     """A class; those of COCO as its own files have them."""
     above = "structure" if name in names.SHELL else "object"
     if taxonomy == names.COCO:
-        above = next(group for group, members in COCO_GROUPS.items() if name in members.split())
+        above = next(group for group, members in COCO_GROUPS.items() if name in members)
         name = name.replace("_", " ")
     return {"id": number, "name": name, "supercategory": above}
 

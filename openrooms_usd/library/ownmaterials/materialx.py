@@ -199,7 +199,7 @@ def _fit(surface: PreviewSurface, losses: list[str]) -> PreviewSurface:
     for name, loss in _LEFT_OUT.items():
         if getattr(surface, name) != getattr(PreviewSurface, name):
             losses.append(loss)
-            surface = replace(surface, **{name: getattr(PreviewSurface, name)})  # type: ignore[arg-type]
+            surface = replace(surface, **{name: getattr(PreviewSurface, name)})
     if not isinstance(surface.normal, Texture):
         return surface
     relief = read_relief(surface.normal.file, "up")
