@@ -14,7 +14,7 @@ from benchmarks.scan.truth import Cad, Truth, moved, pose_matrix
 from openrooms_usd import names
 from openrooms_usd.geometry.polygons import triangulated
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom, Pose
-from openrooms_usd.usd.taxonomies import class_of, number_of
+from openrooms_usd.usd.semantics import class_of, number_of
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.library.environments import directions, horizontal_illuminance
-from openrooms_usd.library.solar import SunPosition
 from openrooms_usd.library.sunlight import (
     SUN_RADIUS,
+    SunPosition,
     clear_illuminance,
     direct_normal,
     overcast_illuminance,

@@ -16,7 +16,7 @@ from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.render.manifest_schema import AGAIN
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import compressed, run_lengths, tight_box
-from openrooms_usd.usd.taxonomies import COCO_GROUPS, TAXONOMIES, classes
+from openrooms_usd.usd.semantics import COCO_GROUPS, TAXONOMIES, classes
 from openrooms_usd.version import __version__
 
 Plain = dict[str, Any]

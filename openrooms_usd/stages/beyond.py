@@ -23,9 +23,9 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.decor import author_decor
 from openrooms_usd.stages.joinery import author_mesh
 from openrooms_usd.stages.openings import Cut
+from openrooms_usd.usd.emitters import nits_from_lumen, world_area
 from openrooms_usd.usd.frames import author_placement
 from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 
 Array = NDArray[np.float64]
 

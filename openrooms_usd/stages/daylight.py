@@ -17,7 +17,7 @@ from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sky import Air, daylight
 from openrooms_usd.library.skycache import cached_picture
-from openrooms_usd.library.solar import sun_position
+from openrooms_usd.library.sunlight import sun_position
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.nearby import author_nearby, site_of
 from openrooms_usd.usd.frames import TIME, local_to_world

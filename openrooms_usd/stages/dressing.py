@@ -23,7 +23,7 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.choosing import Chooser
 from openrooms_usd.stages.looks import Dressed, Part, parts_of
 from openrooms_usd.stages.swatches import Swatch
-from openrooms_usd.usd.activation import is_deactivated
+from openrooms_usd.usd.layers import is_deactivated
 from openrooms_usd.usd.semantics import read_label
 
 ALL: Final = "all"

@@ -19,9 +19,9 @@ from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.stages.surroundings import Surroundings, surroundings
+from openrooms_usd.usd.emitters import flux_share, world_area
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
 from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights, read_portals
-from openrooms_usd.usd.photometry import flux_share, world_area
 from openrooms_usd.usd.textures import read_texture
 
 Array: TypeAlias = NDArray[np.float64]

@@ -20,7 +20,7 @@ from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.stages.placement import WALL, Placement, Stand, parents_first
 from openrooms_usd.stages.poses import author_pose, composed_pose, matrix_of
 from openrooms_usd.stages.surroundings import Surroundings
-from openrooms_usd.usd.activation import is_off
+from openrooms_usd.usd.layers import is_off
 
 Array: TypeAlias = NDArray[np.float64]
 

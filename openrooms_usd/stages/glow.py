@@ -11,10 +11,10 @@ from contextlib import contextmanager
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.lightreader import read_light
 from openrooms_usd.usd.materialreader import preview_shader
+from openrooms_usd.usd.materials import bound_material
 
 
 def author_glow(stage: Usd.Stage, root: Sdf.Path, bulbs: Sequence[Sdf.Path]) -> Iterator[str]:

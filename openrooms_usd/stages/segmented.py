@@ -16,7 +16,7 @@ from openrooms_usd.scan.segmentation.labelled import SHELL_CLASSES, things_of
 from openrooms_usd.scan.segmentation.naming import UNNAMED
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.scanned import ScannedRoom
-from openrooms_usd.usd.taxonomies import NYU40
+from openrooms_usd.usd.semantics import NYU40
 
 _BY_SHAPE: Final = "shapes"
 _REMEDY: Final = (

@@ -28,7 +28,7 @@ from openrooms_usd.stages.instances import Instance, hint_of, instances_of
 from openrooms_usd.stages.placement import Measured, Placement, Source
 from openrooms_usd.stages.scanned import ScannedRoom, captured_hints
 from openrooms_usd.stages.substitutes import UNKNOWN, sizes_of
-from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
+from openrooms_usd.usd.semantics import NYU40, class_of, classes
 
 Array = NDArray[np.float64]
 

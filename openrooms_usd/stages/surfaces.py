@@ -14,8 +14,8 @@ from openrooms_usd.library.finishes import UNKNOWN, furniture_families
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.choosing import Chooser
 from openrooms_usd.stages.swatches import Swatch
-from openrooms_usd.usd.activation import is_deactivated
-from openrooms_usd.usd.bindings import bound_material
+from openrooms_usd.usd.layers import is_deactivated
+from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.semantics import read_label
 
 # The material of each surface, by its path.

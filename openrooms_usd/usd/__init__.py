@@ -2,15 +2,15 @@
 
 `mapping` says what becomes of each concept in a picture.
 
-- opening: `crate_reader`, `preflight`, `diagnostics`; `layers`, `activation`, `outside`;
+- opening: `crate_reader`, `preflight`, `diagnostics`; `layers`, `outside`;
 - time: `moments`;
 - places: `frames`, `metrics`, `placements`, `partitions`, `settled`;
 - surfaces: `traversal`, `gprims`, `arrays`, `tessellation`, `subdivided`,
   `curves`, `patches`, `meshes`;
-- materials: `surfaces`, `materials`, `materialreader`, `bindings`, `physics`; of their networks
+- materials: `surfaces`, `materials`, `materialreader`, `physics`; of their networks
   `networks`, `uvtextures`, `textures`, `udim`;
   of MaterialX `mtlxlayers`, `uber`, `nodegraphs`, `nodecoordinates`;
-- light: `photometry`, `emitters`, `lightreader`, `lightsearch`, `shaping` (with IES `profiles`),
+- light: `emitters`, `lightreader`, `lightsearch`, `shaping` (with IES `profiles`),
   `lights`; `cameras`, `rendersettings`;
-- meaning: `taxonomies`, `semantics`; bodies: `bodies`, `rigid`.
+- meaning: `semantics`; bodies: `bodies`, `rigid`.
 """

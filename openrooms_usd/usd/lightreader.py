@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.arrays import number_of, vector_of
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.emitters import (
     CylinderLight,
     DiskLight,
@@ -26,11 +25,12 @@ from openrooms_usd.usd.emitters import (
     RectLight,
     SphereLight,
     UnknownLight,
+    world_area,
+    world_from_prim,
 )
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import Texture
-from openrooms_usd.usd.photometry import world_area, world_from_prim
+from openrooms_usd.usd.materials import Texture, bound_material
 from openrooms_usd.usd.shaping import read_shaping
 
 Matrix = NDArray[np.float64]

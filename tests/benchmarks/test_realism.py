@@ -9,7 +9,7 @@ from benchmarks.realism.features import colourfulness, features, spectral_slope
 from benchmarks.realism.published import NYU40_PER_CENT
 from benchmarks.realism.report import distance
 from benchmarks.realism.views import pictures, read, total_variation
-from openrooms_usd.usd.taxonomies import NYU40
+from openrooms_usd.usd.semantics import NYU40
 
 
 @pytest.mark.parametrize("slope", [-1.5, -2.0, -2.8])

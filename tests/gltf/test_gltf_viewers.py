@@ -22,8 +22,8 @@ from openrooms_usd import names
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.demo import copy_example
 from openrooms_usd.render.reading import read_render
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.cameras import list_cameras
+from openrooms_usd.usd.materials import bound_material
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import MODULES
 

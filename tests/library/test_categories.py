@@ -20,7 +20,7 @@ from openrooms_usd.library.furniture import CATEGORIES, category
 from openrooms_usd.library.furniture.built import BuiltCategory
 from openrooms_usd.library.furniture.lying import Place, Pose
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, usual_support
-from openrooms_usd.usd.taxonomies import TAXONOMIES, classes
+from openrooms_usd.usd.semantics import TAXONOMIES, classes
 
 ROOT = Path(__file__).parents[2]
 FURNITURE = ROOT / "openrooms_usd/library/furniture"
@@ -116,7 +116,7 @@ def test_no_table_of_categories_stands_beside_the_records() -> None:
         "openrooms_usd/stages/surfaces.py",
         "openrooms_usd/view/fields.py",
         # The class lists of others, in their own words and numbers.
-        "openrooms_usd/usd/taxonomies.py",
+        "openrooms_usd/usd/semantics.py",
         "converters/orusd_scans/sunrgbd/files.py",
         # RoomPlan's words for the shell.
         "converters/orusd_scans/roomplan/usdz.py",

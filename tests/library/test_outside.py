@@ -23,7 +23,7 @@ from openrooms_usd.library.outside.plants import Hedge
 from openrooms_usd.library.outside.shadows import Shadows
 from openrooms_usd.library.outside.solid import even_light, painted, solid
 from openrooms_usd.library.sky import Air, daylight
-from openrooms_usd.library.solar import SunPosition, refraction
+from openrooms_usd.library.sunlight import SunPosition, refraction
 
 HEIGHT = 240
 

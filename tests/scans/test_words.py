@@ -14,7 +14,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.names import SHELL
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.stages.instances import instances_of, told_left_out
-from openrooms_usd.usd.taxonomies import NYU40
+from openrooms_usd.usd.semantics import NYU40
 
 Real = Callable[[str], Path]
 

@@ -16,10 +16,10 @@ from openrooms_usd.stages.beyond import author_beyond_lamps
 from openrooms_usd.stages.daylight import author_portals
 from openrooms_usd.stages.decor import decor
 from openrooms_usd.stages.layout import LayoutStage
+from openrooms_usd.usd.emitters import world_area
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.lights import MeshLight, read_lights
 from openrooms_usd.usd.meshes import read_meshes, world_triangles
-from openrooms_usd.usd.photometry import world_area
 
 L_SHAPE = "[[0, 0], [6, 0], [6, 2.5], [2.5, 2.5], [2.5, 6], [0, 6]]"
 ROOM = """

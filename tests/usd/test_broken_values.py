@@ -10,7 +10,7 @@ import pytest
 from pxr import Sdf, Usd
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.panorama import read_panorama
+from openrooms_usd.library.environments import read_panorama
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.usd import textures
 from openrooms_usd.usd.diagnostics import plain, quiet, reading

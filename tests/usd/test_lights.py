@@ -16,10 +16,11 @@ from openrooms_usd.usd.emitters import (
     RectLight,
     SphereLight,
     UnknownLight,
+    nits_from_lumen,
+    world_area,
 )
 from openrooms_usd.usd.lights import define_dome, define_mesh_light, read_lights
 from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
-from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 
 WEIGHTS = (0.2126, 0.7152, 0.0722)
 

@@ -11,9 +11,14 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd import textures
-from openrooms_usd.usd.bindings import bound_material, bound_subsets
 from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
+from openrooms_usd.usd.materials import (
+    PreviewSurface,
+    Texture,
+    bound_material,
+    bound_subsets,
+    define_preview_surface,
+)
 from openrooms_usd.usd.surfaces import UvTransform, f0_of, ior_of
 
 TYPES = Sdf.ValueTypeNames

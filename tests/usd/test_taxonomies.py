@@ -9,8 +9,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.categories import LibraryCategory
-from openrooms_usd.usd.semantics import label, read_label, read_number
-from openrooms_usd.usd.taxonomies import (
+from openrooms_usd.usd.semantics import (
     COCO,
     COCO_GROUPS,
     NYU40,
@@ -19,7 +18,10 @@ from openrooms_usd.usd.taxonomies import (
     UNLABELED,
     class_of,
     classes,
+    label,
     number_of,
+    read_label,
+    read_number,
 )
 
 # Numbers that users of ScanNet and NYU Depth V2 know by heart, from the benchmark's own list.

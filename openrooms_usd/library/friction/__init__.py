@@ -6,7 +6,6 @@ is the result on a grid, which ``make`` makes and pictures are looked up in.
 """
 
 from openrooms_usd.library.friction.mapping import Friction
-from openrooms_usd.library.friction.materials import physics_of
-from openrooms_usd.library.friction.table import friction_of
+from openrooms_usd.library.friction.table import friction_of, physics_of
 
 __all__ = ["Friction", "friction_of", "physics_of"]

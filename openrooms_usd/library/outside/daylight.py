@@ -17,8 +17,7 @@ from openrooms_usd.library.sky import (
     sun_direction,
     sun_disk,
 )
-from openrooms_usd.library.solar import SunPosition
-from openrooms_usd.library.sunlight import SUN_RADIUS, direct_normal
+from openrooms_usd.library.sunlight import SUN_RADIUS, SunPosition, direct_normal
 
 # Rows of the sky as the model gives it, and of what lights faces.
 _SKY_ROWS, _LIGHT_ROWS = 360, 60

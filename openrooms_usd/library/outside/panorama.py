@@ -17,7 +17,7 @@ from openrooms_usd.library.outside.scenes import Scene
 from openrooms_usd.library.outside.shadows import Shadows
 from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.sky import Air
-from openrooms_usd.library.solar import SunPosition
+from openrooms_usd.library.sunlight import SunPosition
 
 # Rows: an eighth of a degree each, for windows that are looked at from some metres.
 HEIGHT: Final = 1440

@@ -25,9 +25,8 @@ from openrooms_usd.stages.physics.authoring import author_physics
 from openrooms_usd.stages.physics.colliders import AssetColliders, searches_of
 from openrooms_usd.stages.physics.objects import Objects, search_colliders
 from openrooms_usd.stages.physics.room import author_room, read_room
-from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.bodies import define_scene
-from openrooms_usd.usd.layers import apply_metadata, export, split_arrays
+from openrooms_usd.usd.layers import apply_metadata, export, is_deactivated, split_arrays
 
 BODIES: Final = "bodies"
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.library.sky import Air, daylight, sun_direction
-from openrooms_usd.library.solar import SunPosition
+from openrooms_usd.library.sunlight import SunPosition
 from openrooms_usd.render.scene.lights import Gaussian
 from openrooms_usd.usd.lights import Portal
 
