@@ -114,9 +114,11 @@ def profile_text(profile: Profile, title: str) -> str:
 
 # Where people work, lamps are cooler, and on by day, too.
 WORK_ROOMS: Final = frozenset(
-    {"bookstore", "classroom", "computer_cluster", "conference_room", "copy_room", "gym", "library",
-     "lobby", "mail_room", "office"}
-)  # fmt: skip
+    """
+    bookstore classroom computer_cluster conference_room copy_room gym library lobby mail_room
+    office
+    """.split()
+)
 # Where people neither live nor work for long.
 _USEFUL_ROOMS: Final = frozenset(
     {"basement", "bathroom", "closet", "garage", "kitchen", "laundry_room", "storage"}

@@ -91,9 +91,12 @@ def make_sky(
     way = directions(height)
     elevation, azimuth = math.radians(sun_elevation), math.radians(sun_azimuth)
     sun = np.array(
-        [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth),
-         math.sin(elevation)]
-    )  # fmt: skip
+        [
+            math.cos(elevation) * math.cos(azimuth),
+            math.cos(elevation) * math.sin(azimuth),
+            math.sin(elevation),
+        ]
+    )
     sky = _sky(way, sun, turbidity) + _sun(way, sun, sun_illuminance, math.radians(sun_spread))
     lit = horizontal_illuminance(sky)
     land, cover = _land(way, rng, sun, lit)

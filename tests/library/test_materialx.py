@@ -57,21 +57,28 @@ def read(tmp_path: Path) -> Read:
 CONSTANTS = {
     "standard_surface": ("base_color", "metalness", "specular_roughness", "specular_IOR", "coat"),
     "open_pbr_surface": (
-        "base_color", "base_metalness", "specular_roughness", "specular_ior", "coat_weight",
+        "base_color",
+        "base_metalness",
+        "specular_roughness",
+        "specular_ior",
+        "coat_weight",
     ),
     "gltf_pbr": ("base_color", "metallic", "roughness", "ior", "clearcoat"),
     "UsdPreviewSurface": ("diffuseColor", "metallic", "roughness", "ior", "clearcoat"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("shader", sorted(CONSTANTS))
 def test_constants_of_every_shader(read: Read, shader: str) -> None:
     color, metallic, roughness, ior, coat = CONSTANTS[shader]
     material = read(
-        number(color, "0.1, 0.2, 0.3", "color3") + number(metallic, 0.25) + number(roughness, 0.75)
-        + number(ior, 1.4) + number(coat, 0.125),
+        number(color, "0.1, 0.2, 0.3", "color3")
+        + number(metallic, 0.25)
+        + number(roughness, 0.75)
+        + number(ior, 1.4)
+        + number(coat, 0.125),
         shader=shader,
-    )  # fmt: skip
+    )
     surface = material.surface
     assert surface.base_color == pytest.approx((0.1, 0.2, 0.3))
     assert (surface.metallic, surface.roughness) == (0.25, 0.75)
@@ -85,10 +92,12 @@ def test_constants_of_every_shader(read: Read, shader: str) -> None:
 @pytest.mark.parametrize(
     ("shader", "color", "metallic", "roughness"),
     [
-        ("standard_surface", 0.8, 0.0, 0.2), ("open_pbr_surface", 0.8, 0.0, 0.3),
-        ("gltf_pbr", 1.0, 1.0, 1.0), ("UsdPreviewSurface", 0.18, 0.0, 0.5),
+        ("standard_surface", 0.8, 0.0, 0.2),
+        ("open_pbr_surface", 0.8, 0.0, 0.3),
+        ("gltf_pbr", 1.0, 1.0, 1.0),
+        ("UsdPreviewSurface", 0.18, 0.0, 0.5),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_said_has_the_default_of_its_own_shader(
     read: Read, shader: str, color: float, metallic: float, roughness: float
 ) -> None:
@@ -99,9 +108,10 @@ def test_what_is_not_said_has_the_default_of_its_own_shader(
 
 def test_weights_and_encoded_constants(read: Read) -> None:
     surface = read(
-        number("base", 0.5) + number("specular", 0.25)
+        number("base", 0.5)
+        + number("specular", 0.25)
         + number("base_color", "0.5, 0.5, 0.02", "color3", colorspace="srgb_texture")
-    ).surface  # fmt: skip
+    ).surface
     middle = ((0.5 + 0.055) / 1.055) ** 2.4
     assert surface.base_color == pytest.approx((middle / 2, middle / 2, 0.02 / 12.92 / 2))
     assert f0_of(surface.ior) == pytest.approx(0.25 * 0.04)
@@ -119,10 +129,11 @@ def test_images_their_spaces_channels_and_arithmetic(read: Read) -> None:
         + f'<separate3 name="P" type="multioutput">{link("in", "vector3", "B")}</separate3>'
     )
     surface = read(
-        link("base_color", "color3", "A") + link("specular_roughness", "float", "M")
+        link("base_color", "color3", "A")
+        + link("specular_roughness", "float", "M")
         + link("metalness", "float", "P", "outz"),
         nodes,
-    ).surface  # fmt: skip
+    ).surface
     base, rough, metal = surface.base_color, surface.roughness, surface.metallic
     assert (base.color_space, base.channel, base.uv_scale) == ("sRGB", "rgb", (3.0, 2.0))  # type: ignore[union-attr]
     assert (rough.color_space, rough.channel) == ("raw", "g")  # type: ignore[union-attr]
@@ -159,8 +170,9 @@ def test_graphs_with_interfaces_and_prefixes(read: Read, tmp_path: Path) -> None
 
 
 def test_a_stated_size_of_the_picture_in_the_world(read: Read, tmp_path: Path) -> None:
-    inner = number("realworldimagesize", "50, 25", "vector2", unittype="distance",
-                   unit="centimeter") + number("uvoffset", "0.5, 1", "vector2")  # fmt: skip
+    inner = number(
+        "realworldimagesize", "50, 25", "vector2", unittype="distance", unit="centimeter"
+    ) + number("uvoffset", "0.5, 1", "vector2")
     base = read(
         link("base_color", "color3", "A"), image("A", "maps/a.png", node="tiledimage", inner=inner)
     )
@@ -190,20 +202,26 @@ def test_place2d_is_the_transform_of_the_specification(read: Read) -> None:
 
 
 def test_what_does_not_map_is_named(read: Read) -> None:
-    nodes = '<noise2d name="Grain" type="float"/>' + image("A", "maps/a.png") + image(
-        "B", "maps/b.png"
-    ) + (
-        f'<multiply name="Both" type="color3">{link("in1", "color3", "A")}'
-        f"{link('in2', 'color3', 'B')}</multiply>"
-    )  # fmt: skip
+    nodes = (
+        '<noise2d name="Grain" type="float"/>'
+        + image("A", "maps/a.png")
+        + image("B", "maps/b.png")
+        + (
+            f'<multiply name="Both" type="color3">{link("in1", "color3", "A")}'
+            f"{link('in2', 'color3', 'B')}</multiply>"
+        )
+    )
     losses = " | ".join(
         read(
-            link("metalness", "float", "Grain") + link("base_color", "color3", "Both")
-            + number("sheen", 0.5) + number("transmission", 0.3) + number("subsurface", 0.1)
+            link("metalness", "float", "Grain")
+            + link("base_color", "color3", "Both")
+            + number("sheen", 0.5)
+            + number("transmission", 0.3)
+            + number("subsurface", 0.1)
             + number("emission", 1.0),
             nodes,
         ).losses
-    )  # fmt: skip
+    )
     lost = "noise2d", "Both.in2: ND_multiply_color3 of two textures", "transmission", "emission"
     for name in (*lost, "sheen", "subsurface"):
         assert name in losses
@@ -240,9 +258,12 @@ def test_images_of_gltf(read: Read) -> None:
 
 def test_lobes_without_weight_and_defaults_are_not_named(read: Read) -> None:
     inputs = (
-        number("coat", 0.0) + number("coat_color", "1, 0, 0", "color3") + number("sheen", 0.0)
-        + number("sheen_color", "0, 1, 0", "color3") + number("specular_anisotropy", 0.0)
-    )  # fmt: skip
+        number("coat", 0.0)
+        + number("coat_color", "1, 0, 0", "color3")
+        + number("sheen", 0.0)
+        + number("sheen_color", "0, 1, 0", "color3")
+        + number("specular_anisotropy", 0.0)
+    )
     assert read(inputs).losses == ()
 
 

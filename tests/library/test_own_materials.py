@@ -23,12 +23,13 @@ from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface
 
 Folder = Callable[..., Path]
 
-AMBIENTCG = (
-    "Wood043_1K-JPG_Color.png", "Wood043_1K-JPG_NormalGL.png", "Wood043_1K-JPG_NormalDX.png",
-    "Wood043_1K-JPG_Roughness.png", "Wood043_1K-JPG_Metalness.png",
-    "Wood043_1K-JPG_Displacement.png", "Wood043_1K-JPG_AmbientOcclusion.png",
-    "Wood043_1K-JPG_Opacity.png",
-)  # fmt: skip
+AMBIENTCG = tuple(
+    """
+    Wood043_1K-JPG_Color.png Wood043_1K-JPG_NormalGL.png Wood043_1K-JPG_NormalDX.png
+    Wood043_1K-JPG_Roughness.png Wood043_1K-JPG_Metalness.png Wood043_1K-JPG_Displacement.png
+    Wood043_1K-JPG_AmbientOcclusion.png Wood043_1K-JPG_Opacity.png
+    """.split()
+)
 
 
 def write_picture(path: Path, *, width: int = 4, height: int = 4, channels: int = 3) -> Path:
@@ -177,8 +178,10 @@ def test_in_metres_a_tile_covers_its_size(folder: Folder, across: bool) -> None:
     material = read_material(folder("a_Color.png"), physical_size=(2.0, 0.5))
     base = replace(
         material.textures["base_color"],
-        uv_scale=(3.0, 2.0), uv_rotation=30.0, uv_translation=(0.1, 0.2),
-    )  # fmt: skip
+        uv_scale=(3.0, 2.0),
+        uv_rotation=30.0,
+        uv_translation=(0.1, 0.2),
+    )
     material = replace(material, surface=replace(material.surface, base_color=base))
     placed = material.in_metres("./textures", across=across).base_color
     turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]) if across else np.eye(3)
@@ -235,9 +238,13 @@ def test_constants() -> None:
     assert (surface.base_color, surface.roughness) == ((0.1, 0.2, 0.3), 0.25)
     assert surface.metallic == 1.0
     bad = [
-        {"base_color": 0.5}, {"roughness": 2.0}, {"gloss": 0.5}, {"normal": (0, 0, 1)},
-        {"metallic": float("nan")}, {"roughness": "rough"},
-    ]  # fmt: skip
+        {"base_color": 0.5},
+        {"roughness": 2.0},
+        {"gloss": 0.5},
+        {"normal": (0, 0, 1)},
+        {"metallic": float("nan")},
+        {"roughness": "rough"},
+    ]
     for mistake in bad:
         with pytest.raises(InputError):
             from_constants(mistake)

@@ -30,9 +30,13 @@ def surface(kind: str, interpolations: Mapping[str, str] | None = None, **said: 
 def curves(points: Any, kind: str = "BasisCurves", width: float = 0.1, **said: Any) -> Surface:
     counts = said.pop("counts", [len(points)])
     return surface(
-        kind, {"widths": "constant"}, points=[Gf.Vec3f(*map(float, p)) for p in points],
-        curveVertexCounts=counts, widths=[width], **said,
-    )  # fmt: skip
+        kind,
+        {"widths": "constant"},
+        points=[Gf.Vec3f(*map(float, p)) for p in points],
+        curveVertexCounts=counts,
+        widths=[width],
+        **said,
+    )
 
 
 def axis(found: Surface, sides: int = 12) -> Array:
@@ -111,20 +115,30 @@ def test_hermite_curves_are_scipys() -> None:
 
 
 def test_a_nurbs_curve_with_weights_is_a_circle() -> None:
-    found = axis(curves(
-        [(1, 0, 0), (1, 1, 0), (0, 1, 0)], "NurbsCurves", order=[3],
-        knots=[0.0, 0, 0, 1, 1, 1], pointWeights=[1.0, np.sqrt(0.5), 1.0],
-    ))  # fmt: skip
+    found = axis(
+        curves(
+            [(1, 0, 0), (1, 1, 0), (0, 1, 0)],
+            "NurbsCurves",
+            order=[3],
+            knots=[0.0, 0, 0, 1, 1, 1],
+            pointWeights=[1.0, np.sqrt(0.5), 1.0],
+        )
+    )
     assert np.abs(np.linalg.norm(found, axis=1) - 1.0).max() < 1e-6
     assert len(found) == 7
 
 
 def test_two_nurbs_curves_have_their_own_knots_and_ranges() -> None:
-    found = axis(curves(
-        [(0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 1, 0), (7, 0, 0)], "NurbsCurves", counts=[2, 3],
-        order=[2, 3], knots=[0.0, 0, 1, 1, 0, 0, 0, 2, 2, 2],
-        ranges=[Gf.Vec2d(0, 0.5), Gf.Vec2d(0, 2)],
-    ))  # fmt: skip
+    found = axis(
+        curves(
+            [(0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 1, 0), (7, 0, 0)],
+            "NurbsCurves",
+            counts=[2, 3],
+            order=[2, 3],
+            knots=[0.0, 0, 1, 1, 0, 0, 0, 2, 2, 2],
+            ranges=[Gf.Vec2d(0, 0.5), Gf.Vec2d(0, 2)],
+        )
+    )
     assert np.abs(found[:2] - [[0, 0, 0], [0.5, 0, 0]]).max() < 1e-6
     assert np.abs(found[[2, 5, 8]] - [[5, 0, 0], [6, 0.5, 0], [7, 0, 0]]).max() < 1e-6
 
@@ -132,10 +146,14 @@ def test_two_nurbs_curves_have_their_own_knots_and_ranges() -> None:
 def test_widths_follow_their_interpolation() -> None:
     def wide(interpolation: str, widths: list[float]) -> Array:
         found = surface(
-            "BasisCurves", {"widths": interpolation}, type="cubic", basis="bspline",
+            "BasisCurves",
+            {"widths": interpolation},
+            type="cubic",
+            basis="bspline",
             points=[Gf.Vec3f(float(k % 5), float(k // 5), 0) for k in range(10)],
-            curveVertexCounts=[5, 5], widths=widths,
-        )  # fmt: skip
+            curveVertexCounts=[5, 5],
+            widths=widths,
+        )
         assert found.mesh is not None, found.losses
         at = found.mesh.points.reshape(2, 13, 12, 3)
         reach = np.linalg.norm(at - at.mean(axis=2, keepdims=True), axis=3).mean(axis=2)
@@ -153,10 +171,14 @@ def test_widths_follow_their_interpolation() -> None:
 
 def test_curves_with_normals_are_ribbons() -> None:
     found = surface(
-        "BasisCurves", {"widths": "constant", "normals": "vertex"}, type="linear",
-        points=[Gf.Vec3f(0, 0, 0), Gf.Vec3f(2, 0, 0)], curveVertexCounts=[2], widths=[0.5],
+        "BasisCurves",
+        {"widths": "constant", "normals": "vertex"},
+        type="linear",
+        points=[Gf.Vec3f(0, 0, 0), Gf.Vec3f(2, 0, 0)],
+        curveVertexCounts=[2],
+        widths=[0.5],
         normals=[Gf.Vec3f(0, 0, 1)] * 2,
-    )  # fmt: skip
+    )
     assert found.mesh is not None and found.double_sided
     a, b, c = np.moveaxis(found.mesh.points[found.mesh.triangles], 1, 0)
     assert 0.5 * np.cross(b - a, c - a).sum(axis=0) == pytest.approx([0.0, 0.0, 1.0])
@@ -189,11 +211,16 @@ def test_many_curves_have_few_sides_and_no_widths_are_told() -> None:
 def test_a_patch_with_weights_is_a_cylinder_that_faces_outwards() -> None:
     arc = [(1, 0), (1, 1), (0, 1)]
     found = surface(
-        "NurbsPatch", uVertexCount=3, vVertexCount=2, uOrder=3, vOrder=2,
-        uKnots=[0.0, 0, 0, 1, 1, 1], vKnots=[0.0, 0, 1, 1],
+        "NurbsPatch",
+        uVertexCount=3,
+        vVertexCount=2,
+        uOrder=3,
+        vOrder=2,
+        uKnots=[0.0, 0, 0, 1, 1, 1],
+        vKnots=[0.0, 0, 1, 1],
         points=[Gf.Vec3f(float(x), float(y), float(z)) for z in (0, 2) for x, y in arc],
         pointWeights=[1.0, np.sqrt(0.5), 1.0] * 2,
-    )  # fmt: skip
+    )
     mesh = found.mesh
     assert mesh is not None and mesh.normals is not None
     assert np.abs(np.linalg.norm(mesh.points[:, :2], axis=1) - 1.0).max() < 1e-6
@@ -218,14 +245,29 @@ def test_points_are_balls_of_their_widths(count: int) -> None:
 
 @pytest.mark.parametrize("said", [True, False])
 def test_tetrahedra_show_their_outside(said: bool) -> None:
-    more = {"surfaceFaceVertexIndices": [Gf.Vec3i(*row) for row in (
-        (0, 2, 1), (0, 1, 3), (0, 3, 4), (0, 4, 2), (1, 2, 3), (2, 4, 3),
-    )]} if said else {}  # fmt: skip
+    more = (
+        {
+            "surfaceFaceVertexIndices": [
+                Gf.Vec3i(*row)
+                for row in (
+                    (0, 2, 1),
+                    (0, 1, 3),
+                    (0, 3, 4),
+                    (0, 4, 2),
+                    (1, 2, 3),
+                    (2, 4, 3),
+                )
+            ]
+        }
+        if said
+        else {}
+    )
     found = surface(
-        "TetMesh", points=[Gf.Vec3f(*p) for p in (
-            (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0))],
-        tetVertexIndices=[Gf.Vec4i(0, 1, 2, 3), Gf.Vec4i(0, 2, 4, 3)], **more,
-    )  # fmt: skip
+        "TetMesh",
+        points=[Gf.Vec3f(*p) for p in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0))],
+        tetVertexIndices=[Gf.Vec4i(0, 1, 2, 3), Gf.Vec4i(0, 2, 4, 3)],
+        **more,
+    )
     assert volume(found) == pytest.approx(2.0 / 6.0)
     assert found.mesh is not None and len(found.mesh.faces) == 6
 
@@ -273,8 +315,11 @@ def test_nurbs_without_knots_go_straight_through_their_points() -> None:
 
 
 def test_one_width_is_that_of_all_and_others_that_do_not_fit_their_mean() -> None:
-    line: dict[str, Any] = {"points": [Gf.Vec3f(0, 0, 0), Gf.Vec3f(0, 0, 2)], "type": "linear",
-                            "curveVertexCounts": [2]}  # fmt: skip
+    line: dict[str, Any] = {
+        "points": [Gf.Vec3f(0, 0, 0), Gf.Vec3f(0, 0, 2)],
+        "type": "linear",
+        "curveVertexCounts": [2],
+    }
     one = surface("BasisCurves", {"widths": "vertex"}, widths=[0.2], **line)
     assert volume(one) == pytest.approx(np.pi * 0.1**2 * 2.0)
     three = surface("BasisCurves", {"widths": "vertex"}, widths=[0.1, 0.2, 0.3], **line)
