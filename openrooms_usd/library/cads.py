@@ -229,7 +229,7 @@ def folder_cads(folder: Path) -> list[Cad]:
     """The meshes of a folder and of those below it, with what its ``index.json`` says of them.
 
     Args:
-        folder: Holds meshes; see `openrooms_usd.scan.models.folder.cad_files`. The index may also
+        folder: Holds meshes; see `cad_files`. The index may also
             say where a CAD's ``front`` looks once its vertical is turned to Z.
 
     Raises:
