@@ -162,11 +162,11 @@ _NAMED: Final = {"medallions": medallions, "waffle": waffle, "puckers": puckers}
 def _fabric(told: dict[str, Any]) -> Fabric:
     """A cloth of the table."""
     weave, *given = told.pop("weave")
-    yarns = {name: _yarn(**told.pop(name)) for name in ("warp", "weft")}
-    dye = getattr(dyes, told.pop("dye", "PLAIN"))
-    named = {name: _NAMED[told.pop(name)] for name in ("figure", "shape") if name in told}
-    uses = {"uses": frozenset(told.pop("uses"))} if "uses" in told else {}
-    return Fabric(weave=_WEAVES[weave](*given), dye=dye, **yarns, **named, **uses, **told)
+    made: dict[str, Any] = {name: _yarn(**told.pop(name)) for name in ("warp", "weft")}
+    made["dye"] = getattr(dyes, told.pop("dye", "PLAIN"))
+    made |= {name: _NAMED[told.pop(name)] for name in ("figure", "shape") if name in told}
+    made |= {"uses": frozenset(told.pop("uses"))} if "uses" in told else {}
+    return Fabric(weave=_WEAVES[weave](*given), **made, **told)
 
 
 WOVEN: Final = {n: _fabric(told) for n, told in read_table(__file__, "cloths.toml").items()}
