@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
-from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.lights import Portal, connect_portals, define_mesh_light, define_portal
 from openrooms_usd.usd.materials import define_preview_surface
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 from openrooms_usd.usd.surfaces import PreviewSurface
 
 # Corners of a cube, and its sides as they are seen from outside; the last is at +Y.

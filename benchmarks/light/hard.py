@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
 
+from openrooms_usd.usd.lights import Portal, connect_portals, define_portal
 from openrooms_usd.usd.materials import define_preview_surface
-from openrooms_usd.usd.portals import Portal, connect_portals, define_portal
 from openrooms_usd.usd.surfaces import PreviewSurface
 
 Point = Sequence[float]

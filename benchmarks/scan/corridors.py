@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.scan.rooms import Array, Ints, Part, SimulatedRoom
 from openrooms_usd import names
-from openrooms_usd.usd.taxonomies import number_of
+from openrooms_usd.usd.semantics import number_of
 
 # How deep a corridor is, and how far it goes on to the sides of its door, metres.
 CORRIDOR: Final = (1.4, 1.6)

@@ -11,6 +11,60 @@ from orusd_gltf.document import Document, Object, numbers
 
 Array = NDArray[np.float64]
 
+
+EXTENSION: Final = "EXT_mesh_gpu_instancing"
+_AT_REST: Final = {
+    "translation": (0.0, 0.0, 0.0),
+    "rotation": (0.0, 0.0, 0.0, 1.0),
+    "scale": (1.0, 1.0, 1.0),
+}
+
+
+def gather_instances(document: Document) -> None:
+    """Draw each mesh that several nodes show by one node; theirs stay, with their names.
+
+    What is mirrored or sheared keeps a node of its own.
+    """
+    nodes = document.objects.get("nodes", [])
+    groups: dict[int, list[tuple[int, Object]]] = {}
+    for number, world in _worlds(document):
+        steps = steps_of(world)
+        if "mesh" in nodes[number] and len(steps) == 1 and np.linalg.det(world[:3, :3]) > 0:
+            groups.setdefault(nodes[number]["mesh"], []).append((number, steps[0]))
+    for mesh, found in sorted(groups.items()):
+        if len(found) < 2:
+            continue
+        prims = [nodes[number]["extras"]["prim"] for number, _ in found]
+        for number, _ in found:
+            del nodes[number]["mesh"]
+        attributes = {
+            name.upper(): document.accessor(
+                np.array([step.get(name, rest) for _, step in found], dtype=np.float32)
+            )
+            for name, rest in _AT_REST.items()
+        }
+        document.use(EXTENSION, required=True)
+        node: Object = {
+            "name": f"{document.objects['meshes'][mesh]['name']}_instances",
+            "mesh": mesh,
+            "extras": {"prims": prims},
+            "extensions": {EXTENSION: {"attributes": attributes}},
+        }
+        document.roots.append(document.add("nodes", node))
+
+
+def _worlds(document: Document) -> list[tuple[int, Array]]:
+    """Every node and its place, in the order of their numbers."""
+    nodes = document.objects.get("nodes", [])
+    found: dict[int, Array] = {}
+    todo = [(number, np.eye(4)) for number in document.roots]
+    while todo:
+        number, above = todo.pop()
+        found[number] = above @ transform_of(nodes[number])
+        todo += [(child, found[number]) for child in nodes[number].get("children", [])]
+    return sorted(found.items(), key=lambda item: item[0])
+
+
 # Cosine of the angle between two axes below which they count as square to each other.
 _SQUARE_COS: Final = 1e-6
 _IDENTITY: Final[Object] = {
@@ -146,8 +200,11 @@ def quaternion(rotation: Array) -> Array:
     else:
         i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
         q[i], q[j], q[k], q[3] = (
-            squares[i], m[j, i] + m[i, j], m[k, i] + m[i, k], m[k, j] - m[j, k],
-        )  # fmt: skip
+            squares[i],
+            m[j, i] + m[i, j],
+            m[k, i] + m[i, k],
+            m[k, j] - m[j, k],
+        )
     q /= np.linalg.norm(q)
     # What is smaller is rounding; zeros are shorter.
     q[np.abs(q) < 1e-12] = 0.0

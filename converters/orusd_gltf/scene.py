@@ -10,19 +10,14 @@ from pxr import Usd, UsdPhysics
 from openrooms_usd.convert import Report
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.cameras import list_cameras
-from openrooms_usd.usd.lights import Light, MeshLight, read_lights
+from openrooms_usd.usd.lights import Light, MeshLight, read_lights, read_portals
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
-from openrooms_usd.usd.portals import read_portals
 from orusd_gltf.baked import LIGHTMAP, BakedLight, area_of, list_atlases, place_of
-from orusd_gltf.cameras import add_camera, authored_stops
-from orusd_gltf.document import INDICES, VERTICES, Document, Object
-from orusd_gltf.draco import packed_primitive
+from orusd_gltf.document import INDICES, VERTICES, Document, Object, packed_primitive
 from orusd_gltf.geometry import Vertices, vertices
-from orusd_gltf.hierarchy import Hierarchy
-from orusd_gltf.instancing import gather_instances
-from orusd_gltf.lamps import EXTENSION, Lamp, add_glow, add_light
-from orusd_gltf.looks import Look, Looks
-from orusd_gltf.materials import Material, add_material
+from orusd_gltf.hierarchy import Hierarchy, gather_instances
+from orusd_gltf.lamps import EXTENSION, Lamp, add_camera, add_glow, add_light, authored_stops
+from orusd_gltf.materials import Look, Looks, Material, add_material
 from orusd_gltf.options import Options
 from orusd_gltf.pictures import Pictures
 from orusd_gltf.unlit import NO_GLOSS, UNSEEN, UnlitSurfaces
@@ -211,9 +206,14 @@ class _Translation:
         shown = look.key, mesh.double_sided, radiance
         if shown not in self._materials:
             self._materials[shown] = made = add_material(
-                self.document, self._pictures, look.preview, name=look.name,
-                double_sided=mesh.double_sided, radiance=radiance, brighter=self._factor,
-            )  # fmt: skip
+                self.document,
+                self._pictures,
+                look.preview,
+                name=look.name,
+                double_sided=mesh.double_sided,
+                radiance=radiance,
+                brighter=self._factor,
+            )
             self._tell(look, made.losses)
         return self._materials[shown]
 

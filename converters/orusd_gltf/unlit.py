@@ -13,7 +13,7 @@ from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 from orusd_gltf.baked import BakedLight
 from orusd_gltf.document import Document, Object, numbers
 from orusd_gltf.geometry import Coordinates, Vertices, vertices
-from orusd_gltf.looks import Look, Rows
+from orusd_gltf.materials import Look, Rows
 from orusd_gltf.pictures import encoded
 
 EXTENSION: Final = "KHR_materials_unlit"

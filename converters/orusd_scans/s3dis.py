@@ -17,7 +17,7 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.usd.taxonomies import class_of, number_of
+from openrooms_usd.usd.semantics import class_of, number_of
 from orusd_scans.formats.pointtext import read_text
 from orusd_scans.packing import packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in

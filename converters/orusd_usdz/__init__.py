@@ -1,8 +1,8 @@
 """A stage as one USDZ file, in profiles: what those who open it can do with.
 
 Importing this package does not import USD. `profiles` is the table; `exporter` is registered as
-entry point; `adapting` makes one plain layer of a stage for those who read no more, with its
-`textures`; `leaving` says what is left out where the layers stay.
+entry point, and says what is left out where the layers stay; `adapting` makes one plain layer of a
+stage, with its textures, for those who read no more.
 """
 
 from orusd_usdz.exporter import UsdzExporter

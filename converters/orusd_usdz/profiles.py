@@ -29,12 +29,10 @@ class Profile:
 
 
 # In Apple's rules (usdchecker --arkit) core types but instancers, curves, patches and lights.
-_ARKIT_TYPES: Final = frozenset(
-    {
-        "", "Scope", "Xform", "Camera", "Shader", "Material", "GeomSubset",
-        "Mesh", "Sphere", "Cube", "Cylinder", "Cone", "Capsule", "Points",
-    }
-)  # fmt: skip
+_ARKIT_NAMES: Final = """
+    Scope Xform Camera Shader Material GeomSubset Mesh Sphere Cube Cylinder Cone Capsule Points
+"""
+_ARKIT_TYPES: Final = frozenset(("", *_ARKIT_NAMES.split()))
 
 DEFAULT: Final = "default"
 PROFILES: Final[dict[str, Profile]] = {

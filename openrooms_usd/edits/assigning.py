@@ -24,7 +24,7 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.dressing import Chooser
 from openrooms_usd.stages.materials.looks import define_all
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette
-from openrooms_usd.usd.bindings import bound_subsets
+from openrooms_usd.usd.materials import bound_subsets
 from openrooms_usd.usd.semantics import read_label
 
 # Where the materials of edits are.

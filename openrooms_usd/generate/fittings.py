@@ -17,7 +17,7 @@ from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Gap, Side
 from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.shellstyles import ShellStyle
+from openrooms_usd.library.interiors import ShellStyle
 
 # Rooms without heating, and those with sockets beside basins alone.
 _UNHEATED: Final = frozenset({"closet", "garage", "storage"})

@@ -10,7 +10,7 @@ from typing import Final
 
 from openrooms_usd.draws import generator
 from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.lamplight import WORK_ROOMS
+from openrooms_usd.library.beams import WORK_ROOMS
 
 
 @dataclass(frozen=True)

@@ -218,9 +218,9 @@ def _define_joints(
     """
     from pxr import Gf, UsdGeom
 
-    from openrooms_usd.usd.joints import author_joint
+    from openrooms_usd.usd.frames import author_placement
+    from openrooms_usd.usd.physics import author_joint
     from openrooms_usd.usd.semantics import label_part
-    from openrooms_usd.usd.transforms import author_placement
 
     groups: dict[str, tuple[Sdf.Path, tuple[float, float, float]]] = {}
     for joint in model.joints:

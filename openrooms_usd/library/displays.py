@@ -57,9 +57,12 @@ def _desktop(height: int, rng: np.random.Generator) -> Array:
 
 
 def _window(
-    shown: Array, x: Array, y: Array, box: tuple[float, float, float, float],
+    shown: Array,
+    x: Array,
+    y: Array,
+    box: tuple[float, float, float, float],
     rng: np.random.Generator,
-) -> None:  # fmt: skip
+) -> None:
     """Draw a window over a picture: a title bar and lines of text or code."""
     left, top, right, bottom = box
     inner = (x > left) & (x < right) & (y > top) & (y < bottom)

@@ -13,9 +13,8 @@ import numpy as np
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.assignment.rooms import Place, families_of, substance_of
 from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.finish import Finish
-from openrooms_usd.library.finishes import FINISHES
-from openrooms_usd.library.interior import Color, Interior
+from openrooms_usd.library.finishes import FINISHES, Finish
+from openrooms_usd.library.interiors import Color, Interior
 
 Role = Literal["light", "deep", "accent"]
 

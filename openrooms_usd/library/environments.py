@@ -17,34 +17,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import luminance
+from openrooms_usd.errors import InputError
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.sunlight import RGB_FROM_XYZ
+from openrooms_usd.tables import read_table
+from openrooms_usd.usd.textures import color_space, read_texture
 
 Array = NDArray[np.float64]
 
-# Preetham, Shirley, Smits: A Practical Analytic Model for Daylight (SIGGRAPH 1999), appendix A.2:
-# Perez coefficients A..E of Y, x and y, each linear in the turbidity (slope, offset).
-_PEREZ: Final = np.array(
-    [
-        [(0.1787, -1.4630), (-0.3554, 0.4275), (-0.0227, 5.3251), (0.1206, -2.5771),
-         (-0.0670, 0.3703)],
-        [(-0.0193, -0.2592), (-0.0665, 0.0008), (-0.0004, 0.2125), (-0.0641, -0.8989),
-         (-0.0033, 0.0452)],
-        [(-0.0167, -0.2608), (-0.0950, 0.0092), (-0.0079, 0.2102), (-0.0441, -1.6537),
-         (-0.0109, 0.0529)],
-    ]
-)  # fmt: skip
-# Zenith chromaticity x and y: (T^2, T, 1) times matrix times (s^3, s^2, s, 1), s the sun's angle.
-_ZENITH: Final = np.array(
-    [
-        [[0.00166, -0.00375, 0.00209, 0.0],
-         [-0.02903, 0.06377, -0.03202, 0.00394],
-         [0.11693, -0.21196, 0.06052, 0.25886]],
-        [[0.00275, -0.00610, 0.00317, 0.0],
-         [-0.04214, 0.08970, -0.04153, 0.00516],
-         [0.15346, -0.26756, 0.06670, 0.26688]],
-    ]
-)  # fmt: skip
+_TABLES: Final = read_table(__file__, "preetham.toml")
+_PEREZ: Final = np.array(_TABLES["perez"])
+_ZENITH: Final = np.array(_TABLES["zenith"])
 
 # Scene-linear base colours of what stands and lies outside, and of sunlight.
 _LAWN: Final = np.array([0.092, 0.112, 0.055])
@@ -108,9 +91,12 @@ def make_sky(
     way = directions(height)
     elevation, azimuth = math.radians(sun_elevation), math.radians(sun_azimuth)
     sun = np.array(
-        [math.cos(elevation) * math.cos(azimuth), math.cos(elevation) * math.sin(azimuth),
-         math.sin(elevation)]
-    )  # fmt: skip
+        [
+            math.cos(elevation) * math.cos(azimuth),
+            math.cos(elevation) * math.sin(azimuth),
+            math.sin(elevation),
+        ]
+    )
     sky = _sky(way, sun, turbidity) + _sun(way, sun, sun_illuminance, math.radians(sun_spread))
     lit = horizontal_illuminance(sky)
     land, cover = _land(way, rng, sun, lit)
@@ -223,3 +209,86 @@ def _rounded(pixels: NDArray[np.float32], bits: int = 8) -> NDArray[np.float32]:
 
 if __name__ == "__main__":
     write_exr(Path(sys.argv[1]), _rounded(make_sky()))
+
+
+_LARGEST: Final = float(np.finfo(np.float32).max)
+
+
+def read_panorama(path: str) -> NDArray[np.float32]:
+    """Read a latitude-longitude picture with linear pixels, such as HDR or EXR.
+
+    Args:
+        path: The picture.
+
+    Returns:
+        (H, 2 H, 3) finite, not negative.
+
+    Raises:
+        InputError: It cannot be read, is encoded for a display, has another shape, or a pixel is no
+            radiance.
+    """
+    if color_space(path) == "sRGB":
+        raise InputError(
+            "8 bits a colour are made for displays and hold no radiance",
+            place=path,
+            remedy="give an HDR or EXR picture, with linear pixels",
+        )
+    pixels = read_texture(path)
+    height, width, channels = pixels.shape
+    if width != 2 * height:
+        raise InputError(
+            f"{width} x {height} pixels are no latitude-longitude picture",
+            place=path,
+            remedy="give a panorama that is twice as wide as high",
+        )
+    if channels < 3:
+        pixels = np.repeat(pixels[..., :1], 3, axis=2)
+    pixels = np.ascontiguousarray(pixels[..., :3])
+    _check_pixels(pixels, path)
+    return pixels
+
+
+def scaled_to_nits(
+    pixels: NDArray[np.float32], path: str, *, illuminance: float | None, scale: float | None
+) -> NDArray[np.float32]:
+    """Bring a panorama to nits.
+
+    Args:
+        pixels: (H, 2 H, 3) of `read_panorama`.
+        path: Where it is from, for messages.
+        illuminance: Horizontal illuminance that it shall give, lux.
+        scale: Nits for one unit of its pixels, when no illuminance is given; 1 by default.
+
+    Raises:
+        InputError: It is black where the illuminance comes from, or becomes too bright to store.
+    """
+    factor = 1.0 if scale is None else scale
+    if illuminance is not None:
+        given = horizontal_illuminance(pixels)
+        if given <= 0.0:
+            raise InputError(
+                "its upper half is black: no factor gives an illuminance",
+                place=path,
+                remedy="remove illuminance, or give another picture",
+            )
+        factor = illuminance / given
+    brightest = float(pixels.max()) * factor
+    if brightest > _LARGEST:
+        raise InputError(
+            f"its brightest pixel would have {brightest:.3g} nits, more than a float can hold",
+            place=path,
+            remedy="lower scale or illuminance",
+        )
+    return np.asarray(pixels * np.float64(factor), dtype=np.float32)
+
+
+def _check_pixels(pixels: NDArray[np.float32], path: str) -> None:
+    bad = ~np.isfinite(pixels) | (pixels < 0.0)
+    if bad.any():
+        row, column, channel = (int(i[0]) for i in np.nonzero(bad))
+        raise InputError(
+            f"pixel ({column}, {row}) has {'RGB'[channel]} = {pixels[row, column, channel]}, which "
+            f"is no radiance ({int(bad.any(axis=-1).sum())} such pixels)",
+            place=path,
+            remedy="mend the picture: radiance is finite and not negative",
+        )

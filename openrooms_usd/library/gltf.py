@@ -11,8 +11,7 @@ from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.pieces import Piece, Reading
-from openrooms_usd.scan.models.glb import glb_header
-from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
+from openrooms_usd.scan.models.meshscene import ShownMesh, glb_header, shown_meshes
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.materials import PreviewSurface

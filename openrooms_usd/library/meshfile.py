@@ -40,8 +40,11 @@ MAX_LENGTH_M: Final = 100.0
 _Z_UP_FROM_Y_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 # Cosine and sine of the turn about Z that brings the front to -Y.
 _TURNS: Final[dict[Front, tuple[int, int]]] = {
-    "-Y": (1, 0), "+X": (0, -1), "+Y": (-1, 0), "-X": (0, 1),
-}  # fmt: skip
+    "-Y": (1, 0),
+    "+X": (0, -1),
+    "+Y": (-1, 0),
+    "-X": (0, 1),
+}
 
 
 def read_model(
@@ -124,12 +127,15 @@ def _posture(
     suffix = path.suffix.lower()
     fixed = suffix in (*USD_SUFFIXES, _URDF)
     return posture(
-        points.min(axis=0).tolist(), points.max(axis=0).tolist(),
-        Posture(reading.up, reading.unit), usual,
+        points.min(axis=0).tolist(),
+        points.max(axis=0).tolist(),
+        Posture(reading.up, reading.unit),
+        usual,
         up=up or (reading.up if fixed else None),
         unit=unit or (reading.unit if fixed else None),
-        size=size, stated=suffix == ".glb",
-    )  # fmt: skip
+        size=size,
+        stated=suffix == ".glb",
+    )
 
 
 def _turn(up: Up, front: Front) -> NDArray[np.float64]:

@@ -164,10 +164,11 @@ def _odd(best: Posture, sides: Array, usual: Usual, others: Sequence[Posture]) -
     if usual.beyond(box).max() <= _TOLD:
         return
     fitting = [
-        one for one in others
+        one
+        for one in others
         if usual.beyond(one.unit * standing(sides, one.up)).max() <= _TOLD
         and usual.misfit(one.unit * standing(sides, one.up)) < usual.misfit(box)
-    ]  # fmt: skip
+    ]
     nearest = min(
         fitting, key=lambda one: usual.misfit(one.unit * standing(sides, one.up)), default=None
     )

@@ -9,21 +9,15 @@ import numpy as np
 from openrooms_usd.geometry.grain import LONG_RATIO, along_grain, shifted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.assignment.kinds import kind_of
+from openrooms_usd.tables import read_table
 
-# Upholstered and made of cloth: its threads lie as its makers have laid them.
-_SOFT: Final = frozenset({
-    "back_cushion", "bag", "blanket", "cushion", "curtain", "headboard_pad", "lamp_shade",
-    "mattress", "pillow", "rug", "seat_cushion", "sheer", "sheet",
-})  # fmt: skip
+_TABLES: Final = read_table(__file__, "timber.toml")
+_SOFT: Final = frozenset(_TABLES["soft"])
+_BOARDS: Final = frozenset(_TABLES["boards"])
 # The grain of these is upright, however wide they are.
 _UPRIGHT: Final = frozenset({"door"})
 # Of one sheet, sawn where the gaps are: their texture goes on from one to the next.
 _SHEET: Final = frozenset({"door", "drawer_front"})
-# Made of boards whose ends are seen.
-_BOARDS: Final = frozenset({
-    "bar_stretcher", "countertop", "leg", "post", "rail", "seat", "shelf", "slat", "step",
-    "tabletop",
-})  # fmt: skip
 # Tiles begin where they are laid.
 _LAID: Final = frozenset({"panel"})
 # Parts take their texture from anywhere within so many metres.

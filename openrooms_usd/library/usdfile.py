@@ -111,9 +111,8 @@ def _mesh(placed: "PlacedMesh") -> Mesh:
 
 def _surface(placed: "PlacedMesh", path: Path, notes: list[str]) -> "PreviewSurface | None":
     """The bound material, without pictures from outside the model's folder."""
-    from openrooms_usd.usd.bindings import bound_material
     from openrooms_usd.usd.materialreader import read_preview_surface
-    from openrooms_usd.usd.materials import PreviewSurface, Texture
+    from openrooms_usd.usd.materials import PreviewSurface, Texture, bound_material
 
     material = bound_material(placed.prim)
     if not material:

@@ -16,7 +16,7 @@ from openrooms_usd.render.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.render.manifest_schema import AGAIN
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import compressed, run_lengths, tight_box
-from openrooms_usd.usd.taxonomies import COCO_GROUPS, TAXONOMIES, classes
+from openrooms_usd.usd.semantics import COCO_GROUPS, TAXONOMIES, classes
 from openrooms_usd.version import __version__
 
 Plain = dict[str, Any]
@@ -127,7 +127,7 @@ def _category(name: str, number: int, taxonomy: str) -> Plain:
     """A class; those of COCO as its own files have them."""
     above = "structure" if name in names.SHELL else "object"
     if taxonomy == names.COCO:
-        above = next(group for group, members in COCO_GROUPS.items() if name in members.split())
+        above = next(group for group, members in COCO_GROUPS.items() if name in members)
         name = name.replace("_", " ")
     return {"id": number, "name": name, "supercategory": above}
 

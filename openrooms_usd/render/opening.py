@@ -14,8 +14,8 @@ from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.contract import Renderer
 from openrooms_usd.render.plan import choose_cameras
 from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.usd.cameras import set_field_of_view
 from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.fields_of_view import set_field_of_view
 from openrooms_usd.usd.layers import open_stage
 from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.mtlxlayers import read_mtlx_layers

@@ -20,12 +20,12 @@ from openrooms_usd.library import textures
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.showroom.studio import EXPOSURE, softboxes
 from openrooms_usd.usd.cameras import define_camera
+from openrooms_usd.usd.frames import author_placement
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.lights import define_dome
 from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
 from openrooms_usd.usd.meshes import define_mesh
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
-from openrooms_usd.usd.transforms import author_placement
 
 # Of dielectrics in OpenRooms' model.
 _F0: Final = 0.05

@@ -23,12 +23,12 @@ from openrooms_usd.library.environments import directions
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.showroom.exhibits import Exhibit
 from openrooms_usd.usd.cameras import define_camera
+from openrooms_usd.usd.frames import author_placement
 from openrooms_usd.usd.layers import apply_metadata
 from openrooms_usd.usd.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
 from openrooms_usd.usd.meshes import define_mesh
 from openrooms_usd.usd.semantics import read_label
-from openrooms_usd.usd.transforms import author_placement
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from openrooms_usd.errors import StageError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.stages.base import Stage, StageContext, completed, record_of
 from openrooms_usd.stages.draft import Draft
-from openrooms_usd.usd import activation
+from openrooms_usd.usd import layers
 from openrooms_usd.usd import layers as usd_layers
 from openrooms_usd.usd.diagnostics import composition_errors, reason
 from openrooms_usd.usd.preflight import check_stage_file
@@ -150,10 +150,10 @@ def _reactivated(path: Path, stage: str) -> Sdf.Layer | None:
         return None
     if edits is None:
         return None
-    off = activation.deactivations(edits, names.OWNED[stage])
+    off = layers.deactivations(edits, names.OWNED[stage])
     world = edits.GetPrimAtPath(names.WORLD)
     off += [world] if world and not world.active else []
-    activation.reactivate(off)
+    layers.reactivate(off)
     return edits if off else None
 
 

@@ -9,10 +9,10 @@ from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Sdf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd import names
-from openrooms_usd.errors import StageError
+from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.framing import FOV_DEG, framing_view
 from openrooms_usd.geometry.pinhole import (
     intrinsics,
@@ -23,10 +23,15 @@ from openrooms_usd.geometry.pinhole import (
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.arrays import number_of, vector_of
-from openrooms_usd.usd.frames import TIME, local_to_world, meters_per_unit, world_from_stage
+from openrooms_usd.usd.frames import (
+    TIME,
+    author_matrix,
+    local_to_world,
+    meters_per_unit,
+    world_from_stage,
+)
 from openrooms_usd.usd.meshes import MeshReading, read_meshes, world_triangles
-from openrooms_usd.usd.rendersettings import conformed_aperture, is_set
-from openrooms_usd.usd.transforms import author_matrix
+from openrooms_usd.usd.rendersettings import conformed_aperture, is_set, render_settings
 
 Array = NDArray[np.float64]
 
@@ -331,3 +336,33 @@ def _exposure(camera: UsdGeom.Camera) -> float | None:
     if said == [guess] and guess.GetCustomDataByKey(_ESTIMATED) == guess.Get(TIME):
         return None
     return float(camera.ComputeLinearExposureScale(TIME))
+
+
+_LEAST_FIELD_DEG: Final = 1.0
+_MOST_FIELD_DEG: Final = 170.0
+
+
+def set_field_of_view(stage: Usd.Stage, degrees: float) -> None:
+    """Give all cameras of an opened stage a horizontal field of view; its files stay as they are.
+
+    Args:
+        stage: An opened stage.
+        degrees: The angle between the picture's left and right edge.
+
+    Raises:
+        InputError: No picture has such an angle.
+    """
+    if not _LEAST_FIELD_DEG <= degrees <= _MOST_FIELD_DEG:
+        raise InputError(
+            f"a field of view of {degrees:g} degrees makes no picture",
+            remedy=f"give {_LEAST_FIELD_DEG:g} to {_MOST_FIELD_DEG:g}",
+        )
+    with Usd.EditContext(stage, stage.GetSessionLayer()):
+        if (settings := render_settings(stage)) is not None:
+            # Else the horizontal field of view may follow from the vertical one.
+            policy = settings.GetAspectRatioConformPolicyAttr()
+            policy.Set(UsdRender.Tokens.adjustApertureHeight)
+        for prim in list_cameras(stage):
+            camera = UsdGeom.Camera(prim)
+            aperture = number_of(camera.GetHorizontalApertureAttr().Get(TIME)) or 0.0
+            camera.GetFocalLengthAttr().Set(0.5 * aperture / math.tan(math.radians(degrees) / 2.0))

@@ -20,8 +20,8 @@ from openrooms_usd.geometry.splines import (
 )
 from openrooms_usd.geometry.strands import Strands, ribbons, tubes
 from openrooms_usd.usd.arrays import integers, numbers
-from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.tessellation import Drawn
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -14,9 +14,8 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
 from openrooms_usd.usd.arrays import array_of, flattened, in_rows
-from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.tessellation import tessellate
+from openrooms_usd.usd.tessellation import Drawn, tessellate
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.subdivided import Subdivided, Topologies

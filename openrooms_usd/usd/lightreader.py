@@ -6,16 +6,15 @@ UsdLux defines the radiance of a light, in nits, as
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Gf, Usd, UsdGeom, UsdLux
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.arrays import number_of, vector_of
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.emitters import (
     CylinderLight,
     DiskLight,
@@ -26,12 +25,12 @@ from openrooms_usd.usd.emitters import (
     RectLight,
     SphereLight,
     UnknownLight,
+    world_area,
+    world_from_prim,
 )
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP, up_axis
-from openrooms_usd.usd.linking import includes_all
 from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import Texture
-from openrooms_usd.usd.photometry import world_area, world_from_prim
+from openrooms_usd.usd.materials import Texture, bound_material
 from openrooms_usd.usd.shaping import read_shaping
 
 Matrix = NDArray[np.float64]
@@ -329,3 +328,45 @@ def ellipsoid_area(a: float, b: float, c: float) -> float:
     p = 1.6075
     mean = ((a * b) ** p + (a * c) ** p + (b * c) ** p) / 3
     return float(4 * math.pi * mean ** (1 / p))
+
+
+class LightLinks:
+    """What the collections ``lightLink`` of the lights of a stage leave out.
+
+    Args:
+        stage: The stage.
+        lights: Its lights; those from afar light everything.
+    """
+
+    def __init__(self, stage: Usd.Stage, lights: Iterable[Light]) -> None:
+        self._queries = {
+            light.path: UsdLux.LightAPI(stage.GetPrimAtPath(light.prim))
+            .GetLightLinkCollectionAPI()
+            .ComputeMembershipQuery()
+            for light in lights
+            if not isinstance(light, DomeLight | DistantLight)
+        }
+        for path, query in tuple(self._queries.items()):
+            if includes_all(query):
+                del self._queries[path]
+
+    def unlit_by(self, path: str) -> tuple[str, ...]:
+        """The lights that do not light a prim; of what an instancer scatters, its own path counts.
+
+        Args:
+            path: The prim's path, perhaps with the numbers of instances.
+        """
+        if not self._queries:
+            return ()
+        prim = Sdf.Path(path.partition("[")[0])
+        return tuple(
+            light for light, query in self._queries.items() if not query.IsPathIncluded(prim)
+        )
+
+
+def includes_all(query: Any) -> bool:
+    """Whether a collection is the whole stage, as it is where nobody wrote one."""
+    return bool(query.GetAsPathExpansionRuleMap() == _EVERYTHING)
+
+
+_EVERYTHING: Final = {Sdf.Path.absoluteRootPath: Usd.Tokens.expandPrims}

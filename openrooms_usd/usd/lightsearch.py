@@ -29,7 +29,7 @@ def read_lights(stage: Usd.Stage) -> list[Light]:
 
     Returns:
         The lights in the order of the stage; those of unknown kinds as
-        `openrooms_usd.usd.emitters.UnknownLight`. One of a point instancer's prototypes is there
+        `UnknownLight`. One of a point instancer's prototypes is there
         for each instance, its path with the instance's number in brackets.
     """
     return list(_Search(stage).lights())

@@ -100,8 +100,10 @@ def _row(section: Literal["types", "properties", "shaders"], name: str) -> Row |
     if name in table:
         return table[name]
     # Names have as many words as their patterns: a star stands for no full stop.
-    return next((row for key, row in table.items() if "*" in key or "[" in key
-                 if fnmatchcase(name, key)), None)  # fmt: skip
+    return next(
+        (row for key, row in table.items() if "*" in key or "[" in key if fnmatchcase(name, key)),
+        None,
+    )
 
 
 @cache

@@ -65,9 +65,12 @@ def read_preview_surface(
     f0 = _part_of_light(network, material, names.MATERIAL_F0)
     pane = _tint(network, material)
     completed = replace(
-        _completed(network, shader, values), transmission=transmission, f0=f0, pane=pane,
+        _completed(network, shader, values),
+        transmission=transmission,
+        f0=f0,
+        pane=pane,
         painted=_painted(network, shader),
-    )  # fmt: skip
+    )
     return completed, tuple(network.losses)
 
 

@@ -83,7 +83,7 @@ class PlacedMesh:
         world_from_local: (4, 4) for column vectors, to the world: Z up, metres.
         double_sided: Whether its back is seen too.
         mirrored: Whether ``world_from_local`` turns the winding round.
-        tints: What point instancers say of it, by primvar (`openrooms_usd.usd.traversal.TINTS`).
+        tints: What point instancers say of it, by primvar (`traversal.TINTS`).
     """
 
     path: str

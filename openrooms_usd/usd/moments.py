@@ -15,7 +15,6 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.usd.arrays import array_of, number_of
 from openrooms_usd.usd.frames import TIME
 from openrooms_usd.usd.rendersettings import is_set
-from openrooms_usd.usd.skinning import has_skin, skin
 from openrooms_usd.usd.traversal import has_whole_rows
 
 # Prototypes of point instancers may be mere overs or classes.
@@ -259,3 +258,55 @@ def _shutter(camera: UsdGeom.Camera, time_code: float | None) -> tuple[float, fl
 
 def _changes(attribute: Usd.Attribute, begin: float, end: float) -> bool:
     return bool(attribute.Get(begin) != attribute.Get(end))
+
+
+# What makes a prim follow joints or blend shapes.
+_INFLUENCES: Final = ("primvars:skel:jointIndices", "skel:blendShapes")
+# What is written of a mesh, or of what is skinned as a whole.
+_MOVED: Final = ("points", "xformOpOrder")
+
+
+def has_skin(prim: Usd.Prim) -> bool:
+    """Whether a prim moves with a skeleton, or holds what does."""
+    return prim.IsA(UsdSkel.Root) or is_skinned(prim)
+
+
+def is_skinned(prim: Usd.Prim) -> bool:
+    """Whether a prim has influences of joints or blend shapes."""
+    return any(prim.GetAttribute(name).HasAuthoredValue() for name in _INFLUENCES)
+
+
+def skin(stage: Usd.Stage, layer: Sdf.Layer) -> dict[str, str]:
+    """Write the posed points of all skinned meshes of a stage that holds still.
+
+    USD's own: linear blend or dual quaternion skinning as each mesh says, blend shapes with
+    in-betweens first. Meshes outside a ``SkelRoot`` are not skinned, which is USD's rule.
+
+    Args:
+        stage: A stage without instances that have something skinned inside.
+        layer: One of its layers that receives the points; roots become ``Xform`` there.
+
+    Returns:
+        By prim path, why it stays in its rest pose.
+    """
+    lost: dict[str, str] = {}
+    for root in [prim for prim in stage.TraverseAll() if prim.IsA(UsdSkel.Root)]:
+        skinned = [prim for prim in Usd.PrimRange(root) if is_skinned(prim)]
+        reason = "its joints or weights do not fit its skeleton"
+        try:
+            with Usd.EditContext(stage, layer):
+                UsdSkel.BakeSkinning(UsdSkel.Root(root), Gf.Interval.GetFullInterval())
+        except Tf.ErrorException as error:
+            reason = str(error.args[0].commentary)
+        for prim in skinned:
+            if not _is_posed(prim, layer):
+                lost[str(prim.GetPath())] = (
+                    f"skinning is left out, drawn in its rest pose: {reason}"
+                )
+    return lost
+
+
+def _is_posed(prim: Usd.Prim, layer: Sdf.Layer) -> bool:
+    """Whether a layer moves a prim or its points."""
+    specs = (layer.GetAttributeAtPath(prim.GetPath().AppendProperty(name)) for name in _MOVED)
+    return any(spec is not None and spec.HasDefaultValue() for spec in specs)

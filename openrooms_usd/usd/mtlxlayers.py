@@ -7,8 +7,9 @@ and definitions of nodes are left out.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
 from xml.etree import ElementTree
@@ -21,14 +22,15 @@ from openrooms_usd.usd.diagnostics import UNREADABLE
 
 _SUFFIX: Final = ".mtlx"
 _ROOT: Final = "/MaterialX"
-_MATERIALS: Final = f"{_ROOT}/Materials"
+MATERIALS: Final = f"{_ROOT}/Materials"
+"""Below it stand the materials of a file."""
+
 _MOST_BYTES: Final = 16 << 20
 _MOST_NESTED: Final = 8
 _MOST_INCLUDES: Final = 64
 _ENTITIES: Final = re.compile(rb"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
 # MaterialX knows no other prefix, and hardly any file declares it.
 _PREFIXED, _INCLUDE = b"xi:include", "include"
-_INHERITED: Final = ("colorspace", "fileprefix")
 # What a material takes, and the output of ours that it becomes.
 _OUTPUTS: Final = {
     "surfaceshader": UsdShade.Tokens.surface,
@@ -51,6 +53,17 @@ _TYPES: Final = {
     "vector4": _Types.Float4,
 }
 _VECTORS: Final = {2: Gf.Vec2f, 3: Gf.Vec3f, 4: Gf.Vec4f}
+_METRES: Final = {
+    "nanometer": 1e-9,
+    "micron": 1e-6,
+    "millimeter": 1e-3,
+    "centimeter": 1e-2,
+    "inch": 0.0254,
+    "foot": 0.3048,
+    "yard": 0.9144,
+    "kilometer": 1e3,
+    "mile": 1609.344,
+}
 
 
 def read_mtlx_layers(stage: Usd.Stage) -> None:
@@ -78,9 +91,23 @@ def read_mtlx_layers(stage: Usd.Stage) -> None:
 
 def _layer_of(file: str) -> Sdf.Layer | None:
     try:
-        return _Document(_elements(file), file).layer()
+        return layer_of(_elements(file), file)
     except (InputError, ElementTree.ParseError, ValueError, *UNREADABLE):
         return None
+
+
+def layer_of(
+    root: ElementTree.Element, file: str, beside: Callable[[str], str | None] | None = None
+) -> Sdf.Layer:
+    """A document as a layer in memory, its materials below `MATERIALS`.
+
+    Args:
+        root: The document, with what it includes in place.
+        file: Where it is from.
+        beside: The path of a file that it names, None where there is none for it; by default as USD
+            finds it from ``file``.
+    """
+    return _Document(root, file, beside or partial(_beside, file)).layer()
 
 
 # The text.
@@ -127,9 +154,8 @@ def _beside(file: str, name: str) -> str:
 
 def _inherited(element: ElementTree.Element) -> dict[str, str]:
     """What holds for all that is in an element, too."""
-    return {
-        key: element.attrib[key] for key in ("colorspace", "fileprefix") if key in element.attrib
-    }
+    inherited = ("colorspace", "fileprefix")
+    return {key: element.attrib[key] for key in inherited if key in element.attrib}
 
 
 # The layer.
@@ -169,20 +195,22 @@ class _Placed:
 class _Document:
     """Makes the layer of one document."""
 
-    def __init__(self, root: ElementTree.Element, file: str) -> None:
+    def __init__(
+        self, root: ElementTree.Element, file: str, beside: Callable[[str], str | None]
+    ) -> None:
         top = _Placed(root, root.get("colorspace", ""), root.get("fileprefix", ""))
         self._top = {one.name: one for one in top.children()}
-        self._file = file
+        self._beside = beside
         self._layer = Sdf.Layer.CreateAnonymous(f"{PurePosixPath(file).stem}.usda")
 
     def layer(self) -> Sdf.Layer:
         layer = self._layer
         Sdf.CreatePrimInLayer(layer, _ROOT).specifier = Sdf.SpecifierDef
         layer.defaultPrim = _ROOT[1:]
-        Sdf.CreatePrimInLayer(layer, _MATERIALS).specifier = Sdf.SpecifierDef
+        Sdf.CreatePrimInLayer(layer, MATERIALS).specifier = Sdf.SpecifierDef
         for name, one in self._top.items():
             if one.element.tag == "surfacematerial":
-                self._material(Sdf.Path(_MATERIALS).AppendChild(name), one)
+                self._material(Sdf.Path(MATERIALS).AppendChild(name), one)
         return layer
 
     def _material(self, path: Sdf.Path, one: _Placed) -> None:
@@ -274,7 +302,8 @@ class _Document:
 
     def _value(self, socket: _Placed, kind: Sdf.ValueTypeName, text: str) -> Any:
         if kind == _Types.Asset:
-            return Sdf.AssetPath(_beside(self._file, socket.prefix + text))
+            found = self._beside(socket.prefix + text)
+            return None if found is None else Sdf.AssetPath(found)
         if kind == _Types.String:
             return text
         if kind == _Types.Bool:
@@ -283,6 +312,8 @@ class _Document:
             numbers = [float(part) for part in re.split(r"[\s,]+", text.strip()) if part]
         except ValueError:
             return None
+        unit = _METRES.get(socket.element.get("unit", ""), 1.0)
+        numbers = [unit * number for number in numbers]
         if kind == _Types.Int:
             return int(numbers[0]) if numbers else None
         if kind == _Types.Float:
@@ -293,7 +324,7 @@ class _Document:
 
 def _owner(path: Sdf.Path) -> Sdf.Path:
     """The material that a prim stands in."""
-    return Sdf.Path(_MATERIALS).AppendChild(path.GetPrefixes()[2].name)
+    return Sdf.Path(MATERIALS).AppendChild(path.GetPrefixes()[2].name)
 
 
 def _kind(socket: _Placed) -> Sdf.ValueTypeName:

@@ -25,7 +25,8 @@ _WHOLE: Final[_Pair] = (1.0, 1.0)
 
 def family(kind: str) -> str:
     """What a node does, whatever its type: ``image`` of ``ND_image_color3``."""
-    return kind.removeprefix("ND_").partition("_")[0]
+    words = kind.removeprefix("ND_").split("_")
+    return "_".join(words[: 2 if words[0] == "gltf" else 1])
 
 
 def coordinates(network: Network, node: UsdShade.Shader) -> tuple[str, _Matrix]:

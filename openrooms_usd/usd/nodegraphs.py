@@ -28,16 +28,8 @@ Numbers = tuple[float, ...]
 Folded = Numbers | Texture
 
 _SRGB: Final = ("srgb_texture", "sRGB", "srgb", "srgb_rec709_scene", "sRGB - Texture")
-_LINEAR: Final = (
-    "raw",
-    "Raw",
-    "data",
-    "none",
-    "linear",
-    "lin_rec709",
-    "lin_rec709_scene",
-    "lin_srgb",
-)
+_RAW: Final = ("raw", "Raw", "data", "none")
+_LINEAR: Final = (*_RAW, "linear", "lin_rec709", "lin_rec709_scene", "lin_srgb")
 _WRAPS: Final[Mapping[str, Wrap]] = {"clamp": "clamp", "mirror": "mirror", "constant": "black"}
 _PARTS: Final[Mapping[str, int]] = dict(zip("rgbaxyzw", (0, 1, 2, 3) * 2, strict=True))
 _CHANNELS: Final[tuple[Channel, ...]] = ("r", "g", "b", "a")
@@ -284,6 +276,18 @@ def _image(node: _Node) -> Folded | None:
     return over_tiles(node.network, node.shader, texture)
 
 
+def _gltf_image(node: _Node) -> Folded | None:
+    value = _image(node)
+    for name, neutral in (("scale", _WHOLE), ("rotate", _NIL), ("offset", _NIL)):
+        if set(node.numbers(name, neutral)) != set(neutral):
+            node.lost(name, "it is left out")
+    if node.kind.startswith("ND_gltf_normalmap"):
+        return value and affine(value, (2.0, 2.0, 2.0, 1.0), (-1.0, -1.0, -1.0, 0.0))
+    factor = node.fold("color" if "_colorimage" in node.kind else "factor", _WHOLE)
+    whole = None if value is None or factor is None else product(value, factor)
+    return _part(whole, 3) if node.output == "outa" else whole
+
+
 def _tiling(node: _Node) -> NDArray[np.float64]:
     """(3, 3) of what a tiled image does to its coordinates."""
     matrix = np.eye(3)
@@ -316,6 +320,7 @@ def _usd_texture(node: _Node) -> Folded | None:
 _RULES: Final[Mapping[str, Callable[[_Node], Folded | None]]] = {
     "image": _image,
     "tiledimage": _image,
+    **dict.fromkeys(("gltf_image", "gltf_colorimage", "gltf_normalmap"), _gltf_image),
     "UsdUVTexture": _usd_texture,
     "constant": lambda node: node.fold("value"),
     "convert": lambda node: node.fold("in"),
@@ -329,12 +334,8 @@ _RULES: Final[Mapping[str, Callable[[_Node], Folded | None]]] = {
     "remap": _remap,
     "clamp": _clamp,
     "extract": _extract,
-    "separate2": _separate,
-    "separate3": _separate,
-    "separate4": _separate,
+    **dict.fromkeys(("separate2", "separate3", "separate4"), _separate),
     "swizzle": _swizzle,
-    "combine2": _combine,
-    "combine3": _combine,
-    "combine4": _combine,
+    **dict.fromkeys(("combine2", "combine3", "combine4"), _combine),
     "normalmap": _normal_map,
 }

@@ -10,23 +10,11 @@ from scipy.sparse import csr_array, kron
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.splines import rational, spans
 from openrooms_usd.usd.arrays import integers, numbers, vector_of
-from openrooms_usd.usd.drawn import Drawn
 from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.tessellation import Drawn
 
 Array = NDArray[np.float64]
 
-_GOLDEN: Final = (1.0 + np.sqrt(5.0)) / 2.0
-# The corners of a twentyfold, and of an eightfold for many points.
-_ICOSAHEDRON: Final = np.array(
-    [[-1, _GOLDEN, 0], [1, _GOLDEN, 0], [-1, -_GOLDEN, 0], [1, -_GOLDEN, 0],
-     [0, -1, _GOLDEN], [0, 1, _GOLDEN], [0, -1, -_GOLDEN], [0, 1, -_GOLDEN],
-     [_GOLDEN, 0, -1], [_GOLDEN, 0, 1], [-_GOLDEN, 0, -1], [-_GOLDEN, 0, 1]]
-)  # fmt: skip
-_ICOSAHEDRON_FACES: Final = np.array(
-    [[0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4],
-     [11, 10, 2], [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8],
-     [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1]]
-)  # fmt: skip
 # Of more points each is a twentyfold, of fewer that is refined once.
 _MANY_POINTS: Final = 5_000
 
@@ -36,16 +24,7 @@ def read_patch(prim: Usd.Prim) -> Drawn:
     patch = UsdGeom.NurbsPatch(prim)
     points = numbers(patch.GetPointsAttr(), 3)
     try:
-        along = [
-            _side(count, order, knots, reach)
-            for count, order, knots, reach in (
-                (patch.GetUVertexCountAttr(), patch.GetUOrderAttr(), patch.GetUKnotsAttr(),
-                 patch.GetURangeAttr()),
-                (patch.GetVVertexCountAttr(), patch.GetVOrderAttr(), patch.GetVKnotsAttr(),
-                 patch.GetVRangeAttr()),
-            )
-        ]  # fmt: skip
-        u, v = along
+        u, v = (_side(prim, name) for name in "uv")
         # Points run along u first.
         weights = csr_array(kron(v, u))
         if weights.shape[1] != len(points):
@@ -78,11 +57,11 @@ def _each(values: Array, count: int, weights: csr_array | None = None) -> Array:
     return np.asarray(every if weights is None else weights @ every)
 
 
-def _side(
-    count: Usd.Attribute, order: Usd.Attribute, knots: Usd.Attribute, reach: Usd.Attribute
-) -> csr_array:
-    size, degree = _whole(count), _whole(order)
-    values = numbers(knots)
+def _side(prim: Usd.Prim, name: str) -> csr_array:
+    count, order, knots, reach = (
+        prim.GetAttribute(f"{name}{what}") for what in ("VertexCount", "Order", "Knots", "Range")
+    )
+    size, degree, values = _whole(count), _whole(order), numbers(knots)
     if size < 2 or len(values) != size + degree:
         raise ValueError("knots do not fit the count and the order of points")
     return spans(values, degree, size, vector_of(reach.Get(TIME), 2))
@@ -109,9 +88,12 @@ def _sheet(points: Array, columns: int, rows: int) -> Mesh:
     st = np.stack([u, v], axis=-1).reshape(-1, 2)
     indices = quads.reshape(-1)
     return Mesh(
-        points, np.full(len(quads), 4, np.int32), indices.astype(np.int32),
-        normals[indices].astype(np.float32), st[indices].astype(np.float32),
-    )  # fmt: skip
+        points,
+        np.full(len(quads), 4, np.int32),
+        indices.astype(np.int32),
+        normals[indices].astype(np.float32),
+        st[indices].astype(np.float32),
+    )
 
 
 def read_points(prim: Usd.Prim) -> Drawn:
@@ -135,16 +117,20 @@ def read_points(prim: Usd.Prim) -> Drawn:
     counts = np.full(len(radii) * len(faces), 3, np.int32)
     losses.append(f"each point is drawn as a ball of {len(faces)} triangles")
     balls = Mesh(
-        places.reshape(-1, 3), counts, indices.astype(np.int32),
+        places.reshape(-1, 3),
+        counts,
+        indices.astype(np.int32),
         normals[indices].astype(np.float32),
-    )  # fmt: skip
+    )
     return Drawn(balls, losses, lambda values, _: _each(values, len(points))[kept])
 
 
 def _ball(*, refined: bool) -> tuple[Array, NDArray[np.int64]]:
     """Corners and faces of a body of triangles that holds as much as the ball of radius 1."""
-    corners = _ICOSAHEDRON / np.linalg.norm(_ICOSAHEDRON[0])
-    faces = _ICOSAHEDRON_FACES
+    from trimesh.creation import icosahedron
+
+    solid = icosahedron()
+    corners, faces = np.asarray(solid.vertices), np.asarray(solid.faces)
     if refined:
         edges = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
         pairs, which = np.unique(edges, axis=0, return_inverse=True)

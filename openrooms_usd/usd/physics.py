@@ -1,8 +1,9 @@
 """Physics of materials: UsdPhysicsMaterialAPI, and how sure its friction is."""
 
 from dataclasses import dataclass
+from typing import Literal
 
-from pxr import Sdf, Usd, UsdPhysics
+from pxr import Gf, Sdf, Usd, UsdPhysics
 
 from openrooms_usd import names
 
@@ -95,3 +96,28 @@ def read_category(prim: Usd.Prim) -> str | None:
     attribute = prim.GetAttribute(names.MATERIAL_CATEGORY)
     value = attribute.Get() if attribute else None
     return str(value) if value else None
+
+
+def author_joint(
+    prim: Usd.Prim,
+    kind: Literal["hinge", "rail"],
+    axis: tuple[float, float, float],
+    limits: tuple[float, float],
+) -> None:
+    """Say on an Xform, whose origin is the pivot, how it moves.
+
+    Args:
+        prim: The Xform.
+        kind: ``hinge`` turns about the axis, ``rail`` slides along it.
+        axis: Unit vector in the frame of the prim; hinges turn counter-clockwise about it.
+        limits: The range from how it is built, degrees or metres.
+    """
+    prim.AddAppliedSchema(names.JOINT_API)
+    values = (
+        (names.JOINT_TYPE, Sdf.ValueTypeNames.Token, kind),
+        (names.JOINT_AXIS, Sdf.ValueTypeNames.Float3, Gf.Vec3f(*axis)),
+        (names.JOINT_LOWER, Sdf.ValueTypeNames.Float, limits[0]),
+        (names.JOINT_UPPER, Sdf.ValueTypeNames.Float, limits[1]),
+    )
+    for name, type_name, value in values:
+        prim.CreateAttribute(name, type_name, custom=False).Set(value)

@@ -19,8 +19,7 @@ from pxr import Ar, Sdf, UsdUtils
 
 from openrooms_usd import ledger, untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.crate_reader import check_crate_reads
-from openrooms_usd.usd.crates import check_crate
+from openrooms_usd.usd.crate_reader import check_crate, check_crate_reads
 from openrooms_usd.usd.diagnostics import UNREADABLE, reading
 
 Facts = tuple[int, ...]

@@ -17,11 +17,60 @@ from openrooms_usd.geometry.smooth_normals import smooth_normals
 from openrooms_usd.geometry.subdivision import Refinement, limit, refine
 from openrooms_usd.geometry.triangulation import TriangleMesh, has_area
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.usd.arrays import integers
-from openrooms_usd.usd.creases import read_corners, read_creases
+from openrooms_usd.usd.arrays import array_of, integers
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
+
+
+# What is sharper stays so, however often it is refined.
+_ENDLESS: Final = UsdGeom.Mesh.SHARPNESS_INFINITE
+
+
+def _sharp(values: Any, count: int) -> Array | None:
+    """One sharpness for each of so many; what is beyond USD's greatest is endless."""
+    found = array_of(values, np.float64)
+    if len(found) != count or not np.isfinite(found).all():
+        return None
+    return np.where(found >= _ENDLESS, np.inf, np.maximum(found, 0.0))
+
+
+def read_corners(geometry: UsdGeom.Mesh, count: int) -> Array:
+    """(N,) sharpness of each point."""
+    found = np.zeros(count)
+    rows = integers(geometry.GetCornerIndicesAttr())
+    sharp = _sharp(geometry.GetCornerSharpnessesAttr().Get(TIME), len(rows))
+    if sharp is not None and len(rows) and rows.min() >= 0 and rows.max() < count:
+        np.maximum.at(found, rows, sharp)
+    return found
+
+
+def read_creases(geometry: UsdGeom.Mesh, cage: Cage) -> Array:
+    """(K,) sharpness of each edge, at the corners that begin it."""
+    edges = np.zeros(len(cage.ends))
+    points = integers(geometry.GetCreaseIndicesAttr())
+    lengths = integers(geometry.GetCreaseLengthsAttr())
+    if not len(lengths) or lengths.min() < 2 or lengths.sum() != len(points):
+        return edges[cage.edges]
+    # Edges of one crease follow each other; between creases there is none.
+    inner = np.ones(len(points), dtype=np.bool_)
+    inner[np.cumsum(lengths) - 1] = False
+    starts = np.flatnonzero(inner)
+    pairs = np.sort(np.stack([points[starts], points[starts + 1]], axis=1), axis=1)
+    said = geometry.GetCreaseSharpnessesAttr().Get(TIME)
+    sharp = _sharp(said, len(lengths))
+    sharp = _sharp(said, len(pairs)) if sharp is None else np.repeat(sharp, lengths - 1)
+    if sharp is None:
+        return edges[cage.edges]
+    size = len(cage.corners) + 1
+    keys = cage.ends[:, 0] * size + cage.ends[:, 1]
+    wanted = pairs[:, 0] * size + pairs[:, 1]
+    at = np.searchsorted(keys, wanted)
+    there = (at < len(keys)) & (keys[np.minimum(at, len(keys) - 1)] == wanted)
+    np.maximum.at(edges, at[there], sharp[there])
+    return edges[cage.edges]
+
+
 Ints = NDArray[np.int64]
 
 # How often faces are refined, and of one mesh the most triangles before that is less often.
@@ -185,8 +234,13 @@ class Subdivided:
             interpolation: As USD names it.
         """
         cage, fine = self.cage, self.refinement.cage
-        sizes = {_T.constant: 1, _T.uniform: len(cage.counts), _T.faceVarying: len(cage.indices),
-                 _T.vertex: len(cage.corners), _T.varying: len(cage.corners)}  # fmt: skip
+        sizes = {
+            _T.constant: 1,
+            _T.uniform: len(cage.counts),
+            _T.faceVarying: len(cage.indices),
+            _T.vertex: len(cage.corners),
+            _T.varying: len(cage.corners),
+        }
         if len(values) == 1 and not len(indices):
             # One value alone is that of all, whatever its interpolation.
             interpolation = _T.constant

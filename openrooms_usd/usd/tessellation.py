@@ -1,6 +1,7 @@
 """USD's intrinsic shapes as polygons: Cube, Sphere, Cylinder, Cone, Capsule and Plane."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final
 
@@ -13,6 +14,34 @@ from openrooms_usd.usd.arrays import number_of
 from openrooms_usd.usd.frames import TIME
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Polygons in place of curves, points and the like.
+
+    Attributes:
+        mesh: None where there is nothing to draw.
+        losses: What was approximated; without a mesh the reason.
+        along: Gives of a primvar's values (N, C) and its interpolation those at the places that the
+            points of the mesh stand about, as many points about each, one place after the other;
+            it raises ``ValueError`` where they do not fit.
+    """
+
+    mesh: Mesh | None
+    losses: list[str] = field(default_factory=list)
+    along: Callable[[Array, str], Array] | None = None
+
+    def at_points(self, values: Array, interpolation: str) -> Array | None:
+        """(P, C) a primvar's values at the points of the mesh; None where they do not fit."""
+        if self.mesh is None or self.along is None or not len(values):
+            return None
+        try:
+            placed = self.along(values, interpolation)
+        except ValueError:
+            return None
+        return np.repeat(placed, len(self.mesh.points) // len(placed), axis=0)
+
 
 # Sides of a round shape: the outline is then within 0.2 % of the radius.
 SECTORS: Final = 48
@@ -57,8 +86,11 @@ def _plane(prim: Usd.Prim) -> Mesh | None:
     if width <= 0 or length <= 0:
         return None
     # In the schema's words: X axis: width along Z, length along Y; Y: X and Z; Z: X and Y.
-    sides = {"X": ((0, 0, width), (0, length, 0)), "Y": ((width, 0, 0), (0, 0, length)),
-             "Z": ((width, 0, 0), (0, length, 0))}  # fmt: skip
+    sides = {
+        "X": ((0, 0, width), (0, length, 0)),
+        "Y": ((width, 0, 0), (0, 0, length)),
+        "Z": ((width, 0, 0), (0, length, 0)),
+    }
     axis = _axis(prim)
     u, v = np.array(sides[axis], dtype=np.float64)
     normal = _AXES[axis][2]

@@ -218,9 +218,13 @@ class Walk:
             parts.append(Part(stands, prim, node.matrix, lost, foreign=scope.foreign))
         for number, which, place in found:
             parts += _repeated(
-                groups[which], f"{stands}[{number}]", "", node, node.matrix @ place,
+                groups[which],
+                f"{stands}[{number}]",
+                "",
+                node,
+                node.matrix @ place,
                 tints=tints[number] if tints else (),
-            )  # fmt: skip
+            )
         return parts
 
 
@@ -263,8 +267,9 @@ def _tints(instancer: UsdGeom.PointInstancer, count: int) -> tuple[list[Tints], 
     told = ""
     for name, width in TINTS.items():
         primvar = UsdGeom.PrimvarsAPI(instancer).GetPrimvar(name)
-        values = array_of(flattened(primvar) if primvar else None, np.float64,
-                          width if width > 1 else None)  # fmt: skip
+        values = array_of(
+            flattened(primvar) if primvar else None, np.float64, width if width > 1 else None
+        )
         if len(values) == count > 1 and np.isfinite(values).all():
             rows = np.clip(values.reshape(count, width), 0.0, 1.0)
             if len(np.unique(rows, axis=0)) > _MOST_TINTS:

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Any, Final, cast
 
 import numpy as np
 from pxr import UsdShade
 
+from openrooms_usd.tables import read_table
 from openrooms_usd.usd.networks import Network, finite_numbers
 from openrooms_usd.usd.nodegraphs import Folded, Numbers, affine, fold, product
 from openrooms_usd.usd.surfaces import Color, PreviewSurface, Texture, f0_of, ior_of
@@ -42,111 +42,17 @@ class _Model:
             ``tint`` (of what colour), ``thin`` and ``normal``.
         idle: Other inputs with the values that change nothing.
         parts: Inputs of these first words count where the input is not zero.
-        unused: Inputs that a path tracer has no use for.
     """
 
     inputs: Mapping[str, tuple[str, Numbers]]
     idle: Mapping[str, float]
     parts: Mapping[str, str]
-    unused: frozenset[str] = frozenset()
 
 
-_STANDARD: Final = _Model(
-    inputs=MappingProxyType(
-        {
-            "weight": ("base", _ONE), "color": ("base_color", (0.8, 0.8, 0.8)),
-            "metallic": ("metalness", _NIL), "roughness": ("specular_roughness", (0.2,)),
-            "specular": ("specular", _ONE), "ior": ("specular_IOR", (1.5,)),
-            "opacity": ("opacity", _ONE), "glow": ("emission", _NIL),
-            "glow_color": ("emission_color", _ONE), "coat": ("coat", _NIL),
-            "coat_roughness": ("coat_roughness", (0.1,)), "coat_color": ("coat_color", _ONE),
-            "clear": ("transmission", _NIL),
-            "tint": ("transmission_color", _ONE), "thin": ("thin_walled", _NIL),
-            "normal": ("normal", _NIL),
-        }
-    ),
-    idle=MappingProxyType(
-        {
-            "diffuse_roughness": 0.0, "specular_color": 1.0, "specular_anisotropy": 0.0,
-            "subsurface": 0.0, "sheen": 0.0, "thin_film_thickness": 0.0,
-            "coat_anisotropy": 0.0, "coat_IOR": 1.5, "coat_affect_color": 0.0,
-            "coat_affect_roughness": 0.0, "transmission_depth": 0.0, "transmission_scatter": 0.0,
-            "transmission_dispersion": 0.0, "transmission_extra_roughness": 0.0,
-        }
-    ),
-    parts=MappingProxyType(
-        {
-            "coat_": "coat", "transmission_": "transmission", "subsurface_": "subsurface",
-            "sheen_": "sheen", "thin_film_": "thin_film_thickness",
-            "specular_rotation": "specular_anisotropy", "tangent": "specular_anisotropy",
-        }
-    ),
-)  # fmt: skip
-_OPEN_PBR: Final = _Model(
-    inputs=MappingProxyType(
-        {
-            "weight": ("base_weight", _ONE), "color": ("base_color", (0.8, 0.8, 0.8)),
-            "metallic": ("base_metalness", _NIL), "roughness": ("specular_roughness", (0.3,)),
-            "specular": ("specular_weight", _ONE), "ior": ("specular_ior", (1.5,)),
-            "opacity": ("geometry_opacity", _ONE), "glow": ("emission_luminance", _NIL),
-            "glow_color": ("emission_color", _ONE), "coat": ("coat_weight", _NIL),
-            "coat_roughness": ("coat_roughness", _NIL), "coat_color": ("coat_color", _ONE),
-            "clear": ("transmission_weight", _NIL),
-            "tint": ("transmission_color", _ONE), "thin": ("geometry_thin_walled", _NIL),
-            "normal": ("geometry_normal", _NIL),
-        }
-    ),
-    idle=MappingProxyType(
-        {
-            "base_diffuse_roughness": 0.0, "specular_color": 1.0,
-            "specular_roughness_anisotropy": 0.0, "subsurface_weight": 0.0, "fuzz_weight": 0.0,
-            "thin_film_weight": 0.0, "coat_roughness_anisotropy": 0.0, "coat_ior": 1.6,
-            "coat_darkening": 1.0, "transmission_depth": 0.0,
-            "transmission_scatter": 0.0, "transmission_dispersion_scale": 0.0,
-        }
-    ),
-    parts=MappingProxyType(
-        {
-            "coat_": "coat_weight", "transmission_": "transmission_weight",
-            "subsurface_": "subsurface_weight", "fuzz_": "fuzz_weight",
-            "thin_film_": "thin_film_weight", "geometry_coat": "coat_weight",
-            "geometry_tangent": "specular_roughness_anisotropy",
-        }
-    ),
-)  # fmt: skip
-_GLTF: Final = _Model(
-    inputs=MappingProxyType(
-        {
-            "color": ("base_color", _ONE), "metallic": ("metallic", _ONE),
-            "roughness": ("roughness", _ONE), "specular": ("specular", _ONE),
-            "ior": ("ior", (1.5,)),
-            "opacity": ("alpha", _ONE), "mode": ("alpha_mode", _NIL),
-            "cutoff": ("alpha_cutoff", (0.5,)), "glow": ("emissive_strength", _ONE),
-            "glow_color": ("emissive", _NIL), "coat": ("clearcoat", _NIL),
-            "coat_roughness": ("clearcoat_roughness", _NIL), "clear": ("transmission", _NIL),
-            "normal": ("normal", _NIL),
-        }
-    ),
-    idle=MappingProxyType(
-        {
-            "specular_color": 1.0, "sheen_color": 0.0, "iridescence": 0.0, "thickness": 0.0,
-            "dispersion": 0.0, "anisotropy_strength": 0.0,
-        }
-    ),
-    parts=MappingProxyType(
-        {
-            "clearcoat_": "clearcoat", "sheen_": "sheen_color", "iridescence_": "iridescence",
-            "anisotropy_": "anisotropy_strength", "attenuation_": "thickness",
-            "tangent": "anisotropy_strength",
-        }
-    ),
-    unused=frozenset({"occlusion"}),
-)  # fmt: skip
 _MODELS: Final[Mapping[str, _Model]] = {
-    "ND_standard_surface_surfaceshader": _STANDARD,
-    "ND_standard_surface_surfaceshader_100": _STANDARD,
-    "ND_open_pbr_surface_surfaceshader": _OPEN_PBR,
-    "ND_gltf_pbr_surfaceshader": _GLTF,
+    shader: _Model(model["inputs"], model["idle"], model["parts"])
+    for model in read_table(__file__, "uber.toml").values()
+    for shader in model["shaders"]
 }
 
 
@@ -179,6 +85,7 @@ def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurfa
         normal=_normal(said),
         clearcoat=said.part("coat"),
         clearcoat_roughness=said.part("coat_roughness"),
+        occlusion=said.part("occlusion"),
         painted=said.painted,
     )
     if said.primvar("color")[0] and said.color("weight") != _ONE:
@@ -318,7 +225,7 @@ def _folded(value: float | Texture) -> Folded:
 
 def _tell_others(said: _Said) -> None:
     """Name what somebody wrote that has no place in a `PreviewSurface`."""
-    read = {name for name, _ in said.model.inputs.values()} | said.model.unused
+    read = {name for name, _ in said.model.inputs.values()}
     for socket in said.shader.GetInputs():
         name = str(socket.GetBaseName())
         if name in read or not _counts(said, name):

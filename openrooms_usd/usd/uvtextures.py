@@ -71,9 +71,13 @@ def over_tiles(network: Network, node: UsdShade.Shader, texture: Texture) -> Tex
     squeezed = np.diag([1.0 / columns, 1.0 / rows, 1.0]) @ texture.uv_matrix
     where = decomposed(network, node, squeezed)
     return replace(
-        texture, wrap_s="clamp", wrap_t="clamp",
-        uv_scale=where.scale, uv_rotation=where.rotation, uv_translation=where.translation,
-    )  # fmt: skip
+        texture,
+        wrap_s="clamp",
+        wrap_t="clamp",
+        uv_scale=where.scale,
+        uv_rotation=where.rotation,
+        uv_translation=where.translation,
+    )
 
 
 def mended_normal_map(network: Network, texture: Texture) -> Texture:

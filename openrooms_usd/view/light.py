@@ -17,8 +17,7 @@ from openrooms_usd.render.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHT
 from openrooms_usd.render.scene.lamps import environment
 from openrooms_usd.usd.emitters import DomeLight
 from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.lights import read_lights
-from openrooms_usd.usd.portals import read_portals
+from openrooms_usd.usd.lights import read_lights, read_portals
 from openrooms_usd.usd.textures import read_texture
 from openrooms_usd.view.moments import Moment, atlases_of
 

@@ -10,9 +10,9 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 from openrooms_usd import names
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.usd import physics
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.cameras import PINHOLE, list_cameras, photograph, read_camera
 from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
+from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.semantics import read_label
 
 # What has no place in a room.

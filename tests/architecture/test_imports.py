@@ -74,6 +74,7 @@ RANKS = (
         "lazy",
         "lettering",
         "names",
+        "tables",
         "untrusted",
         "urls",
         "version",

@@ -31,9 +31,8 @@ READERS = (
     "openrooms_usd/library/usdfile.py",
     "openrooms_usd/library/wavefront.py",
     "openrooms_usd/library/assignment/annotations.py",
-    "openrooms_usd/scan/models/glb.py",
     "openrooms_usd/scan/models/meshscene.py",
-    "openrooms_usd/scan/models/folder.py",
+    "openrooms_usd/library/cads.py",
     "openrooms_usd/unpickling",
 )
 # Calls by the last word of what is called, where it may be a method of any object ...
@@ -73,6 +72,7 @@ ALLOWED = {
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.OpenAsAnonymous"): "looked through before",
     ("openrooms_usd/edits/merging.py", "Usd.Stage.Open"): "layers that were looked through",
     ("openrooms_usd/ledger.py", "self._file.open"): "writes",
+    ("openrooms_usd/library/ownmaterials/materialx.py", "Usd.Stage.Open"): "a layer in memory",
     ("openrooms_usd/package.py", "Sdf.Layer.FindOrOpen"): "looked through before",
     ("openrooms_usd/package.py", "target.open"): "writes",
     ("openrooms_usd/package.py", "zipfile.ZipFile"): "writes",

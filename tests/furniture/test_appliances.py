@@ -43,9 +43,14 @@ def test_there_is_an_inside_behind_every_door(name: str, style: str) -> None:
     for joint in doors:
         low, high = furniture.parts[joint.meshes[0]].extent
         u = np.random.default_rng(0).uniform(0.25, 0.75, size=(200, 2))
-        origins = np.stack([low[0] + u[:, 0] * (high[0] - low[0]),
-                            np.full(200, low[1] - 0.1),
-                            low[2] + u[:, 1] * (high[2] - low[2])], axis=1)  # fmt: skip
+        origins = np.stack(
+            [
+                low[0] + u[:, 0] * (high[0] - low[0]),
+                np.full(200, low[1] - 0.1),
+                low[2] + u[:, 1] * (high[2] - low[2]),
+            ],
+            axis=1,
+        )
         reach = rest.first_hit(origins, np.tile([0.0, 1.0, 0.0], (200, 1))).distance - 0.1
         # Shelves and racks are in the way of some, the body's back stops all.
         assert np.isfinite(reach).all()

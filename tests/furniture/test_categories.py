@@ -16,7 +16,7 @@ from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.registry import BUILT, module_of, modules, record, records
 from openrooms_usd.furniture.words import library_words
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, usual_support
-from openrooms_usd.usd.taxonomies import TAXONOMIES, classes
+from openrooms_usd.usd.semantics import TAXONOMIES, classes
 
 
 @pytest.mark.parametrize("name", BUILT)

@@ -9,8 +9,12 @@ from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.solids import box, rounded_box
 
 JOINED = {"tabletop", "leg", "door", "drawer_front", "shelf", "rail", "headboard"}
-PIECES = ("table", "chair", "coffee_table", "desk", "cabinet", "dresser", "bookshelf", "wardrobe",
-          "side_table", "bench", "bed", "stool", "armchair")  # fmt: skip
+PIECES = tuple(
+    """
+    table chair coffee_table desk cabinet dresser bookshelf wardrobe side_table bench bed stool
+    armchair
+    """.split()
+)
 
 
 def sharp(mesh: Mesh) -> tuple[float, float]:

@@ -38,8 +38,12 @@ def lit(tmp_path: Path) -> tuple[Stage, np.ndarray, np.ndarray]:
     paint = np.stack([0.3 + 0.6 * rows, 0.9 - 0.5 * columns, 0.6 + 0 * rows], axis=-1)
     codes = np.round(paint * 255).astype(np.uint8)
     made = Stage()
-    color = Texture(save(tmp_path / "paint.png", codes, "uint8"), color_space="sRGB",
-                    wrap_s="clamp", wrap_t="clamp")  # fmt: skip
+    color = Texture(
+        save(tmp_path / "paint.png", codes, "uint8"),
+        color_space="sRGB",
+        wrap_s="clamp",
+        wrap_t="clamp",
+    )
     look = made.material("/M", base_color=color)
     atlas = made.stage.DefinePrim("/Lightmaps/atlas_0", "Scope")
     asset = Sdf.AssetPath(save(tmp_path / "light.exr", light.astype(np.float32), "float"))

@@ -38,8 +38,10 @@ def save(path: Path, pixels: Array) -> str:
 def files(tmp_path: Path) -> dict[str, str]:
     """Smooth pictures without symmetry, of several sizes and channels."""
     rows, columns = np.mgrid[0:16, 0:16] / 16.0
-    wave = [0.5 + 0.4 * np.sin(2 * np.pi * (a * rows + b * columns) + c)
-            for a, b, c in ((1, 0, 0.3), (0, 1, 1.0), (1, 1, 2.0), (1, 2, 0.5))]  # fmt: skip
+    wave = [
+        0.5 + 0.4 * np.sin(2 * np.pi * (a * rows + b * columns) + c)
+        for a, b, c in ((1, 0, 0.3), (0, 1, 1.0), (1, 1, 2.0), (1, 2, 0.5))
+    ]
     smooth = np.round(np.stack(wave, axis=-1) * 255).astype(np.uint8)
     return {
         "color": save(tmp_path / "color.png", smooth[..., :3]),
@@ -47,7 +49,7 @@ def files(tmp_path: Path) -> dict[str, str]:
         "grey": save(tmp_path / "grey.png", smooth[..., 3:]),
         "small": save(tmp_path / "small.png", smooth[::2, ::2, :1]),
         "relief": save(tmp_path / "relief.png", 96 + smooth[..., :3] // 4),
-    }  # fmt: skip
+    }
 
 
 def look_up(glb: Glb, info: dict[str, Any], uv: Array, folder: Path) -> Array:
@@ -112,30 +114,55 @@ def cases(files: dict[str, str]) -> dict[str, dict[str, Any]]:
     relief = Texture(files["relief"], scale=NORMAL_SCALE, bias=NORMAL_BIAS)
     return {
         "kept": {"base_color": color, "roughness": grey},
-        "tinted": {"base_color": Texture(files["color"], color_space="sRGB", wrap_s="mirror",
-                                         wrap_t="mirror", scale=(0.5, 0.25, 1.0, 1.0))},
-        "brightened": {"base_color": Texture(files["color"], color_space="sRGB",
-                                             scale=(1.5,) * 4, bias=(0.1, 0.0, 0.0, 0.0))},
+        "tinted": {
+            "base_color": Texture(
+                files["color"],
+                color_space="sRGB",
+                wrap_s="mirror",
+                wrap_t="mirror",
+                scale=(0.5, 0.25, 1.0, 1.0),
+            )
+        },
+        "brightened": {
+            "base_color": Texture(
+                files["color"], color_space="sRGB", scale=(1.5,) * 4, bias=(0.1, 0.0, 0.0, 0.0)
+            )
+        },
         "linear": {"base_color": Texture(files["color"])},
-        "one file": {"base_color": rgba, "opacity": Texture(files["rgba"], channel="a",
-                                                            color_space="sRGB")},
-        "two files": {"base_color": color, "opacity": Texture(files["small"], channel="r",
-                                                              **turned)},
+        "one file": {
+            "base_color": rgba,
+            "opacity": Texture(files["rgba"], channel="a", color_space="sRGB"),
+        },
+        "two files": {
+            "base_color": color,
+            "opacity": Texture(files["small"], channel="r", **turned),
+        },
         "mask": {"base_color": (0.2, 0.4, 0.6), "opacity": grey, "opacity_threshold": 0.5},
         "packed": {"roughness": grey, "metallic": Texture(files["small"], channel="r")},
-        "orm": {"roughness": Texture(files["color"], channel="g"),
-                "metallic": Texture(files["color"], channel="b")},
+        "orm": {
+            "roughness": Texture(files["color"], channel="g"),
+            "metallic": Texture(files["color"], channel="b"),
+        },
         "metal": {"roughness": grey, "metallic": 1.0},
         "relief": {"normal": relief},
-        "flat relief": {"normal": Texture(files["relief"], scale=(0.5, 0.5, 2.0, 1.0),
-                                          bias=(-0.25, -0.25, -1.0, 0.0))},
-        "other relief": {"normal": Texture(files["relief"], scale=(2.0, -2.0, 2.0, 1.0),
-                                           bias=(-1.0, 1.0, -1.0, 0.0))},
+        "flat relief": {
+            "normal": Texture(
+                files["relief"], scale=(0.5, 0.5, 2.0, 1.0), bias=(-0.25, -0.25, -1.0, 0.0)
+            )
+        },
+        "other relief": {
+            "normal": Texture(
+                files["relief"], scale=(2.0, -2.0, 2.0, 1.0), bias=(-1.0, 1.0, -1.0, 0.0)
+            )
+        },
         "glow": {"emissive": (4674.0, 4664.0, 5375.0)},
-        "picture glows": {"emissive": Texture(files["color"], color_space="sRGB",
-                                              scale=(300.0, 200.0, 100.0, 1.0))},
+        "picture glows": {
+            "emissive": Texture(
+                files["color"], color_space="sRGB", scale=(300.0, 200.0, 100.0, 1.0)
+            )
+        },
         "dim": {"emissive": (0.5, 0.25, 0.0)},
-    }  # fmt: skip
+    }
 
 
 NAMES = tuple(cases(dict.fromkeys(("color", "rgba", "grey", "small", "relief"), "")))
@@ -207,8 +234,13 @@ def test_tangents_lead_where_the_picture_does(files: dict[str, str], export: Exp
     made = Stage()
     relief = Texture(files["relief"], scale=NORMAL_SCALE, bias=NORMAL_BIAS, uv_rotation=90.0)
     made.quad("/Square", CORNERS, material=made.material("/M", normal=relief))
-    mirrored = made.mesh("/Mirrored", np.add(CORNERS, (2, 0, 0)), [[0, 1, 2, 3]],
-                         st=[(1, 0), (0, 0), (0, 1), (1, 1)], material="/M")  # fmt: skip
+    mirrored = made.mesh(
+        "/Mirrored",
+        np.add(CORNERS, (2, 0, 0)),
+        [[0, 1, 2, 3]],
+        st=[(1, 0), (0, 0), (0, 1), (1, 1)],
+        material="/M",
+    )
     assert mirrored
     glb, _ = export(made.stage)
     for name, st in (("Square", (1.0, 0.0)), ("Mirrored", (-1.0, 0.0))):

@@ -22,8 +22,8 @@ from openrooms_usd import names
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.demo import copy_example
 from openrooms_usd.render.reading import read_render
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.cameras import list_cameras
+from openrooms_usd.usd.materials import bound_material
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import MODULES
 
@@ -31,8 +31,9 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("gltf")]
 
 Node = Callable[..., str]
 ROOMS = (
-    "example", *(pytest.param(name, marks=pytest.mark.long) for name in ("kitchen", "bedroom")),
-)  # fmt: skip
+    "example",
+    *(pytest.param(name, marks=pytest.mark.long) for name in ("kitchen", "bedroom")),
+)
 SIZE = (320, 240)
 
 
@@ -90,11 +91,16 @@ def shown(node: Node, glb: Path, camera: str, folder: Path, *kinds: str) -> dict
     if not chromium:
         pytest.skip("no Chromium to show GLB files with (ORUSD_CHROMIUM)")
     job = {
-        "modules": str(MODULES), "chromium": chromium, "glb": str(glb), "camera": camera,
-        "width": SIZE[0], "height": SIZE[1], "exposure": 0.01,
+        "modules": str(MODULES),
+        "chromium": chromium,
+        "glb": str(glb),
+        "camera": camera,
+        "width": SIZE[0],
+        "height": SIZE[1],
+        "exposure": 0.01,
         "pictures": {kind: str(folder / f"{kind}.png") for kind in kinds},
         "report": str(folder / "report.json"),
-    }  # fmt: skip
+    }
     (folder / "job.json").write_text(json.dumps(job))
     node("viewer.mjs", folder / "job.json")
     return json.loads((folder / "report.json").read_text())  # type: ignore[no-any-return]
@@ -116,11 +122,12 @@ SMALLER = {"compression": "draco", "pictures": "webp"}
 @pytest.mark.parametrize(
     ("name", "options"),
     [
-        ("example", {}), ("example", SMALLER),
+        ("example", {}),
+        ("example", SMALLER),
         *(pytest.param(name, {}, marks=pytest.mark.long) for name in ("kitchen", "bedroom")),
     ],
     ids=str,
-)  # fmt: skip
+)
 def test_three_js_shows_the_same_room(
     name: str,
     options: dict[str, str],

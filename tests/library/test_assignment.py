@@ -9,6 +9,10 @@ import pytest
 
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.substances import Substance
+from openrooms_usd.errors import InputError
+from openrooms_usd.furniture import CATEGORIES, part_of
+from openrooms_usd.furniture.registry import records
+from openrooms_usd.library.assignment.annotations import files_of, read_annotation
 from openrooms_usd.library.assignment.kinds import kind_of, known_as
 from openrooms_usd.library.assignment.rooms import (
     ROOMS,
@@ -18,9 +22,10 @@ from openrooms_usd.library.assignment.rooms import (
     surface_of,
 )
 from openrooms_usd.library.assignment.weights import drawn, families_for
-from openrooms_usd.library.finishes import finishes_of, furniture_families
+from openrooms_usd.library.finishes import FINISHES, METALS, PARTS, finishes_of, furniture_families
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.library.textures import substance_of as substance_of_family
+from tests.furniture.pieces import piece
 
 
 def test_every_room_type_has_surfaces_of_families_that_exist() -> None:
@@ -80,11 +85,17 @@ def test_rooms_draw_from_their_own_lists() -> None:
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("leg", "leg"), ("leg_1", "leg"), ("Leg.002", "leg"), ("leg12", "leg"), ("leg_1_2", "leg"),
-        ("SeatCushion_3", "seat_cushion"), ("drawer front-04", "drawer_front"), ("17", ""),
+        ("leg", "leg"),
+        ("leg_1", "leg"),
+        ("Leg.002", "leg"),
+        ("leg12", "leg"),
+        ("leg_1_2", "leg"),
+        ("SeatCushion_3", "seat_cushion"),
+        ("drawer front-04", "drawer_front"),
+        ("17", ""),
         ("pied_avant", "pied_avant"),
     ],
-)  # fmt: skip
+)
 def test_parts_that_differ_by_a_number_are_of_one_kind(name: str, kind: str) -> None:
     assert kind_of(name) == kind
 
@@ -108,3 +119,94 @@ def test_each_substance_has_families_for_furniture(substance: Substance) -> None
     families = furniture_families(substance)
     assert families and set(families) <= set(FAMILIES[substance])
     assert set(families_for(substance, {"floor"})) <= set(FAMILIES[substance])
+
+
+def written(tmp_path: Path, text: str, name: str = "ann.txt") -> Path:
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_parts_by_number(tmp_path: Path) -> None:
+    found = read_annotation(written(tmp_path, "# 4\n0 0 4\n1 6\n\n2 9\n3 7 5\n4 1\n"))
+    assert found.numbered == {0: ("wood", "paint"), 1: ("metal",), 3: ("fabric", "leather")}
+    assert found.substances("part3") == found.substances("lamp_part_3") == ("fabric", "leather")
+    assert found.substances("part4") == () == found.substances("seat")
+    assert found.lamps == {2} and found.is_lamp("part2") and not found.is_lamp("part1")
+
+
+def test_the_count_beside_the_file_leaves_later_parts_out(tmp_path: Path) -> None:
+    path = written(tmp_path, "0 0\n1 1\n2 2\n")
+    assert set(read_annotation(path).numbered) == {0, 1, 2}
+    written(tmp_path, "2\n", "matNum.txt")
+    assert set(read_annotation(path).numbered) == {0, 1}
+    assert [file.name for file in files_of(path)] == ["ann.txt", "matNum.txt"]
+
+
+def test_parts_by_name(tmp_path: Path) -> None:
+    text = "Chair\nchair_leg: wood, metal\nchair_seat:\nSeat Cushion:  fabric \n"
+    found = read_annotation(written(tmp_path, text, "annoMatParts.txt"))
+    assert found.named == {"chair_leg": ("wood", "metal"), "seat_cushion": ("fabric",)}
+    assert found.substances("chair_leg_7") == ("wood", "metal")
+    assert found.substances("SeatCushion") == ("fabric",)
+
+
+def test_a_bad_model_says_so(tmp_path: Path) -> None:
+    assert read_annotation(written(tmp_path, "!\n0 x\n")).bad
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0 0\n1 10\n", r"ann.txt:2: there is no category 10\n"),
+        ("0 0\n1\n", "ann.txt:2: expected the number of a part"),
+        ("0 wood\n", "expected the number of a part and of its categories, found '0 wood'"),
+        ("-1 2\n", "expected the number of a part"),
+        ("²\n", "expected the number of a part"),
+        ("Chair\nleg: wod\n", r"ann.txt:2: there is no category 'wod' \(did you mean 'wood'"),
+        ("Chair\nleg: wood\narm\n", "ann.txt:3: expected a part and its categories"),
+        ("\n \n", "an annotation without a line"),
+    ],
+)
+def test_what_is_no_annotation_is_refused(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        read_annotation(written(tmp_path, text))
+    caught.match(message)
+    assert caught.value.remedy
+
+
+def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_annotation(tmp_path / "none.txt")
+    (tmp_path / "ann.txt").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(InputError, match="expected the number of a part"):
+        read_annotation(tmp_path / "ann.txt")
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("name", sorted(CATEGORIES))
+def test_every_part_of_every_style_has_a_finish(name: str) -> None:
+    spec = CATEGORIES[name]
+    for style in spec.styles:
+        parts = {part_of(part) for part in piece(name, style).parts}
+        for seed in range(6):
+            finishes = finishes_of(name, parts, np.random.default_rng(seed))
+            assert set(finishes) == parts
+            assert set(finishes.values()) <= set(FINISHES)
+
+
+def test_schemes_name_categories_and_finishes_that_exist() -> None:
+    known = {*FINISHES, "metal"}
+    for name, told in records():
+        for scheme in told.schemes:
+            assert set(scheme.finishes.values()) <= known, name
+    assert set(PARTS.values()) <= known
+    assert set(METALS) <= set(FINISHES)
+
+
+def test_what_is_drawn_for_each_differs() -> None:
+    assert FINISHES[PARTS["book"]].each
+    for finish in FINISHES.values():
+        if finish.each:
+            assert len(finish.colors) > 1
+            assert finish.choices > 1

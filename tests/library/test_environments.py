@@ -10,8 +10,13 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.environments import directions, horizontal_illuminance, make_sky
-from openrooms_usd.library.panorama import read_panorama, scaled_to_nits
+from openrooms_usd.library.environments import (
+    directions,
+    horizontal_illuminance,
+    make_sky,
+    read_panorama,
+    scaled_to_nits,
+)
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.usd.textures import read_texture
 

@@ -7,11 +7,11 @@ import pytest
 
 from openrooms_usd.library.textures import fabric, leather, rubber
 from openrooms_usd.library.textures.base.family import Family, Order
-from openrooms_usd.library.textures.base.fibres import fibres
 from openrooms_usd.library.textures.base.lattice import cells, whole
 from openrooms_usd.library.textures.base.maps import ALBEDO_RANGE, Maps, normals
 from openrooms_usd.library.textures.base.noise import apart
-from openrooms_usd.library.textures.base.tints import tinted
+from openrooms_usd.library.textures.base.recipe import tinted
+from openrooms_usd.library.textures.base.strewn import fibres
 from openrooms_usd.library.textures.fabric.weave import (
     Thread,
     pattern,
@@ -21,7 +21,7 @@ from openrooms_usd.library.textures.fabric.weave import (
     woven,
 )
 from openrooms_usd.library.textures.fabric.woven import WOVEN
-from openrooms_usd.library.textures.rubber.moulds import MOULDS
+from openrooms_usd.library.textures.rubber.sheets import MOULDS
 
 FAMILIES: dict[str, Family] = {**fabric.FAMILIES, **leather.FAMILIES, **rubber.FAMILIES}
 
@@ -125,10 +125,18 @@ def peak(profile: np.ndarray) -> int:
 
 # Threads a centimetre of warp and weft, as sellers state them; weft hardly shows in warp faces.
 THREADS = {
-    "linen": (15, 13), "canvas": (18, 10), "twill": (18, 15), "tartan": (12, 12),
-    "houndstooth": (9, 9), "herringbone": (11, 10), "denim": (25, None), "ticking": (24, None),
-    "satin": (34, None), "sisal": (3.2, 2.6), "basket_weave": (7, 7),
-}  # fmt: skip
+    "linen": (15, 13),
+    "canvas": (18, 10),
+    "twill": (18, 15),
+    "tartan": (12, 12),
+    "houndstooth": (9, 9),
+    "herringbone": (11, 10),
+    "denim": (25, None),
+    "ticking": (24, None),
+    "satin": (34, None),
+    "sisal": (3.2, 2.6),
+    "basket_weave": (7, 7),
+}
 
 
 @pytest.mark.one_in(3)
@@ -145,10 +153,14 @@ def test_threads_are_as_many_as_stated(name: str) -> None:
 @pytest.mark.parametrize(
     ("name", "low", "high"),
     [
-        ("corduroy", 2.4, 3.6), ("jersey_knit", 0.6, 1.6), ("loop_carpet", 1.7, 1.9),
-        ("ribbed_rubber", 3.06, 4.14), ("coin_rubber", 28.0, 38.0), ("needlefelt_carpet", 5.3, 5.7),
+        ("corduroy", 2.4, 3.6),
+        ("jersey_knit", 0.6, 1.6),
+        ("loop_carpet", 1.7, 1.9),
+        ("ribbed_rubber", 3.06, 4.14),
+        ("coin_rubber", 28.0, 38.0),
+        ("needlefelt_carpet", 5.3, 5.7),
     ],
-)  # fmt: skip
+)
 def test_repeats_are_as_wide_as_stated(name: str, low: float, high: float) -> None:
     """Millimetres along s; half of it where every second row is shifted or a loop has two legs."""
     width = 1000.0 * FAMILIES[name].size / peak(made(name, 6, 512).height.mean(axis=0))

@@ -11,14 +11,17 @@ import trimesh
 from pxr import Usd, UsdGeom
 
 from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.furniture import CATEGORIES, make
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.solids import box
+from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.meshfile import read_model
 from openrooms_usd.library.pieces import prim_names
 from openrooms_usd.usd.materials import Texture
 from openrooms_usd.usd.meshes import define_mesh
+from tests.furniture.pieces import piece
 
 # A wedge 2 wide, 1 deep, 3 high in a Y-up file; only the low corner in front is missing.
 WEDGE = """\
@@ -313,3 +316,19 @@ def test_coordinates_of_a_part_with_pictures_are_its_own(tmp_path: Path) -> None
         (mesh,) = model.parts.values()
         assert np.ptp(mesh.st[:, 1]) == pytest.approx(number, abs=1e-6)
         assert len(model.notes) == 1
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("category", CATEGORIES)
+def test_texture_coordinates_of_furniture_are_metric_and_hardly_stretched(category: str) -> None:
+    spec = CATEGORIES[category]
+    for style in spec.styles:
+        # In its category's usual size, where the style is for such sizes.
+        suits = spec.styles[style].suits(spec.size)
+        rng = np.random.default_rng(0)
+        made = make(category, spec.size, style, rng) if suits else piece(category, style)
+        for name, mesh in made.parts.items():
+            quality = uv_quality(mesh)
+            assert quality.finite and quality.folded < 1e-6, (style, name)
+            assert 0.7 < quality.density < 1.4, (style, name, quality)
+            assert quality.stretch < 1.6, (style, name, quality)

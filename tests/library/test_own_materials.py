@@ -7,25 +7,29 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 import pytest
+from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.ownmaterials import (
     OwnMaterial,
     files_of,
     from_constants,
+    map_of,
     publish,
     read_material,
 )
+from openrooms_usd.library.ownmaterials.normalmaps import Relief, green_agreement, read_relief
 from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface
 
 Folder = Callable[..., Path]
 
-AMBIENTCG = (
-    "Wood043_1K-JPG_Color.png", "Wood043_1K-JPG_NormalGL.png", "Wood043_1K-JPG_NormalDX.png",
-    "Wood043_1K-JPG_Roughness.png", "Wood043_1K-JPG_Metalness.png",
-    "Wood043_1K-JPG_Displacement.png", "Wood043_1K-JPG_AmbientOcclusion.png",
-    "Wood043_1K-JPG_Opacity.png",
-)  # fmt: skip
+AMBIENTCG = tuple(
+    """
+    Wood043_1K-JPG_Color.png Wood043_1K-JPG_NormalGL.png Wood043_1K-JPG_NormalDX.png
+    Wood043_1K-JPG_Roughness.png Wood043_1K-JPG_Metalness.png Wood043_1K-JPG_Displacement.png
+    Wood043_1K-JPG_AmbientOcclusion.png Wood043_1K-JPG_Opacity.png
+    """.split()
+)
 
 
 def write_picture(path: Path, *, width: int = 4, height: int = 4, channels: int = 3) -> Path:
@@ -174,8 +178,10 @@ def test_in_metres_a_tile_covers_its_size(folder: Folder, across: bool) -> None:
     material = read_material(folder("a_Color.png"), physical_size=(2.0, 0.5))
     base = replace(
         material.textures["base_color"],
-        uv_scale=(3.0, 2.0), uv_rotation=30.0, uv_translation=(0.1, 0.2),
-    )  # fmt: skip
+        uv_scale=(3.0, 2.0),
+        uv_rotation=30.0,
+        uv_translation=(0.1, 0.2),
+    )
     material = replace(material, surface=replace(material.surface, base_color=base))
     placed = material.in_metres("./textures", across=across).base_color
     turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]) if across else np.eye(3)
@@ -232,9 +238,13 @@ def test_constants() -> None:
     assert (surface.base_color, surface.roughness) == ((0.1, 0.2, 0.3), 0.25)
     assert surface.metallic == 1.0
     bad = [
-        {"base_color": 0.5}, {"roughness": 2.0}, {"gloss": 0.5}, {"normal": (0, 0, 1)},
-        {"metallic": float("nan")}, {"roughness": "rough"},
-    ]  # fmt: skip
+        {"base_color": 0.5},
+        {"roughness": 2.0},
+        {"gloss": 0.5},
+        {"normal": (0, 0, 1)},
+        {"metallic": float("nan")},
+        {"roughness": "rough"},
+    ]
     for mistake in bad:
         with pytest.raises(InputError):
             from_constants(mistake)
@@ -248,3 +258,116 @@ def test_real_folders(name: str, real: Callable[[str], Path]) -> None:
     assert ("metallic" in material.textures) == (name != "tiles")
     # Older sets of this source hold DirectX normals and do not say so; their heights do.
     assert material.textures["normal"].scale[1] == -2.0
+
+
+KNOWN = {
+    "Wood043_1K-JPG_NormalGL": ("normal_gl", "wood043"),
+    "WoodFloor043_1K_AmbientOcclusion": ("occlusion", "wood floor043"),
+    "brown_planks_nor_dx_4k": ("normal_dx", "brown planks"),
+    "brown_planks_arm_2k": ("occlusion_roughness_metallic", "brown planks"),
+    "rock_col_2_1k": ("base_color", "rock 2"),
+    "Stone-Normal-OpenGL": ("normal_gl", "stone"),
+    "T_Brick_BaseColor": ("base_color", "t brick"),
+    "T_Brick_ORM": ("occlusion_roughness_metallic", "t brick"),
+    "Chair_metallicRoughness": ("metallic_roughness", "chair"),
+    "Chair_occlusionRoughnessMetallic": ("occlusion_roughness_metallic", "chair"),
+    "diffuse_tiled": ("base_color", ""),
+    "rough_tiled": ("roughness", ""),
+    "paint glossiness 2048x2048": ("glossiness", "paint"),
+    "oak_rough_16bit": ("roughness", "oak"),
+    "gold_metal": ("metallic", "gold"),
+}
+
+
+@pytest.mark.parametrize("stem", sorted(KNOWN))
+def test_known_names(stem: str) -> None:
+    assert map_of(stem) == KNOWN[stem]
+
+
+@pytest.mark.parametrize("stem", ["Wood043", "preview", "", "1k", "colorful", "normandy_1", "___"])
+def test_names_that_say_nothing(stem: str) -> None:
+    assert map_of(stem) is None
+
+
+SIDE = 64
+Array = NDArray[np.float64]
+
+
+def write(path: Path, pixels: Array, kind: str) -> str:
+    height, width, channels = pixels.shape
+    file = OpenImageIO.ImageOutput.create(str(path))
+    assert file.open(str(path), OpenImageIO.ImageSpec(width, height, channels, kind))
+    assert file.write_image(np.ascontiguousarray(pixels, dtype=np.float32))
+    file.close()
+    return str(path)
+
+
+def relief(seed: int, *, grooves: bool = False) -> tuple[Array, Array]:
+    """Heights of a sum of waves with their OpenGL normals by its exact derivatives."""
+    rng = np.random.default_rng(seed)
+    s, t = np.meshgrid((np.arange(SIDE) + 0.5) / SIDE, 1 - (np.arange(SIDE) + 0.5) / SIDE)
+    height, along_s, along_t = np.zeros_like(s), np.zeros_like(s), np.zeros_like(s)
+    for _ in range(6):
+        m, n = (0, rng.integers(1, 4)) if grooves else rng.integers(-3, 4, 2)
+        phase, size = rng.uniform(0, 2 * np.pi), 0.02
+        angle = 2 * np.pi * (m * s + n * t) + phase
+        height += size * np.sin(angle)
+        along_s += size * 2 * np.pi * m * np.cos(angle)
+        along_t += size * 2 * np.pi * n * np.cos(angle)
+    normals = np.dstack([-along_s, -along_t, np.ones_like(s)])
+    return height, normals / np.linalg.norm(normals, axis=2, keepdims=True)
+
+
+def packed(normals: Array) -> Array:
+    return np.asarray((normals + 1) / 2)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_slopes_tell_where_green_points(seed: int) -> None:
+    _, normals = relief(seed)
+    assert green_agreement(normals) > 0.9
+    assert green_agreement(normals * (1, -1, 1)) < -0.9
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_grooves_along_one_axis_are_told_by_their_heights(tmp_path: Path, sign: int) -> None:
+    height, normals = relief(3, grooves=True)
+    file = write(tmp_path / "n.png", packed(normals * (1, sign, 1)), "uint8")
+    heights = write(tmp_path / "h.png", (height - height.min())[..., None] * 4, "uint8")
+    blind = read_relief(file, None)
+    assert isinstance(blind, Relief)
+    assert "OpenGL is assumed" in blind.losses[0]
+    seen = read_relief(file, None, heights)
+    assert isinstance(seen, Relief)
+    assert np.sign(seen.scale[1]) == sign
+    assert "by its displacement map" in seen.losses[0]
+
+
+@pytest.mark.parametrize("stated", ["up", "down", None])
+@pytest.mark.parametrize(("suffix", "signed"), [(".png", False), (".exr", False), (".exr", True)])
+def test_the_way_from_stored_values_to_opengl(
+    tmp_path: Path, stated: str | None, suffix: str, signed: bool
+) -> None:
+    _, normals = relief(1)
+    written = normals * (1, 1 if stated == "up" else -1, 1)
+    values = written if signed else packed(written)
+    kind = "float" if suffix == ".exr" else "uint16"
+    found = read_relief(write(tmp_path / f"n{suffix}", values, kind), stated)  # type: ignore[arg-type]
+    assert isinstance(found, Relief)
+    restored = values * found.scale[:3] + found.bias[:3]
+    assert np.abs(restored - normals).max() < 1e-6
+    assert bool(found.losses) == (stated is None)
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_grey_pictures_are_no_normal_maps(tmp_path: Path, channels: int) -> None:
+    height, _ = relief(2)
+    grey = np.repeat((height - height.min())[..., None], channels, axis=2)
+    reason = read_relief(write(tmp_path / "n.png", grey, "uint8"), "up")
+    assert isinstance(reason, str)
+    assert "heights, not normals" in reason
+
+
+def test_a_single_texel_is_a_normal(tmp_path: Path) -> None:
+    found = read_relief(write(tmp_path / "n.png", np.array([[[0.5, 0.5, 1.0]]]), "uint8"), None)
+    assert isinstance(found, Relief)

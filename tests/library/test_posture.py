@@ -124,10 +124,13 @@ def test_pictures_in_a_sibling_folder(tmp_path: Path, folder: str) -> None:
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
-        ("bed_dalselv_0270", "bed"), ("chair_ivar_0668", "chair"), ("tvunit_0406", "cabinet"),
-        ("shelf_lillagen_0927", "bookshelf"), ("table_dockstra_0279", "table"),
+        ("bed_dalselv_0270", "bed"),
+        ("chair_ivar_0668", "chair"),
+        ("tvunit_0406", "cabinet"),
+        ("shelf_lillagen_0927", "bookshelf"),
+        ("table_dockstra_0279", "table"),
     ],
-)  # fmt: skip
+)
 def test_models_of_a_program_with_z_up(real: Real, name: str, kind: str) -> None:
     path = real(f"ikea_furniture_parts/assembled/{name}.obj")
     low, high = read_model(path, usual=usual(kind)).extent
@@ -139,10 +142,11 @@ def test_models_of_a_program_with_z_up(real: Real, name: str, kind: str) -> None
     ("name", "kind", "size"),
     [
         ("chair", "chair", (0.4, 0.42, 0.9)),
-        ("desk", "desk", (1.4, 0.678, 0.77)), ("cooker", "stove", (0.6, 0.62, 0.85)),
+        ("desk", "desk", (1.4, 0.678, 0.77)),
+        ("cooker", "stove", (0.6, 0.62, 0.85)),
         ("fridgeFreezer", "refrigerator", (0.6, 0.66, 1.85)),
     ],
-)  # fmt: skip
+)
 def test_models_of_a_catalogue_in_units_of_its_own(
     real: Real, name: str, kind: str, size: tuple[float, float, float]
 ) -> None:

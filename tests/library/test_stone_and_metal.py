@@ -7,15 +7,14 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.library.textures import metal, rough_stone, specular_stone
-from openrooms_usd.library.textures.base.cells import hexagons, scattered_cells
+from openrooms_usd.library.textures.base.cells import hexagons, scales, scattered_cells
 from openrooms_usd.library.textures.base.courses import bond, random_courses
 from openrooms_usd.library.textures.base.family import Family, Order
 from openrooms_usd.library.textures.base.maps import Maps, encoded
 from openrooms_usd.library.textures.base.recipe import covered, displaced, fractal, whole
-from openrooms_usd.library.textures.base.scales import scales
 from openrooms_usd.library.textures.base.strewn import chips, lines, pits
 from openrooms_usd.library.textures.metal.metals import ALUMINIUM, COPPER, IRON, SILVER
-from openrooms_usd.library.textures.rough_stone.brick import JOINT, STANDARD, english_bond
+from openrooms_usd.library.textures.rough_stone.masonry import JOINT, STANDARD, english_bond
 
 Field = NDArray[np.float64]
 

@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 from pxr import Ar, Sdf, Usd, UsdMedia, UsdUtils
 
-from openrooms_usd.errors import InputError, OutputError, StageError
+from openrooms_usd.errors import InputError, OrusdError, OutputError, StageError
 from openrooms_usd.package import flatten, package
+from openrooms_usd.usd.diagnostics import quiet
 from openrooms_usd.validate import validate_stage
 
 HEADER = """#usda 1.0
@@ -496,3 +497,25 @@ def test_profiles_of_lights_stay_behind(scene: Path) -> None:
     found = stage.GetPrimAtPath("/World/lamp").GetAttribute(name).Get()
     assert not found or not found.path
     assert not UsdUtils.ComputeAllDependencies(str(target))[2]
+
+
+@pytest.mark.parametrize("target", ["edits.usda", "nowhere", "/dev/zero"])
+@pytest.mark.parametrize(("write", "ending"), [(package, "usdz"), (flatten, "usdc")])
+def test_a_layer_that_is_a_broken_link_is_refused_at_most(
+    write: Callable[[Path, Path], object],
+    ending: str,
+    target: str,
+    composed_demo: Path,
+    tmp_path: Path,
+) -> None:
+    shutil.copytree(composed_demo.parent, tmp_path / "room")
+    edits = tmp_path / "room/layers/edits.usda"
+    edits.unlink()
+    edits.symlink_to(target)
+    made = tmp_path / f"made.{ending}"
+    try:
+        with quiet():
+            write(tmp_path / "room/scene.usda", made)
+    except OrusdError as error:
+        assert "edits" in str(error)
+        assert not made.exists()

@@ -23,7 +23,7 @@ from openrooms_usd.render.probes import probe_stage
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.simulation.robot_cameras import RobotCameras
 from openrooms_usd.view.tracing import Trace, Tracing
-from tests.usd.test_skinning import puppet
+from tests.usd.test_moments import puppet
 
 ROOT = Path(__file__).parents[2]
 RED = (0.8, 0.1, 0.1)

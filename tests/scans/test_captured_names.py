@@ -19,7 +19,7 @@ from openrooms_usd.names import SHELL
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.stages.alignment.captured import Captured, captured_objects, substitute
 from openrooms_usd.stages.alignment.instances import instances_of, told_left_out
-from openrooms_usd.usd.taxonomies import NYU40
+from openrooms_usd.usd.semantics import NYU40
 
 THINGS = st.lists(
     st.tuples(st.sampled_from(["chair", "table"]), st.text(max_size=12)), unique=True, max_size=20

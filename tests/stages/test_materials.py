@@ -27,9 +27,8 @@ from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.materials.stage import MaterialsStage
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import Texture
+from openrooms_usd.usd.materials import Texture, bound_material
 from openrooms_usd.usd.semantics import read_label
 
 OBJECTS = [

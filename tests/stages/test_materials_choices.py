@@ -14,9 +14,8 @@ from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.pictures import write_png
 from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.usd import physics
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.materialreader import read_preview_surface as read
-from openrooms_usd.usd.materials import PreviewSurface, Texture
+from openrooms_usd.usd.materials import PreviewSurface, Texture, bound_material
 from openrooms_usd.usd.textures import read_texture
 from tests.stages.dressed import compose
 

@@ -10,7 +10,7 @@ import pytest
 from pxr import Sdf, Usd
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.panorama import read_panorama
+from openrooms_usd.library.environments import read_panorama
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.usd import textures
 from openrooms_usd.usd.diagnostics import plain, quiet, reading
@@ -20,9 +20,12 @@ from openrooms_usd.validate import validate_stage
 from openrooms_usd.validation.licences import licences
 
 READERS: list[Callable[[str], object]] = [
-    textures.picture_facts, textures.read_texture, textures.texture_size, textures.color_space,
+    textures.picture_facts,
+    textures.read_texture,
+    textures.texture_size,
+    textures.color_space,
     read_panorama,
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("reader", READERS)

@@ -17,8 +17,8 @@ from openrooms_usd.usd.cameras import (
     framing_camera,
     list_cameras,
     read_camera,
+    set_field_of_view,
 )
-from openrooms_usd.usd.fields_of_view import set_field_of_view
 from openrooms_usd.usd.frames import world_from_stage
 from openrooms_usd.usd.meshes import define_mesh
 
@@ -102,9 +102,13 @@ def test_reading_gives_back_what_was_defined(size: tuple[int, int]) -> None:
     stage = new_stage()
     matrix = look_at((1, 2, 1.5), (4, -1, 0.5))
     camera = define_camera(
-        stage, "/World/Cameras/a", world_from_camera=matrix, fov_degrees=70.0, resolution=size,
+        stage,
+        "/World/Cameras/a",
+        world_from_camera=matrix,
+        fov_degrees=70.0,
+        resolution=size,
         exposure=0.25,
-    )  # fmt: skip
+    )
     found = read_camera(camera.GetPrim(), *size)
     np.testing.assert_allclose(found.world_from_camera, matrix, atol=1e-9)
     half = math.degrees(math.atan(size[0] / 2 / found.K[0, 0]))
@@ -310,9 +314,10 @@ def test_a_closed_room_is_framed_from_inside() -> None:
     room = np.array([[0.0, 0, 0], [5, 2.5, 4]])
     define_mesh(stage, "/World/room", cuboid(*room, inward=True))
     define_mesh(
-        stage, "/World/table",
+        stage,
+        "/World/table",
         cuboid(np.array([2.0, 0.6, 1.5]), np.array([3.0, 0.7, 2.5]), inward=False),
-    )  # fmt: skip
+    )
     camera = framing_camera(stage, 320, 240)
     eye = camera.world_from_camera[:3, 3]
     assert (eye > [0, -4, 0]).all()

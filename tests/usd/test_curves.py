@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from numpy.typing import NDArray
-from pxr import Gf, Usd
+from pxr import Gf, Usd, UsdGeom
 from scipy.interpolate import BSpline, CubicHermiteSpline
 
 from openrooms_usd.usd.gprims import Surface, read_surface
+from openrooms_usd.usd.meshes import TriangleMesh, read_meshes
 
 Array = NDArray[np.float64]
 BENT = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 2, 1), (1, 3, 0), (2, 3, 0)]
@@ -28,9 +30,13 @@ def surface(kind: str, interpolations: Mapping[str, str] | None = None, **said: 
 def curves(points: Any, kind: str = "BasisCurves", width: float = 0.1, **said: Any) -> Surface:
     counts = said.pop("counts", [len(points)])
     return surface(
-        kind, {"widths": "constant"}, points=[Gf.Vec3f(*map(float, p)) for p in points],
-        curveVertexCounts=counts, widths=[width], **said,
-    )  # fmt: skip
+        kind,
+        {"widths": "constant"},
+        points=[Gf.Vec3f(*map(float, p)) for p in points],
+        curveVertexCounts=counts,
+        widths=[width],
+        **said,
+    )
 
 
 def axis(found: Surface, sides: int = 12) -> Array:
@@ -109,20 +115,30 @@ def test_hermite_curves_are_scipys() -> None:
 
 
 def test_a_nurbs_curve_with_weights_is_a_circle() -> None:
-    found = axis(curves(
-        [(1, 0, 0), (1, 1, 0), (0, 1, 0)], "NurbsCurves", order=[3],
-        knots=[0.0, 0, 0, 1, 1, 1], pointWeights=[1.0, np.sqrt(0.5), 1.0],
-    ))  # fmt: skip
+    found = axis(
+        curves(
+            [(1, 0, 0), (1, 1, 0), (0, 1, 0)],
+            "NurbsCurves",
+            order=[3],
+            knots=[0.0, 0, 0, 1, 1, 1],
+            pointWeights=[1.0, np.sqrt(0.5), 1.0],
+        )
+    )
     assert np.abs(np.linalg.norm(found, axis=1) - 1.0).max() < 1e-6
     assert len(found) == 7
 
 
 def test_two_nurbs_curves_have_their_own_knots_and_ranges() -> None:
-    found = axis(curves(
-        [(0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 1, 0), (7, 0, 0)], "NurbsCurves", counts=[2, 3],
-        order=[2, 3], knots=[0.0, 0, 1, 1, 0, 0, 0, 2, 2, 2],
-        ranges=[Gf.Vec2d(0, 0.5), Gf.Vec2d(0, 2)],
-    ))  # fmt: skip
+    found = axis(
+        curves(
+            [(0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 1, 0), (7, 0, 0)],
+            "NurbsCurves",
+            counts=[2, 3],
+            order=[2, 3],
+            knots=[0.0, 0, 1, 1, 0, 0, 0, 2, 2, 2],
+            ranges=[Gf.Vec2d(0, 0.5), Gf.Vec2d(0, 2)],
+        )
+    )
     assert np.abs(found[:2] - [[0, 0, 0], [0.5, 0, 0]]).max() < 1e-6
     assert np.abs(found[[2, 5, 8]] - [[5, 0, 0], [6, 0.5, 0], [7, 0, 0]]).max() < 1e-6
 
@@ -130,10 +146,14 @@ def test_two_nurbs_curves_have_their_own_knots_and_ranges() -> None:
 def test_widths_follow_their_interpolation() -> None:
     def wide(interpolation: str, widths: list[float]) -> Array:
         found = surface(
-            "BasisCurves", {"widths": interpolation}, type="cubic", basis="bspline",
+            "BasisCurves",
+            {"widths": interpolation},
+            type="cubic",
+            basis="bspline",
             points=[Gf.Vec3f(float(k % 5), float(k // 5), 0) for k in range(10)],
-            curveVertexCounts=[5, 5], widths=widths,
-        )  # fmt: skip
+            curveVertexCounts=[5, 5],
+            widths=widths,
+        )
         assert found.mesh is not None, found.losses
         at = found.mesh.points.reshape(2, 13, 12, 3)
         reach = np.linalg.norm(at - at.mean(axis=2, keepdims=True), axis=3).mean(axis=2)
@@ -151,10 +171,14 @@ def test_widths_follow_their_interpolation() -> None:
 
 def test_curves_with_normals_are_ribbons() -> None:
     found = surface(
-        "BasisCurves", {"widths": "constant", "normals": "vertex"}, type="linear",
-        points=[Gf.Vec3f(0, 0, 0), Gf.Vec3f(2, 0, 0)], curveVertexCounts=[2], widths=[0.5],
+        "BasisCurves",
+        {"widths": "constant", "normals": "vertex"},
+        type="linear",
+        points=[Gf.Vec3f(0, 0, 0), Gf.Vec3f(2, 0, 0)],
+        curveVertexCounts=[2],
+        widths=[0.5],
         normals=[Gf.Vec3f(0, 0, 1)] * 2,
-    )  # fmt: skip
+    )
     assert found.mesh is not None and found.double_sided
     a, b, c = np.moveaxis(found.mesh.points[found.mesh.triangles], 1, 0)
     assert 0.5 * np.cross(b - a, c - a).sum(axis=0) == pytest.approx([0.0, 0.0, 1.0])
@@ -187,11 +211,16 @@ def test_many_curves_have_few_sides_and_no_widths_are_told() -> None:
 def test_a_patch_with_weights_is_a_cylinder_that_faces_outwards() -> None:
     arc = [(1, 0), (1, 1), (0, 1)]
     found = surface(
-        "NurbsPatch", uVertexCount=3, vVertexCount=2, uOrder=3, vOrder=2,
-        uKnots=[0.0, 0, 0, 1, 1, 1], vKnots=[0.0, 0, 1, 1],
+        "NurbsPatch",
+        uVertexCount=3,
+        vVertexCount=2,
+        uOrder=3,
+        vOrder=2,
+        uKnots=[0.0, 0, 0, 1, 1, 1],
+        vKnots=[0.0, 0, 1, 1],
         points=[Gf.Vec3f(float(x), float(y), float(z)) for z in (0, 2) for x, y in arc],
         pointWeights=[1.0, np.sqrt(0.5), 1.0] * 2,
-    )  # fmt: skip
+    )
     mesh = found.mesh
     assert mesh is not None and mesh.normals is not None
     assert np.abs(np.linalg.norm(mesh.points[:, :2], axis=1) - 1.0).max() < 1e-6
@@ -216,14 +245,29 @@ def test_points_are_balls_of_their_widths(count: int) -> None:
 
 @pytest.mark.parametrize("said", [True, False])
 def test_tetrahedra_show_their_outside(said: bool) -> None:
-    more = {"surfaceFaceVertexIndices": [Gf.Vec3i(*row) for row in (
-        (0, 2, 1), (0, 1, 3), (0, 3, 4), (0, 4, 2), (1, 2, 3), (2, 4, 3),
-    )]} if said else {}  # fmt: skip
+    more = (
+        {
+            "surfaceFaceVertexIndices": [
+                Gf.Vec3i(*row)
+                for row in (
+                    (0, 2, 1),
+                    (0, 1, 3),
+                    (0, 3, 4),
+                    (0, 4, 2),
+                    (1, 2, 3),
+                    (2, 4, 3),
+                )
+            ]
+        }
+        if said
+        else {}
+    )
     found = surface(
-        "TetMesh", points=[Gf.Vec3f(*p) for p in (
-            (0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0))],
-        tetVertexIndices=[Gf.Vec4i(0, 1, 2, 3), Gf.Vec4i(0, 2, 4, 3)], **more,
-    )  # fmt: skip
+        "TetMesh",
+        points=[Gf.Vec3f(*p) for p in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0))],
+        tetVertexIndices=[Gf.Vec4i(0, 1, 2, 3), Gf.Vec4i(0, 2, 4, 3)],
+        **more,
+    )
     assert volume(found) == pytest.approx(2.0 / 6.0)
     assert found.mesh is not None and len(found.mesh.faces) == 6
 
@@ -271,8 +315,11 @@ def test_nurbs_without_knots_go_straight_through_their_points() -> None:
 
 
 def test_one_width_is_that_of_all_and_others_that_do_not_fit_their_mean() -> None:
-    line: dict[str, Any] = {"points": [Gf.Vec3f(0, 0, 0), Gf.Vec3f(0, 0, 2)], "type": "linear",
-                            "curveVertexCounts": [2]}  # fmt: skip
+    line: dict[str, Any] = {
+        "points": [Gf.Vec3f(0, 0, 0), Gf.Vec3f(0, 0, 2)],
+        "type": "linear",
+        "curveVertexCounts": [2],
+    }
     one = surface("BasisCurves", {"widths": "vertex"}, widths=[0.2], **line)
     assert volume(one) == pytest.approx(np.pi * 0.1**2 * 2.0)
     three = surface("BasisCurves", {"widths": "vertex"}, widths=[0.1, 0.2, 0.3], **line)
@@ -287,3 +334,115 @@ def test_a_curve_of_one_point_leaves_the_others(kind: str) -> None:
     whole = curves(BENT[:4], **said)
     assert found.mesh is not None and whole.mesh is not None
     assert np.abs(found.mesh.points - whole.mesh.points).max() < 1e-12
+
+
+SHAPES: dict[str, tuple[dict[str, float], float, float]] = {
+    # attributes, volume, area
+    "Cube": ({"size": 3.0}, 27.0, 54.0),
+    "Sphere": ({"radius": 2.0}, 4 / 3 * np.pi * 8, 4 * np.pi * 4),
+    "Cylinder": ({"radius": 1.5, "height": 4.0}, np.pi * 2.25 * 4, 2 * np.pi * 1.5 * 5.5),
+    "Cone": ({"radius": 1.5, "height": 2.0}, np.pi * 1.5, np.pi * 1.5 * (1.5 + 2.5)),
+    "Capsule": (
+        {"radius": 0.5, "height": 2.0},
+        np.pi * 0.25 * 2 + 4 / 3 * np.pi * 0.125,
+        2 * np.pi * 0.5 * 2 + 4 * np.pi * 0.25,
+    ),
+    "Cylinder_1": (
+        {"radiusBottom": 2.0, "radiusTop": 1.0, "height": 3.0},
+        np.pi * 3.0 / 3 * (4 + 2 + 1),
+        np.pi * (4 + 1 + 3 * np.hypot(3, 1)),
+    ),
+}
+
+
+def new_stage() -> Usd.Stage:
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageUpAxis(stage, "Z")
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    return stage
+
+
+def shape(kind: str, **values: object) -> tuple[TriangleMesh, NDArray[np.float64]]:
+    """The triangles of a shape, and the extent that USD computes for it."""
+    stage = new_stage()
+    prim = stage.DefinePrim("/World/shape", kind)
+    for name, value in values.items():
+        prim.GetAttribute(name).Set(value)
+    reading = read_meshes(stage)
+    assert reading.losses == []
+    extent = UsdGeom.Boundable.ComputeExtentFromPlugins(
+        UsdGeom.Boundable(prim), Usd.TimeCode.Default()
+    )
+    return reading.meshes[0].mesh, np.array(extent, dtype=np.float64)
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+def test_shapes_are_closed_and_have_their_size(kind: str, axis: str) -> None:
+    values, volume, area = SHAPES[kind]
+    has_axis = kind not in ("Cube", "Sphere")
+    mesh, extent = shape(kind, **values, **({"axis": axis} if has_axis else {}))
+    found = trimesh.Trimesh(mesh.points, mesh.triangles, process=False)
+    assert found.is_watertight
+    assert found.is_winding_consistent
+    # Inscribed, so a little smaller; (2 pi / 48)^2 / 6 is 0.3 %.
+    assert 0.99 * volume <= found.volume <= volume * (1 + 1e-9)
+    assert 0.99 * area <= found.area <= area * (1 + 1e-9)
+    np.testing.assert_allclose(found.bounds, extent, atol=1e-6)
+    assert mesh.normals is not None
+    facing = np.einsum("mij,mj->mi", mesh.normals, found.face_normals)
+    assert facing.min() > np.cos(np.radians(10.0))
+
+
+def test_a_sphere_has_the_sphere_as_normals() -> None:
+    mesh, _extent = shape("Sphere", radius=2.0)
+    corners = mesh.points[mesh.triangles]
+    np.testing.assert_allclose(mesh.normals, corners / 2.0, atol=1e-6)
+
+
+def test_a_capsule_is_everywhere_at_its_radius_from_its_axis() -> None:
+    mesh, _extent = shape("Capsule", radius=0.5, height=2.0, axis="Y")
+    points = mesh.points
+    nearest = np.zeros_like(points)
+    nearest[:, 1] = np.clip(points[:, 1], -1.0, 1.0)
+    np.testing.assert_allclose(np.linalg.norm(points - nearest, axis=1), 0.5)
+
+
+@pytest.mark.parametrize(
+    ("axis", "normal", "size"),
+    [("X", [1, 0, 0], [0, 4, 2]), ("Y", [0, 1, 0], [2, 0, 4]), ("Z", [0, 0, 1], [2, 4, 0])],
+)
+def test_planes_lie_as_the_schema_says(axis: str, normal: list[int], size: list[int]) -> None:
+    mesh, extent = shape("Plane", width=2.0, length=4.0, axis=axis)
+    a, b, c = np.moveaxis(mesh.points[mesh.triangles], 1, 0)
+    wound = np.cross(b - a, c - a)
+    np.testing.assert_allclose(wound / np.linalg.norm(wound, axis=1)[:, None], [normal] * 2)
+    np.testing.assert_allclose(np.ptp(mesh.points, axis=0), size)
+    np.testing.assert_allclose(np.ptp(extent, axis=0), size)
+
+
+def test_left_handed_shapes_are_turned_inside_out() -> None:
+    mesh, _extent = shape("Cube", orientation="leftHanded")
+    assert trimesh.Trimesh(mesh.points, mesh.triangles).volume == pytest.approx(-8.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        ("Cube", {"size": 0.0}),
+        ("Sphere", {"radius": -1.0}),
+        ("Sphere", {"radius": np.nan}),
+        ("Cylinder", {"height": 0.0}),
+        ("Cone", {"radius": 0.0}),
+        ("Plane", {"width": 0.0}),
+        ("Capsule", {"radius": 0.0}),
+    ],
+)
+def test_shapes_without_size_are_skipped(kind: str, values: dict[str, float]) -> None:
+    stage = new_stage()
+    prim = stage.DefinePrim("/World/shape", kind)
+    for name, value in values.items():
+        prim.GetAttribute(name).Set(value)
+    reading = read_meshes(stage)
+    assert len(reading) == 0
+    assert reading.losses[0][1] == "skipped"

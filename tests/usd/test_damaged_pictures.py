@@ -5,9 +5,17 @@ import zlib
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO
 import pytest
+from pxr import Sdf, Usd, UsdShade, UsdUtils
 
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
+from openrooms_usd.render.scene.pictures import load
+from openrooms_usd.usd import udim
+from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import Texture, define_preview_surface
+from openrooms_usd.usd.surfaces import PreviewSurface
 from openrooms_usd.usd.textures import picture_facts, read_codes, read_texture
 from orusd_scans.formats.depthpicture import picture_size
 
@@ -68,3 +76,81 @@ def test_no_byte_of_a_header_gives_more_than_a_refusal(tmp_path: Path, ending: s
                 read(str(path))
             except InputError as error:
                 assert str(path) in str(error)
+
+
+# Columns and rows of tiles, with what they hold; (1, 1) is missing.
+TILES = {(0, 0): (10, 20, 30), (1, 0): (250, 100, 0), (0, 1): (0, 200, 90), (2, 1): (70, 70, 70)}
+
+
+def write(folder: Path, kind: str = "uint8", ending: str = "png") -> None:
+    for (column, row), color in TILES.items():
+        side = 4 if column else 8
+        path = str(folder / f"skin.{1001 + column + 10 * row}.{ending}")
+        file = OpenImageIO.ImageOutput.create(path)
+        assert file.open(path, OpenImageIO.ImageSpec(side, side, 3, kind))
+        pixels = np.full((side, side, 3), np.array(color) / 255.0, np.float32)
+        assert file.write_image(pixels) and file.close()
+
+
+def authored(folder: Path, given: Texture) -> Usd.Stage:
+    stage = Usd.Stage.CreateNew(str(folder / "a.usda"))
+    made = define_preview_surface(stage, "/M", PreviewSurface(base_color=given))
+    stage.SetDefaultPrim(made.GetPrim())
+    stage.Save()
+    return stage
+
+
+def read(stage: Usd.Stage) -> tuple[PreviewSurface, tuple[str, ...]]:
+    return read_preview_surface(UsdShade.Material(stage.GetPrimAtPath("/M")))
+
+
+def seen(texture: Texture, st: list[tuple[float, float]]) -> np.ndarray:
+    picture = load(texture, 3, (0.0, 1.0), texture.uv_matrix)
+    return picture.lookup(np.array(st))
+
+
+@pytest.mark.parametrize("kind", ["uint8", "uint16", "half"])
+def test_each_tile_is_where_its_number_says(tmp_path: Path, kind: str) -> None:
+    ending = "exr" if kind == "half" else "png"
+    write(tmp_path, kind, ending)
+    stage = authored(tmp_path, Texture(f"./skin.<UDIM>.{ending}", color_space="sRGB"))
+    found, losses = read(stage)
+    texture = found.base_color
+    assert losses == () and isinstance(texture, Texture)
+    assert udim.grid(texture.file) == (3, 2)
+    middles = [(column + 0.5, row + 0.5) for column, row in (*TILES, (1, 1))]
+    expected = [linear_from_srgb(np.array(color) / 255.0) for color in TILES.values()]
+    assert seen(texture, middles) == pytest.approx(np.array([*expected, [0.0] * 3]), abs=1e-3)
+    # Corners too, but for a texel at the seams.
+    assert seen(texture, [(0.06, 0.06), (0.94, 0.06)])[0] == pytest.approx(expected[0], abs=1e-3)
+
+
+def test_transforms_come_before_the_tiles(tmp_path: Path) -> None:
+    write(tmp_path)
+    stage = authored(tmp_path, Texture("./skin.<UDIM>.png", uv_translation=(1.0, 0.0)))
+    texture = read(stage)[0].base_color
+    assert isinstance(texture, Texture)
+    expected = np.array(TILES[1, 0]) / 255.0
+    assert seen(texture, [(0.5, 0.5)])[0] == pytest.approx(expected, abs=1e-3)
+
+
+def test_tiles_inside_packages_and_the_automatic_color_space(tmp_path: Path) -> None:
+    write(tmp_path)
+    stage = authored(tmp_path, Texture("./skin.<UDIM>.png"))
+    node = UsdShade.Shader(stage.GetPrimAtPath("/M/base_color_texture"))
+    node.GetInput("sourceColorSpace").Set("auto")
+    stage.Save()
+    package = str(tmp_path / "a.usdz")
+    assert UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath(str(tmp_path / "a.usda")), package)
+    for tile in tmp_path.glob("*.png"):
+        tile.unlink()
+    found, losses = read(Usd.Stage.Open(package))
+    texture = found.base_color
+    assert losses == () and isinstance(texture, Texture) and texture.color_space == "sRGB"
+    assert read_texture(texture.file).shape == (16, 24, 3)
+
+
+def test_tiles_that_are_not_there(tmp_path: Path) -> None:
+    stage = authored(tmp_path, Texture("./none.<UDIM>.png", fallback=(0.5, 0.25, 0.125, 1.0)))
+    found, losses = read(stage)
+    assert found.base_color == (0.5, 0.25, 0.125) and "none.<UDIM>.png is missing" in losses[0]

@@ -16,10 +16,11 @@ from openrooms_usd.usd.emitters import (
     RectLight,
     SphereLight,
     UnknownLight,
+    nits_from_lumen,
+    world_area,
 )
 from openrooms_usd.usd.lights import define_dome, define_mesh_light, read_lights
 from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
-from openrooms_usd.usd.photometry import nits_from_lumen, world_area
 
 WEIGHTS = (0.2126, 0.7152, 0.0722)
 
@@ -147,9 +148,14 @@ def looks_at(dome: DomeLight, u: float, v: float) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("kind", "up", "pole"),
-    [("DomeLight", "Y", ""), ("DomeLight_1", "Y", "scene"), ("DomeLight_1", "Z", "scene"),
-     ("DomeLight_1", "Z", "Z"), ("DomeLight_1", "Y", "Y")],
-)  # fmt: skip
+    [
+        ("DomeLight", "Y", ""),
+        ("DomeLight_1", "Y", "scene"),
+        ("DomeLight_1", "Z", "scene"),
+        ("DomeLight_1", "Z", "Z"),
+        ("DomeLight_1", "Y", "Y"),
+    ],
+)
 def test_domes_that_stand_upright_all_look_alike(kind: str, up: str, pole: str) -> None:
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, up)
@@ -229,10 +235,14 @@ def test_the_glow_of_a_material_tints_a_mesh_light(stage: Usd.Stage) -> None:
 
 def test_every_kind_is_read_and_unknown_ones_say_so(stage: Usd.Stage) -> None:
     kinds = {
-        "RectLight": RectLight, "DiskLight": DiskLight, "SphereLight": SphereLight,
-        "CylinderLight": CylinderLight, "DistantLight": DistantLight, "DomeLight": DomeLight,
+        "RectLight": RectLight,
+        "DiskLight": DiskLight,
+        "SphereLight": SphereLight,
+        "CylinderLight": CylinderLight,
+        "DistantLight": DistantLight,
+        "DomeLight": DomeLight,
         "GeometryLight": UnknownLight,
-    }  # fmt: skip
+    }
     stage.DefinePrim("/PortalEmitsNothing", "PortalLight")
     for name in kinds:
         stage.DefinePrim(f"/{name}", name)
@@ -285,8 +295,16 @@ def test_what_is_lost_is_named(stage: Usd.Stage) -> None:
     [read] = read_lights(stage)
     assert read.radiance.tolist() == [0.0, 1.0, 1.0]
     text = " ".join(read.losses)
-    for word in ("a.ies", "shadow:enable", "diffuse", "none.png", "filters",
-                 "shadowLink", "not finite", "not physical"):  # fmt: skip
+    for word in (
+        "a.ies",
+        "shadow:enable",
+        "diffuse",
+        "none.png",
+        "filters",
+        "shadowLink",
+        "not finite",
+        "not physical",
+    ):
         assert word in text, word
     plain = UsdLux.RectLight.Define(stage, "/Plain").GetPrim()
     UsdLux.ShapingAPI.Apply(plain)

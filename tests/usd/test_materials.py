@@ -11,9 +11,14 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd import textures
-from openrooms_usd.usd.bindings import bound_material, bound_subsets
 from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
+from openrooms_usd.usd.materials import (
+    PreviewSurface,
+    Texture,
+    bound_material,
+    bound_subsets,
+    define_preview_surface,
+)
 from openrooms_usd.usd.surfaces import UvTransform, f0_of, ior_of
 
 TYPES = Sdf.ValueTypeNames
@@ -67,17 +72,35 @@ def textured(stage: Usd.Stage, file: str, output: str = "rgb") -> UsdShade.Outpu
 
 def test_what_is_authored_is_read_back(stage: Usd.Stage, png: str) -> None:
     texture = Texture(
-        png, "rgb", "sRGB", scale=(0.5, 0.5, 0.5, 1.0), bias=(0.25, 0.0, 0.0, 0.0),
-        wrap_s="clamp", wrap_t="mirror", primvar="UVMap", uv_scale=(2.0, 4.0), uv_rotation=90.0,
-        uv_translation=(0.5, -0.25), fallback=(1.0, 0.0, 0.0, 1.0),
-    )  # fmt: skip
+        png,
+        "rgb",
+        "sRGB",
+        scale=(0.5, 0.5, 0.5, 1.0),
+        bias=(0.25, 0.0, 0.0, 0.0),
+        wrap_s="clamp",
+        wrap_t="mirror",
+        primvar="UVMap",
+        uv_scale=(2.0, 4.0),
+        uv_rotation=90.0,
+        uv_translation=(0.5, -0.25),
+        fallback=(1.0, 0.0, 0.0, 1.0),
+    )
     normal = Texture(png, scale=(2.0, 2.0, 2.0, 1.0), bias=(-1.0, -1.0, -1.0, 0.0))
     given = PreviewSurface(
-        base_color=texture, metallic=0.25, roughness=Texture(png, "g"), specular=(0.5, 0.25, 0.125),
-        opacity=Texture(png, "a"), opacity_threshold=0.5, opacity_mode="presence", ior=1.25,
-        emissive=(1.0, 2.0, 3.0), normal=normal, clearcoat=0.5, clearcoat_roughness=0.25,
+        base_color=texture,
+        metallic=0.25,
+        roughness=Texture(png, "g"),
+        specular=(0.5, 0.25, 0.125),
+        opacity=Texture(png, "a"),
+        opacity_threshold=0.5,
+        opacity_mode="presence",
+        ior=1.25,
+        emissive=(1.0, 2.0, 3.0),
+        normal=normal,
+        clearcoat=0.5,
+        clearcoat_roughness=0.25,
         occlusion=Texture(png, "b"),
-    )  # fmt: skip
+    )
     material = define_preview_surface(stage, "/M", given)
     assert read_preview_surface(material) == (given, ())
 
@@ -193,10 +216,13 @@ def test_specular_workflow(stage: Usd.Stage) -> None:
 @pytest.mark.parametrize(
     ("channels", "kind", "suffix", "expected"),
     [
-        (3, "uint8", "png", "sRGB"), (4, "uint8", "png", "sRGB"), (1, "uint8", "png", "raw"),
-        (3, "uint16", "png", "raw"), (3, "float", "exr", "raw"),
+        (3, "uint8", "png", "sRGB"),
+        (4, "uint8", "png", "sRGB"),
+        (1, "uint8", "png", "raw"),
+        (3, "uint16", "png", "raw"),
+        (3, "float", "exr", "raw"),
     ],
-)  # fmt: skip
+)
 def test_auto_color_space(
     stage: Usd.Stage, tmp_path: Path, channels: int, kind: str, suffix: str, expected: str
 ) -> None:

@@ -315,8 +315,9 @@ def test_flattened_transforms_are_skipped_with_a_reason() -> None:
     define_mesh(stage, "/World/flat", cuboid()).AddScaleOp().Set(Gf.Vec3f(1, 0, 1))
     reading = read_meshes(stage)
     assert (len(reading), reading.losses) == (
-        0, [("/World/flat", "skipped", "its transform is singular")],
-    )  # fmt: skip
+        0,
+        [("/World/flat", "skipped", "its transform is singular")],
+    )
 
 
 def test_all_triangles_come_in_one_soup() -> None:
@@ -368,10 +369,16 @@ def test_impossible_meshes_are_skipped_with_a_reason(
 @pytest.mark.parametrize("name", ["points", "faceVertexCounts", "faceVertexIndices", "normals"])
 @pytest.mark.parametrize(
     ("kind", "value"),
-    [("Point3f", (1.0, 2.0, 3.0)), ("Int", 7), ("String", "x"), ("StringArray", ["x"]),
-     ("Asset", "x.png"),
-     ("Float2Array", [(0.0, 1.0)] * 8), ("Matrix4dArray", [Gf.Matrix4d()] * 8)],
-)  # fmt: skip
+    [
+        ("Point3f", (1.0, 2.0, 3.0)),
+        ("Int", 7),
+        ("String", "x"),
+        ("StringArray", ["x"]),
+        ("Asset", "x.png"),
+        ("Float2Array", [(0.0, 1.0)] * 8),
+        ("Matrix4dArray", [Gf.Matrix4d()] * 8),
+    ],
+)
 def test_values_of_other_types_are_none(name: str, kind: str, value: Any) -> None:
     """The asset working group's own test has such points."""
     stage = new_stage()
@@ -429,10 +436,15 @@ def expected_corners(placed: TriangleMesh, interpolation: str, values: Array) ->
         face = int(placed.faces[number])
         for point in triangle:
             corner = 4 * face + QUADS[face].tolist().index(point)
-            rows.append({
-                "constant": 0, "uniform": face, "vertex": point, "varying": point,
-                "faceVarying": corner,
-            }[interpolation])  # fmt: skip
+            rows.append(
+                {
+                    "constant": 0,
+                    "uniform": face,
+                    "vertex": point,
+                    "varying": point,
+                    "faceVarying": corner,
+                }[interpolation]
+            )
     return values[rows].reshape(-1, 3, values.shape[1])
 
 
@@ -456,9 +468,11 @@ def test_primvars_reach_their_corners(interpolation: str, indexed: bool, handed:
     values["normals"] /= np.linalg.norm(values["normals"], axis=1, keepdims=True)
     order = rng.permutation(size) if indexed else np.arange(size)
     for name, array in values.items():
-        kind = Sdf.ValueTypeNames.Normal3fArray if name == "normals" else (
-            Sdf.ValueTypeNames.Float2Array if name == "map1" else None
-        )  # fmt: skip
+        kind = (
+            Sdf.ValueTypeNames.Normal3fArray
+            if name == "normals"
+            else (Sdf.ValueTypeNames.Float2Array if name == "map1" else None)
+        )
         vt = (Vt.Vec3fArray if name == "normals" else Vt.Vec2fArray).FromNumpy(
             np.ascontiguousarray(array[np.argsort(order)])
         )

@@ -1,13 +1,16 @@
 """Files of others are refused with a reason before USD's own parser could end the process."""
 
+import io
 import os
+import struct
 from pathlib import Path
 
 import pytest
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd import layers, preflight
+from openrooms_usd.usd.crate_reader import check_crate
 from openrooms_usd.usd.diagnostics import composition_errors
 
 HEAD = "#usda 1.0\n"
@@ -52,10 +55,19 @@ def test_as_deep_as_anybody_builds_is_opened(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "literal",
     [
-        '"%s"', "'%s'", '"""%s\n"""', "'''%s\n'''", '"\\"%s"', '"""\\""" " %s"""', '""', "''",
-        '"a" # %s', '"a" // %s', '"a" /* %s\n*/',
+        '"%s"',
+        "'%s'",
+        '"""%s\n"""',
+        "'''%s\n'''",
+        '"\\"%s"',
+        '"""\\""" " %s"""',
+        '""',
+        "''",
+        '"a" # %s',
+        '"a" // %s',
+        '"a" /* %s\n*/',
     ],
-)  # fmt: skip
+)
 def test_brackets_in_strings_and_comments_nest_nothing(literal: str) -> None:
     text = literal.replace("%s", "([{" * DEEP)
     preflight.check_text(f'{HEAD}def "a" {{\nstring s = {text}\n}}\n'.encode(), "here")
@@ -95,13 +107,13 @@ ARCS = {
     "sublayer": "(\nsubLayers = [@./b.usda@]\n)\n",
     "reference": 'def "a" (\nreferences = @./b.usda@\n) {\n}\n',
     "payload": 'def "a" (\npayload = @./b.usda@\n) {\n}\n',
-    "expression": "(\nexpressionVariables = {\nstring V = \"b\"\n}\n"
+    "expression": '(\nexpressionVariables = {\nstring V = "b"\n}\n'
     'subLayers = [@`"./${V}.usda"`@]\n)\n',
     "variant": 'def "a" (\nvariantSets = "v"\nvariants = {\nstring v = "x"\n}\n) {\n'
     'variantSet "v" = {\n"x" (\nreferences = @./b.usda@\n) {\n}\n}\n}\n',
     "clip": 'def "a" (\nclips = {\ndictionary default = {\nasset[] assetPaths = [@./b.usda@]\n'
     "asset manifestAssetPath = @./b.usda@\n}\n}\n) {\n}\n",
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("arc", ARCS)
@@ -209,3 +221,47 @@ def test_the_grammar_of_usd_is_not_told(tmp_path: Path) -> None:
         layers.open_stage(tmp_path / "a.usda")
     assert "pegtl" not in str(caught.value)
     assert "a.usda:2:13: parse error" in str(caught.value)
+
+
+def crate(path: Path, points: int) -> bytes:
+    """A mesh of equal points, which pack as well as anything."""
+    stage = Usd.Stage.CreateNew(str(path))
+    for name in ("A", "B" * 3000):
+        mesh = UsdGeom.Mesh.Define(stage, f"/{name}")
+        mesh.CreatePointsAttr(Vt.Vec3fArray(points))
+        mesh.CreateFaceVertexIndicesAttr(Vt.IntArray(points))
+    for number in range(points):
+        stage.DefinePrim(f"/P/P{number}", "Xform").SetDocumentation("same")
+    stage.Save()
+    return path.read_bytes()
+
+
+def check(data: bytes) -> None:
+    check_crate(io.BytesIO(data), len(data), "a.usdc")
+
+
+@pytest.mark.one_in(9)
+@pytest.mark.parametrize("points", [0, 1, 5000])
+def test_what_usd_writes_passes(tmp_path: Path, points: int) -> None:
+    check(crate(tmp_path / "a.usdc", points))
+
+
+@pytest.mark.parametrize("name", ["TOKENS", "STRINGS", "FIELDS", "FIELDSETS", "PATHS", "SPECS"])
+def test_what_no_section_can_hold_is_refused(tmp_path: Path, name: str) -> None:
+    data = bytearray(crate(tmp_path / "a.usdc", 2))
+    entry = data.rindex(name.encode().ljust(16, b"\0"))
+    (start,) = struct.unpack_from("<q", data, entry + 16)
+    struct.pack_into("<Q", data, start, 1 << 30)
+    with pytest.raises(InputError, match=f"section {name} announces 1,073,741,824 entries"):
+        check(bytes(data))
+    struct.pack_into("<q", data, entry + 16, len(data))
+    with pytest.raises(InputError, match="outside the file"):
+        check(bytes(data))
+
+
+@pytest.mark.parametrize("length", [8, 20, 60])
+def test_what_is_cut_off_is_refused(tmp_path: Path, length: int) -> None:
+    data = crate(tmp_path / "a.usdc", 2)
+    with pytest.raises(InputError, match="not a readable USD file"):
+        check(data[:length])
+    check(b"#usda 1.0\n")

@@ -8,8 +8,7 @@ from pxr import Gf, Usd, UsdGeom, UsdRender
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render.context import RenderContext as OpenedStage
 from openrooms_usd.render.opening import open_for_rendering
-from openrooms_usd.usd.cameras import read_camera
-from openrooms_usd.usd.fields_of_view import set_field_of_view
+from openrooms_usd.usd.cameras import read_camera, set_field_of_view
 from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.rendersettings import (
     asked_cameras,

@@ -9,8 +9,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.categories import LibraryCategory
-from openrooms_usd.usd.semantics import label, read_label, read_number
-from openrooms_usd.usd.taxonomies import (
+from openrooms_usd.usd.semantics import (
     COCO,
     COCO_GROUPS,
     NYU40,
@@ -19,36 +18,48 @@ from openrooms_usd.usd.taxonomies import (
     UNLABELED,
     class_of,
     classes,
+    label,
     number_of,
+    read_label,
+    read_number,
 )
 
+
+def numbered(text: str) -> dict[int, str]:
+    """Names by their numbers, written in turn."""
+    words = text.split()
+    return {int(number): name for number, name in zip(words[::2], words[1::2], strict=True)}
+
+
 # Numbers that users of ScanNet and NYU Depth V2 know by heart, from the benchmark's own list.
-SCANNET20 = {
-    1: "wall", 2: "floor", 3: "cabinet", 4: "bed", 5: "chair", 6: "sofa", 7: "table", 8: "door",
-    9: "window", 10: "bookshelf", 11: "picture", 12: "counter", 14: "desk", 16: "curtain",
-    24: "refridgerator", 28: "shower_curtain", 33: "toilet", 34: "sink", 36: "bathtub",
-    39: "otherfurniture",
-}  # fmt: skip
+SCANNET20 = numbered(
+    """
+    1 wall 2 floor 3 cabinet 4 bed 5 chair 6 sofa 7 table 8 door 9 window 10 bookshelf
+    11 picture 12 counter 14 desk 16 curtain 24 refridgerator 28 shower_curtain 33 toilet
+    34 sink 36 bathtub 39 otherfurniture
+    """
+)
 
 # Every tenth row of ADE20K's objectInfo150, and all rows that share a word with another.
-OBJECT_INFO_150 = {
-    1: "wall", 4: "floor", 6: "ceiling", 9: "windowpane", 10: "grass", 15: "door", 20: "chair",
-    30: "field", 31: "armchair", 32: "seat", 40: "cushion", 41: "base", 45: "chest_of_drawers",
-    46: "counter", 50: "fireplace", 54: "stairs", 58: "pillow", 59: "screen_door", 60: "stairway",
-    64: "blind", 65: "coffee_table", 70: "bench", 71: "countertop", 80: "hovel", 83: "light",
-    90: "television_receiver", 100: "buffet", 110: "swimming_pool", 120: "ball", 122: "step",
-    126: "pot", 130: "dishwasher", 131: "screen", 140: "fan", 142: "crt_screen", 144: "monitor",
-    150: "flag",
-}  # fmt: skip
+OBJECT_INFO_150 = numbered(
+    """
+    1 wall 4 floor 6 ceiling 9 windowpane 10 grass 15 door 20 chair 30 field 31 armchair
+    32 seat 40 cushion 41 base 45 chest_of_drawers 46 counter 50 fireplace 54 stairs 58 pillow
+    59 screen_door 60 stairway 64 blind 65 coffee_table 70 bench 71 countertop 80 hovel
+    83 light 90 television_receiver 100 buffet 110 swimming_pool 120 ball 122 step 126 pot
+    130 dishwasher 131 screen 140 fan 142 crt_screen 144 monitor 150 flag
+    """
+)
 
 # The end of COCO's list, where rooms are, and the numbers that it skips.
-COCO_FROM_60 = {
-    60: "donut", 61: "cake", 62: "chair", 63: "couch", 64: "potted_plant", 65: "bed",
-    67: "dining_table", 70: "toilet", 72: "tv", 73: "laptop", 74: "mouse", 75: "remote",
-    76: "keyboard", 77: "cell_phone", 78: "microwave", 79: "oven", 80: "toaster", 81: "sink",
-    82: "refrigerator", 84: "book", 85: "clock", 86: "vase", 87: "scissors", 88: "teddy_bear",
-    89: "hair_drier", 90: "toothbrush",
-}  # fmt: skip
+COCO_FROM_60 = numbered(
+    """
+    60 donut 61 cake 62 chair 63 couch 64 potted_plant 65 bed 67 dining_table 70 toilet 72 tv
+    73 laptop 74 mouse 75 remote 76 keyboard 77 cell_phone 78 microwave 79 oven 80 toaster
+    81 sink 82 refrigerator 84 book 85 clock 86 vase 87 scissors 88 teddy_bear 89 hair_drier
+    90 toothbrush
+    """
+)
 COCO_NEVER_USED = {12, 26, 29, 30, 45, 66, 68, 69, 71, 83}
 
 
@@ -66,7 +77,7 @@ def test_numbers_of_ade20k_and_coco_are_the_published_ones() -> None:
     )
     assert {n: c for n, c in COCO.items() if n >= 60} == COCO_FROM_60
     assert set(range(91)) - set(COCO) == COCO_NEVER_USED
-    grouped = [name for members in COCO_GROUPS.values() for name in members.split()]
+    grouped = [name for members in COCO_GROUPS.values() for name in members]
     assert [UNLABELED, *grouped] == list(COCO.values())
 
 
@@ -93,13 +104,21 @@ def test_every_category_has_a_row_and_every_row_names_classes_that_exist() -> No
 
 # Some of each list: what rooms are made of, what has a word of its own, and what has none.
 MEANT = {
-    "skirting": ("wall", UNLABELED), "window": ("windowpane", UNLABELED),
-    "floor": ("floor", UNLABELED), "ceiling": ("ceiling", UNLABELED), "door": ("door", UNLABELED),
-    "sofa": ("sofa", "couch"), "television": ("television_receiver", "tv"),
-    "office_chair": ("swivel_chair", "chair"), "worktop": ("countertop", UNLABELED),
-    "plant_pot": ("plant", "potted_plant"), "trash_bin": ("ashcan", UNLABELED),
-    "mug": (UNLABELED, "cup"), "blinds": ("blind", UNLABELED), "cable": (UNLABELED, UNLABELED),
-}  # fmt: skip
+    "skirting": ("wall", UNLABELED),
+    "window": ("windowpane", UNLABELED),
+    "floor": ("floor", UNLABELED),
+    "ceiling": ("ceiling", UNLABELED),
+    "door": ("door", UNLABELED),
+    "sofa": ("sofa", "couch"),
+    "television": ("television_receiver", "tv"),
+    "office_chair": ("swivel_chair", "chair"),
+    "worktop": ("countertop", UNLABELED),
+    "plant_pot": ("plant", "potted_plant"),
+    "trash_bin": ("ashcan", UNLABELED),
+    "mug": (UNLABELED, "cup"),
+    "blinds": ("blind", UNLABELED),
+    "cable": (UNLABELED, UNLABELED),
+}
 
 
 def test_what_things_are_in_ade20k_and_coco() -> None:

@@ -1,6 +1,7 @@
 """Surfaces and nodes of MaterialX: numbers by its formulas, and all else by name."""
 
 import math
+import random
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +12,11 @@ from pxr import Usd, UsdShade
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.render.scene.pictures import load
+from openrooms_usd.render.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.materials import PreviewSurface, Texture
 from openrooms_usd.usd.surfaces import f0_of
+from tests.usd.test_materials import write_picture
 
 STANDARD, OPEN_PBR, GLTF, PREVIEW = (
     f"ND_{name}_surfaceshader"
@@ -148,9 +151,12 @@ def test_gltf_says_how_alpha_counts(folder: Path) -> None:
 def test_preview_surface_by_its_other_name(folder: Path) -> None:
     given = "color3f inputs:diffuseColor.connect = </M/I.outputs:out>\n"
     given += "float inputs:ior = 1.25\n float inputs:metallic.connect = </M/X.outputs:out>"
-    extract = node("X", "ND_extract_color3",
-                   "color3f inputs:in.connect = </M/I.outputs:out>\n int inputs:index = 2",
-                   "float outputs:out")  # fmt: skip
+    extract = node(
+        "X",
+        "ND_extract_color3",
+        "color3f inputs:in.connect = </M/I.outputs:out>\n int inputs:index = 2",
+        "float outputs:out",
+    )
     surface, losses = read(folder, PREVIEW, given, IMAGE + extract)
     assert losses == "" and surface.ior == 1.25
     assert value(surface.base_color) == pytest.approx([0.2, 0.4, 0.8], abs=1e-3)
@@ -169,8 +175,13 @@ def test_what_is_left_out_is_named(folder: Path) -> None:
     noise = node("N", "ND_noise2d_float", "", "float outputs:out")
     surface, losses = read(folder, STANDARD, given, noise)
     assert surface.base_color == pytest.approx((0.8, 0.8, 0.8))
-    for name in ("subsurface", "subsurface_color", "specular_anisotropy", "specular_color",
-                 "of_another_make"):  # fmt: skip
+    for name in (
+        "subsurface",
+        "subsurface_color",
+        "specular_anisotropy",
+        "specular_color",
+        "of_another_make",
+    ):
         assert f"/M/S.{name}: it is left out" in losses
     assert "ND_noise2d_float cannot drive it" in losses and len(losses.splitlines()) == 6
 
@@ -220,10 +231,12 @@ def test_two_textures_in_one_are_told(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "space", "encoded"),
     [
-        ("color3", "srgb_texture", True), ("color3", "lin_rec709", False), ("color3", "", True),
+        ("color3", "srgb_texture", True),
+        ("color3", "lin_rec709", False),
+        ("color3", "", True),
         ("vector3", "", False),
     ],
-)  # fmt: skip
+)
 def test_color_spaces_of_files(folder: Path, kind: str, space: str, encoded: bool) -> None:
     said = f'(colorSpace = "{space}")' if space else ""
     image = node("I", f"ND_image_{kind}", f"asset inputs:file = @a.png@ {said}")
@@ -255,27 +268,44 @@ def test_normal_maps(folder: Path) -> None:
 @pytest.mark.parametrize("order", [0, 1])
 def test_coordinates_by_the_formulas_of_materialx(folder: Path, order: int) -> None:
     """A tiled image behind a placement behind a product, computed step by step."""
-    place = node("P", "ND_place2d_vector2", f"""
+    place = node(
+        "P",
+        "ND_place2d_vector2",
+        f"""
         float2 inputs:texcoord.connect = </M/Q.outputs:out>
         float2 inputs:pivot = (0.5, 0.25)
         float2 inputs:scale = (2, 2)
         float inputs:rotate = 30
         float2 inputs:offset = (0.1, -0.2)
-        int inputs:operationorder = {order}""", "float2 outputs:out")  # fmt: skip
-    times = node("Q", "ND_multiply_vector2", """
+        int inputs:operationorder = {order}""",
+        "float2 outputs:out",
+    )
+    times = node(
+        "Q",
+        "ND_multiply_vector2",
+        """
         float2 inputs:in1.connect = </M/U.outputs:out>
-        float2 inputs:in2 = (3, 3)""", "float2 outputs:out")  # fmt: skip
-    reader = node("U", "ND_geompropvalue_vector2", 'string inputs:geomprop = "map2"',
-                  "float2 outputs:out")  # fmt: skip
-    image = node("I", "ND_tiledimage_color3", """
+        float2 inputs:in2 = (3, 3)""",
+        "float2 outputs:out",
+    )
+    reader = node(
+        "U", "ND_geompropvalue_vector2", 'string inputs:geomprop = "map2"', "float2 outputs:out"
+    )
+    image = node(
+        "I",
+        "ND_tiledimage_color3",
+        """
         asset inputs:file = @a.png@
         float2 inputs:texcoord.connect = </M/P.outputs:out>
         float2 inputs:uvtiling = (4, 4)
-        float2 inputs:uvoffset = (0.5, 0.25)""")  # fmt: skip
+        float2 inputs:uvoffset = (0.5, 0.25)""",
+    )
     surface, losses = read(
-        folder, STANDARD, "color3f inputs:base_color.connect = </M/I.outputs:out>",
+        folder,
+        STANDARD,
+        "color3f inputs:base_color.connect = </M/I.outputs:out>",
         image + place + times + reader,
-    )  # fmt: skip
+    )
     texture = surface.base_color
     assert losses == "" and isinstance(texture, Texture) and texture.primvar == "map2"
     x, y = 3 * 0.3 - 0.5, 3 * 0.7 - 0.25
@@ -304,3 +334,90 @@ def test_nodes_in_a_circle_end(folder: Path) -> None:
         folder, STANDARD, "color3f inputs:base_color.connect = </M/O.outputs:out>", made
     )
     assert losses and isinstance(surface.base_color, tuple)
+
+
+SURFACES = ("standard_surface", "open_pbr_surface", "gltf_pbr", "UsdPreviewSurface")
+NODES = tuple(
+    """
+    image_color3 image_float tiledimage_color3 UsdUVTexture constant_color3
+    convert_float_color3 dot_color3 multiply_color3 divide_color3FA add_float subtract_vector2
+    mix_color3 invert_float remap_color3 clamp_vector3 extract_color4 separate3_color3
+    swizzle_color3_float combine3_vector3 normalmap place2d_vector2 rotate2d_vector2
+    texcoord_vector2 geompropvalue_vector2 noise2d
+    """.split()
+)
+NAMES = tuple(
+    """
+    in in1 in2 in3 fg bg mix value amount low high inlow inhigh outlow outhigh index channels
+    scale texcoord st default uvtiling uvoffset realworldimagesize pivot rotate offset
+    operationorder geomprop uaddressmode fallback
+    """.split()
+)
+INPUTS = tuple(
+    """
+    base base_color base_weight metalness specular specular_IOR specular_ior specular_weight
+    specular_roughness opacity geometry_opacity emission emission_color coat coat_weight
+    coat_color coat_roughness transmission transmission_color transmission_weight thin_walled
+    normal geometry_normal alpha alpha_mode alpha_cutoff emissive diffuseColor roughness ior
+    displacement sheen subsurface_color opacityMode
+    """.split()
+)
+VALUES = [
+    (kind, value)
+    for kind, _, value in (
+        pair.strip().partition(" ")
+        for pair in """
+    float nan | float inf | float 0 | float 1 | float -3.5 | float 1e38 | int -2147483648 |
+    bool 1 | string "rgba" | token "constant" | asset @a.png@ | asset @none.png@ | asset @@ |
+    float2 (0, 2) | float3 (1, nan, 2) | color3f (0.2, 0.5, 0.7) | color3f (-1e30, 0, 1e30) |
+    float4 (1, 2, 3, 4) | float[] [] | float[] [1, 2, 3, 4, 5, 6] |
+    matrix4d ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1)) | half 0.5 | double 2 | string ""
+    """.split("|")
+    )
+]
+
+
+def network(seed: int) -> str:
+    rng = random.Random(seed)
+
+    def inputs(names: tuple[str, ...], many: int, linked: float) -> str:
+        lines = []
+        for name in rng.sample(names, min(many, len(names))):
+            kind, value = rng.choice(VALUES)
+            target = f"</M/N{rng.randrange(8)}.outputs:{rng.choice(('out', 'r', 'outr'))}>"
+            if rng.random() < linked:
+                lines.append(f"{kind} inputs:{name}.connect = {target}")
+            else:
+                lines.append(f"{kind} inputs:{name} = {value}")
+        return "\n".join(lines)
+
+    outputs = "float outputs:out\nfloat outputs:r\nfloat outputs:outr"
+    nodes = "".join(
+        f'def Shader "N{number}"\n{{\nuniform token info:id = "ND_{rng.choice(NODES)}"\n'
+        f"{inputs(NAMES, 12, 0.3)}\nasset inputs:file = @{rng.choice('ab')}.png@\n{outputs}\n}}\n"
+        for number in range(8)
+    )
+    kind = rng.choice(SURFACES)
+    return (
+        '#usda 1.0\ndef Material "M"\n{\n'
+        "token outputs:mtlx:surface.connect = </M/S.outputs:out>\n"
+        f'def Shader "S"\n{{\nuniform token info:id = "ND_{kind}_surfaceshader"\n'
+        f"{inputs(INPUTS, 18, 0.6)}\ntoken outputs:out\n}}\n{nodes}}}\n"
+    )
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_networks_of_nonsense_are_surfaces(tmp_path: Path) -> None:
+    write_picture(tmp_path / "a.png", np.full((2, 2, 3), 90, np.uint8))
+    textured = 0
+    for seed in range(150):
+        file = tmp_path / f"{seed}.usda"
+        file.write_text(network(seed))
+        stage = Usd.Stage.Open(str(file))
+        surface, losses = read_preview_surface(UsdShade.Material(stage.GetPrimAtPath("/M")))
+        textured += any(isinstance(value, Texture) for value in vars(surface).values())
+        read = SurfaceReader().read(surface)
+        for name, value in vars(read).items():
+            if isinstance(value, int | float | tuple) and name not in ("losses", "primvar"):
+                assert np.isfinite(np.array(value, dtype=float)).all(), (seed, name, losses)
+    assert textured > 20

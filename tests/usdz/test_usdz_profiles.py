@@ -16,9 +16,9 @@ import openrooms_usd as ou
 from openrooms_usd.convert import convert_stage
 from openrooms_usd.demo import copy_example
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.surfaces import Texture
 from orusd_usdz import UsdzExporter

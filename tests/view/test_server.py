@@ -17,7 +17,7 @@ from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.view.app import App, Command
 from openrooms_usd.view.room import room_app, room_state
 from openrooms_usd.view.server import MOST_BYTES, TOKEN_HEADER, Server, serving
-from tests.small import Stage as Build
+from tests.small import Stage
 
 
 class Step(Model):
@@ -172,7 +172,7 @@ def test_a_room_is_written_as_a_page(composed_demo: Path, tmp_path: Path) -> Non
 
 
 def test_any_stage_has_a_page(tmp_path: Path) -> None:
-    made = Build(up="Y", metres=0.01, path=tmp_path / "box.usda")
+    made = Stage(up="Y", metres=0.01, path=tmp_path / "box.usda")
     made.box("/Box", 100.0)
     made.camera((0, 0, 400), (0, 0, 0), up=(0, 1, 0))
     made.stage.Save()

@@ -25,8 +25,7 @@ from pxr import Sdf, Tf
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling.archives import opened_archive
-from openrooms_usd.usd.crate_reader import check_crate_reads
-from openrooms_usd.usd.crates import check_crate
+from openrooms_usd.usd.crate_reader import check_crate, check_crate_reads
 from openrooms_usd.usd.diagnostics import quiet, reading, reason
 from openrooms_usd.usd.preflight import check_text
 from orusd_scans.roomplan.components import LISTS, Component, component

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.taxonomies import NYU40
+from openrooms_usd.usd.semantics import NYU40
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import Node, read_json

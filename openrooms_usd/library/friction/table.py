@@ -2,14 +2,17 @@
 
 from functools import cache
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.friction.mapping import Friction, Mapping
-from openrooms_usd.library.friction.references import SUBSTANCES, references
+from openrooms_usd.library.friction.references import SUBSTANCES, density, references, restitution
+
+if TYPE_CHECKING:
+    from openrooms_usd.usd.physics import MaterialPhysics
 
 FILE: Final = Path(__file__).with_name("table.npy")
 # Nodes of each albedo component, dense where small differences show; nodes of roughness.
@@ -95,3 +98,27 @@ def _place(nodes: tuple[float, ...], values: Array) -> tuple[NDArray[np.intp], A
     inside = np.clip(np.nan_to_num(values), known[0], known[-1])
     low = np.clip(np.searchsorted(known, inside, side="right") - 1, 0, len(known) - 2)
     return low, (inside - known[low]) / (known[low + 1] - known[low])
+
+
+# Coefficients are known to two digits at best.
+_DECIMALS = 3
+
+
+def physics_of(
+    substance: Substance, albedo: tuple[float, float, float], roughness: float
+) -> "MaterialPhysics":
+    """What `openrooms_usd.usd.physics.author` writes on a material.
+
+    Args:
+        substance: What it is.
+        albedo: Its linear base colour; the mean of its map where it has one.
+        roughness: Its perceptual roughness; the mean of its map where it has one.
+    """
+    from openrooms_usd.usd.physics import MaterialPhysics
+
+    static, dynamic, spread = (
+        round(float(value), _DECIMALS) for value in friction_of(substance, albedo, roughness)
+    )
+    return MaterialPhysics(
+        static, dynamic, restitution(substance), density(substance), friction_spread=spread
+    )

@@ -1,8 +1,8 @@
 """The world outside a room as a panorama: made by rules, lit by the sky of its moment.
 
-- `noise`, `clouds`, `daylight`: fractal noise; clouds; sun and sky as what lights the land;
+- `noise`, `daylight`: fractal noise; clouds, sun and sky as what lights the land;
 - `canvas`, `faces`, `shadows`: pixels of the panorama, flat faces on it, and what the sun misses;
-- `facades`, `houses`, `sprites`, `plants`, `land`: what stands and lies there;
+- `facades`, `houses`, `plants`, `land`: what stands and lies there;
 - `scenes`: where it stands: a street, a garden, hills, a courtyard, a city;
 - `foliage`, `ledges`: plants as meshes, and what is outside at windows;
 - `near`, `solid`, `site`: which of it is near a room, that as meshes, and where the room stands;

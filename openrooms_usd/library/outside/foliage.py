@@ -82,10 +82,13 @@ def hedge(rng: np.random.Generator) -> Grown:
     count = 190
     on_top = rng.random(count) < top / (top + side)
     at = np.stack(
-        [rng.uniform(-half, half, count),
-         np.where(on_top, rng.uniform(-deep, deep, count), -deep),
-         np.where(on_top, 0.97, rng.random(count) * 0.98)], axis=1,
-    )  # fmt: skip
+        [
+            rng.uniform(-half, half, count),
+            np.where(on_top, rng.uniform(-deep, deep, count), -deep),
+            np.where(on_top, 0.97, rng.random(count) * 0.98),
+        ],
+        axis=1,
+    )
     out = np.stack([np.zeros(count), np.where(on_top, 0.0, -1.0), np.where(on_top, 1.0, 0.2)], 1)
     core = box((HEDGE_LONG, HEDGE_DEEP - 0.04, 0.95), (0.0, 0.0, 0.475))
     return Grown(joined([_shaded(core, 2), _clumps(rng, at, out, np.full(count, 0.08))]))
@@ -98,9 +101,13 @@ PLANTS: Final[Mapping[str, Callable[[np.random.Generator], Grown]]] = MappingPro
 
 
 def _heap(
-    rng: np.random.Generator, count: int, wide: float, tall: float, middle: float,
+    rng: np.random.Generator,
+    count: int,
+    wide: float,
+    tall: float,
+    middle: float,
     radii: tuple[float, float],
-) -> NDArray[np.float64]:  # fmt: skip
+) -> NDArray[np.float64]:
     """(N, 4, 4) lobes around the middle of a crown, each turned otherwise."""
     # Spread evenly over a sphere, so that none is bald.
     turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)) + rng.uniform(0.0, 2.0 * np.pi)
@@ -122,16 +129,24 @@ def _clumps(
     """Pointed faces of four corners at (N, 3) places, that look about outwards."""
     count = len(at)
     normal = _unit(_unit(out) + 0.45 * rng.standard_normal((count, 3)))
-    first = _unit(np.cross(normal, rng.standard_normal((count, 3)) if along is None else
-                           np.cross(along, normal)))  # fmt: skip
+    first = _unit(
+        np.cross(
+            normal, rng.standard_normal((count, 3)) if along is None else np.cross(along, normal)
+        )
+    )
     second = np.cross(normal, first)
     # A long corner, two to the sides, a short one: no two alike.
     long, wide, short = sizes, sizes * rng.uniform(0.45, 0.8, count), 0.7 * sizes
     slant = rng.uniform(-0.3, 0.3, count) * sizes
     corners = np.stack(
-        [at - short[:, None] * first, at + slant[:, None] * first - wide[:, None] * second,
-         at + long[:, None] * first, at - slant[:, None] * first + wide[:, None] * second], axis=1,
-    )  # fmt: skip
+        [
+            at - short[:, None] * first,
+            at + slant[:, None] * first - wide[:, None] * second,
+            at + long[:, None] * first,
+            at - slant[:, None] * first + wide[:, None] * second,
+        ],
+        axis=1,
+    )
     normals = np.repeat(normal, 4, axis=0).astype(np.float32)
     shade = rng.integers(2, SHADES, count)
     # New shoots at the top are paler.

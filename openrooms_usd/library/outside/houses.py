@@ -104,10 +104,15 @@ class House:
             outline = [(0.0, 0.0), (length, 0.0), (length, top)]
             outline += [(0.5 * length, self.ridge)] * gable + [(0.0, top)]
             paint = Facade(
-                surfaces, self.style, length, self.eaves, self.number + 17 * side,
+                surfaces,
+                self.style,
+                length,
+                self.eaves,
+                self.number + 17 * side,
                 windows=side % 2 == 0 or self.style.storey > 3.0 or self.number % 3 > 0,
-                door=side == 0, eaves=self.pitch > 0.0 and not gable,
-            )  # fmt: skip
+                door=side == 0,
+                eaves=self.pitch > 0.0 and not gable,
+            )
             yield Face(corner - eye * up, along, up, np.array(outline), paint)
 
     def _sides(self, side: int) -> tuple[float, float]:
@@ -133,9 +138,12 @@ class House:
             origin = np.array([self.x, self.y, low - eye]) + foot
             outline = np.array([(0.0, 0.0), (long, 0.0), (long, slope), (0.0, slope)])
             yield Face(
-                origin.astype(np.float32), along, rise.astype(np.float32), outline,
+                origin.astype(np.float32),
+                along,
+                rise.astype(np.float32),
+                outline,
                 Tiles(surfaces, self.style.roof, self.number),
-            )  # fmt: skip
+            )
         if self.number % 3:
             yield from self._chimney(eye, surfaces)
 

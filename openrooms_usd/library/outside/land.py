@@ -136,9 +136,12 @@ def _between(places: Floats, ends: tuple[float, float], pixel: Floats) -> Floats
 
 
 def hills(
-    canvas: Canvas, world: World, ridges: tuple[Ridge, ...], surfaces: Surfaces,
+    canvas: Canvas,
+    world: World,
+    ridges: tuple[Ridge, ...],
+    surfaces: Surfaces,
     rng: np.random.Generator,
-) -> None:  # fmt: skip
+) -> None:
     """Put lines of hills on the canvas, behind what is there; they are told from the farthest."""
     rows = [float(rng.random()) for _ in ridges]
     for ridge, row in zip(reversed(ridges), reversed(rows), strict=True):

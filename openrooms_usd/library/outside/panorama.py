@@ -17,7 +17,7 @@ from openrooms_usd.library.outside.scenes import Scene
 from openrooms_usd.library.outside.shadows import Shadows
 from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.sky import Air
-from openrooms_usd.library.solar import SunPosition
+from openrooms_usd.library.sunlight import SunPosition
 
 # Rows: an eighth of a degree each, for windows that are looked at from some metres.
 HEIGHT: Final = 1440
@@ -56,9 +56,13 @@ def outside_panorama(
     columns, seed = site.turn(height), site.seed
     turn = columns * 180.0 / height
     day = daylight_of(
-        generator(seed, "outside", "clouds"), position, air, north=north - turn, clouds=clouds,
+        generator(seed, "outside", "clouds"),
+        position,
+        air,
+        north=north - turn,
+        clouds=clouds,
         height=height,
-    )  # fmt: skip
+    )
     whole, made = site.far(height)
     surfaces = site.surfaces()
     world = World(day, _shadows(day, whole), site.eye)

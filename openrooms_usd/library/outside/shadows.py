@@ -43,10 +43,12 @@ class Shadows:
     def around(self, x: float, y: float, reach: float) -> tuple[slice, slice]:
         """The rows and columns of the map within a distance of a place."""
         low, high = (
-            [int(np.clip((at + side * reach + _REACH_M) / _CELL_M + side, 0, self._side))
-             for at in (y, x)]
+            [
+                int(np.clip((at + side * reach + _REACH_M) / _CELL_M + side, 0, self._side))
+                for at in (y, x)
+            ]
             for side in (-1, 1)
-        )  # fmt: skip
+        )
         return slice(low[0], high[0]), slice(low[1], high[1])
 
     def cast(self, sun: Floats) -> None:
@@ -70,10 +72,14 @@ class Shadows:
         pad = np.zeros_like(self._heights)
         columns, rows = round(right), round(up)
         n = self._side
-        target = (slice(max(0, -rows), n - max(0, rows)), slice(max(0, -columns),
-                                                                n - max(0, columns)))  # fmt: skip
-        source = (slice(max(0, rows), n + min(0, rows)), slice(max(0, columns),
-                                                               n + min(0, columns)))  # fmt: skip
+        target = (
+            slice(max(0, -rows), n - max(0, rows)),
+            slice(max(0, -columns), n - max(0, columns)),
+        )
+        source = (
+            slice(max(0, rows), n + min(0, rows)),
+            slice(max(0, columns), n + min(0, columns)),
+        )
         pad[target] = self._heights[source]
         return pad
 

@@ -145,8 +145,9 @@ def _plant(made: Solid, plant: Plant, number: int, rng: np.random.Generator) -> 
     wide = aspect / {"bush": 1.25, "fir": 0.46, "tree": 0.78}[kind] * plant.height
     turn = float(rng.uniform(0.0, 2.0 * math.pi))
     c, s = math.cos(turn) * wide, math.sin(turn) * wide
-    matrix = np.array([[c, -s, 0, plant.x], [s, c, 0, plant.y],
-                       [0, 0, plant.height, 0], [0, 0, 0, 1.0]])  # fmt: skip
+    matrix = np.array(
+        [[c, -s, 0, plant.x], [s, c, 0, plant.y], [0, 0, plant.height, 0], [0, 0, 0, 1.0]]
+    )
     category = "bush" if kind == "bush" else "tree"
     name = f"{category.capitalize()}_{number}"
     return Placed(name, kind, category, matrix, _leaves(made, plant.albedo))
@@ -198,9 +199,12 @@ def _polygon(face: Face) -> tuple[Mesh, Floats]:
     count = len(points)
     normal = np.cross(face.first, face.second).astype(np.float32)
     mesh = Mesh(
-        points.astype(np.float64), np.array([count], np.int32), np.arange(count, dtype=np.int32),
-        np.tile(normal, (count, 1)), ((face.outline - low) / (high - low)).astype(np.float32),
-    )  # fmt: skip
+        points.astype(np.float64),
+        np.array([count], np.int32),
+        np.arange(count, dtype=np.int32),
+        np.tile(normal, (count, 1)),
+        ((face.outline - low) / (high - low)).astype(np.float32),
+    )
     return mesh, np.stack([low, high])
 
 

@@ -3,20 +3,16 @@
 `read_material` chooses the reader by what lies at the path. What a file says and we cannot is never
 lost in silence: `OwnMaterial.losses` has a sentence for it.
 
-- `folders`, `naming`, `signals`, `images`: maps in a folder; `normalmaps`, `sizes`, `licences`:
-  what their files do not say;
-- `materialx`, `mtlxtext`, `shadings`: MaterialX; `constants`: numbers alone;
-- `material`: the one form of all; `publishing`: written as a material of ours.
+- `folders`: maps in a folder; `normalmaps`: what these hold;
+- `materialx`, `mtlxtext`: MaterialX;
+- `material`: the one form of all, its size and licence, and that of numbers alone.
 """
 
 from pathlib import Path
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.ownmaterials.constants import from_constants
-from openrooms_usd.library.ownmaterials.folders import files_in, read_folder
-from openrooms_usd.library.ownmaterials.material import OwnMaterial
-from openrooms_usd.library.ownmaterials.naming import map_of
-from openrooms_usd.library.ownmaterials.publishing import publish
+from openrooms_usd.library.ownmaterials.folders import files_in, map_of, read_folder
+from openrooms_usd.library.ownmaterials.material import OwnMaterial, from_constants, publish
 from openrooms_usd.untrusted import check_path
 
 __all__ = [

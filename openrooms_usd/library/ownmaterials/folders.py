@@ -1,24 +1,104 @@
 """Folders of maps in the naming of ambientCG, Poly Haven, OpenRooms and most others."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple, get_args
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.ownmaterials.licences import licence_files, licence_in
-from openrooms_usd.library.ownmaterials.material import F0, OwnMaterial
-from openrooms_usd.library.ownmaterials.naming import Map, map_of
+from openrooms_usd.library.ownmaterials.material import (
+    F0,
+    OwnMaterial,
+    licence_files,
+    licence_in,
+    proportions,
+    tile_size,
+)
 from openrooms_usd.library.ownmaterials.normalmaps import Green, Relief, read_relief
-from openrooms_usd.library.ownmaterials.sizes import proportions, tile_size
+from openrooms_usd.tables import read_table
 from openrooms_usd.usd.surfaces import Channel, PreviewSurface, Texture
 from openrooms_usd.usd.textures import picture_facts
 
+Map = Literal[
+    "base_color",
+    "normal",
+    "normal_gl",
+    "normal_dx",
+    "roughness",
+    "glossiness",
+    "metallic",
+    "occlusion",
+    "opacity",
+    "displacement",
+    "specular",
+    "emission",
+    "occlusion_roughness_metallic",
+    "roughness_metallic_occlusion",
+    "metallic_roughness",
+]
+MAPS: Final[tuple[Map, ...]] = get_args(Map)
+
+_WORDS: Final[dict[Map, tuple[str, ...]]] = read_table(__file__, "maps.toml")  # type: ignore[assignment]
+_NORMALS_OF: Final[dict[Map, tuple[str, ...]]] = {
+    "normal_gl": tuple(map("".join, product(_WORDS["normal"], ("gl", "ogl", "opengl")))),
+    "normal_dx": tuple(map("".join, product(_WORDS["normal"], ("dx", "directx")))),
+}
+_MAP_OF: Final = {word: kind for kind, words in (_WORDS | _NORMALS_OF).items() for word in words}
+# The most words that one map's name has: occlusion, roughness, metallic.
+_MAX_MAP_WORDS: Final = 3
+_ASIDE: Final = re.compile(
+    r"\d+k|\d{3,5}|\d{3,5}x\d{3,5}|\d+b(it)?|jpe?g|png|exr|tiff?|hdr|tga"
+    r"|tiled|tileable|tiling|seamless|srgb|linear|raw"
+)
+_BORDER: Final = re.compile(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])|[^A-Za-z0-9]+")
+
+
+class Named(NamedTuple):
+    """What a file's name says.
+
+    Attributes:
+        map: Which map it is.
+        subject: The words that are left: those of the material.
+    """
+
+    map: Map
+    subject: str
+
+
+def map_of(stem: str) -> Named | None:
+    """Which map a picture is, or None when its name does not say.
+
+    Args:
+        stem: The file's name without its suffix.
+    """
+    words = [word.lower() for word in _BORDER.split(stem) if word]
+    words = [word for word in words if not _ASIDE.fullmatch(word)]
+    # A number at the end counts variants: oak_col_1, oak_col_2.
+    counted = words[:-1] if words and words[-1].isdigit() else words
+    for length in range(min(_MAX_MAP_WORDS, len(counted)), 0, -1):
+        kind = _MAP_OF.get("".join(counted[-length:]))
+        if kind is not None:
+            rest = counted[:-length] + words[len(counted) :]
+            return Named(kind, " ".join(rest))
+    return None
+
+
 # What is read, and which type is taken where two files differ in nothing else.
 _SUFFIXES: Final = (
-    ".png", ".exr", ".tif", ".tiff", ".jpg", ".jpeg", ".hdr", ".tga", ".bmp", ".webp",
-)  # fmt: skip
+    ".png",
+    ".exr",
+    ".tif",
+    ".tiff",
+    ".jpg",
+    ".jpeg",
+    ".hdr",
+    ".tga",
+    ".bmp",
+    ".webp",
+)
 _INVERTED: Final = ((-1.0, -1.0, -1.0, 1.0), (1.0, 1.0, 1.0, 0.0))
 
 

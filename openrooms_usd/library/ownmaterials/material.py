@@ -1,15 +1,18 @@
 """What a material of the user's own says, in neutral form: by tiles, with its pictures in place."""
 
 import hashlib
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from openrooms_usd import untrusted
+from openrooms_usd import atomic, removal, untrusted
+from openrooms_usd.errors import InputError
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.textures import picture_facts
 
 # What stands where nobody has said under which terms a material may be used.
 UNKNOWN_LICENCE: Final = "unknown"
@@ -95,3 +98,178 @@ def _in_metres(texture: Texture, size: tuple[float, float], across: bool) -> Tex
         return replace(texture, uv_scale=(along_s, along_t))
     turned = texture.uv_rotation + 90.0
     return replace(texture, uv_scale=(along_t, along_s), uv_rotation=turned)
+
+
+def publish(material: OwnMaterial, keep: Callable[[str], Path], folder: str = "textures") -> None:
+    """Copy the pictures that are not there yet, each whole or not at all.
+
+    Args:
+        material: Its `OwnMaterial.pictures` say which, and under which names.
+        keep: Gives the path of a file to be, such as `StageContext.keep`.
+        folder: What `keep` is asked for stands below it.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    for file, name in material.pictures.items():
+        target = keep(f"{folder}/{name}")
+        if not target.is_file():
+            with atomic.replacing(target) as beside:
+                removal.copy_file(Path(file), beside)
+
+
+# How many numbers each constant has.
+_NUMBERS: Final = {"base_color": 3, "roughness": 1, "metallic": 1}
+
+
+def from_constants(constants: Mapping[str, Any], *, name: str = "constant") -> OwnMaterial:
+    """A material of constants.
+
+    Args:
+        constants: ``base_color`` (three numbers, scene-linear Rec.709), ``roughness`` (perceptual)
+            and ``metallic``, each within 0 and 1; those that are missing keep the defaults of
+            `PreviewSurface`. ``normal`` may be none: there is no other constant normal.
+        name: For people.
+
+    Raises:
+        InputError: There is another key, or a value that is none.
+    """
+    values = {key: _value(name, key, value) for key, value in constants.items() if key != "normal"}
+    if constants.get("normal") not in (None, "none"):
+        raise InputError(
+            "a normal that is the same everywhere says nothing",
+            place=f"{name}.normal",
+            remedy="leave it out, or give a folder with a normal map",
+        )
+    return OwnMaterial(name, PreviewSurface(**values, f0=F0))
+
+
+def _value(name: str, key: str, given: Any) -> Any:
+    count = _NUMBERS.get(key)
+    if count is None:
+        raise InputError(
+            f"a material has no {key!r}", place=name, remedy=f"use {', '.join(_NUMBERS)}"
+        )
+    numbers = [given] if isinstance(given, int | float) else list(given or ())
+    fits = len(numbers) == count and all(
+        isinstance(n, int | float) and math.isfinite(n) and 0.0 <= n <= 1.0 for n in numbers
+    )
+    if not fits:
+        wanted = "three numbers" if count == 3 else "a number"
+        raise InputError(
+            f"{given!r} is not {wanted} within 0 and 1",
+            place=f"{name}.{key}",
+            remedy="colours are scene-linear: 0.18 is a middle grey",
+        )
+    return float(numbers[0]) if count == 1 else tuple(map(float, numbers))
+
+
+# What is taken where nobody says: the usual width of scanned materials, metres.
+ASSUMED_WIDTH_M: Final = 1.0
+# The sides that a texture can sensibly have, metres: a weave under a lens, a field from the air.
+SMALLEST, LARGEST = 1e-4, 1e4
+# Pictures of one material whose proportions differ by more are stretched, which is said.
+_EQUAL_PROPORTION: Final = 0.01
+
+
+def tile_size(
+    given: float | tuple[float, float] | None,
+    ratio: float,
+    stated: tuple[float, float] | None,
+    place: Path,
+    losses: list[str],
+) -> tuple[float, float]:
+    """Width and height of a tile in metres.
+
+    Args:
+        given: What the user says: the width, or both sides.
+        ratio: Height of the pictures by their width.
+        stated: What the files say.
+        place: The material, for errors.
+        losses: Receives what was assumed.
+
+    Raises:
+        InputError: It is no size.
+    """
+    if given is None and stated is None:
+        losses.append(f"its size is stated nowhere; {ASSUMED_WIDTH_M:g} m wide is assumed")
+    size = given or stated or ASSUMED_WIDTH_M
+    width, height = (size, size * ratio) if isinstance(size, int | float) else size
+    if not all(math.isfinite(side) and SMALLEST <= side <= LARGEST for side in (width, height)):
+        raise InputError(
+            f"a tile of {width:g} by {height:g} m is none",
+            place=place,
+            remedy=f"give the metres that the pictures cover, {SMALLEST:g} to {LARGEST:g}",
+        )
+    return float(width), float(height)
+
+
+def proportions(textures: Mapping[str, Texture], losses: list[str]) -> float:
+    """Height of the pictures by their width; those that differ from the base colour are named.
+
+    Raises:
+        InputError: A picture cannot be read.
+    """
+    ratios: dict[str, float] = {}
+    for texture in textures.values():
+        facts = picture_facts(texture.file)
+        # One texel is a constant, of any proportions.
+        if (facts.width, facts.height) != (1, 1):
+            ratios[texture.file] = facts.height / facts.width
+    common = next(iter(ratios.values()), 1.0)
+    losses.extend(
+        f"{Path(file).name}: its proportions differ from the others'; it is stretched"
+        for file, ratio in ratios.items()
+        if abs(ratio - common) > _EQUAL_PROPORTION * common
+    )
+    return common
+
+
+_FILES: Final = re.compile(r"(licen[cs]e|copying|copyright)([._-].*)?", re.IGNORECASE)
+_MOST_BYTES: Final = 65_536
+_MOST_LETTERS: Final = 120
+_SPDX: Final = re.compile(r"SPDX-License-Identifier:\s*(\S[^\r\n]*)")
+# What the usual texts say near their beginning, as SPDX names them; the stricter ones first.
+_KNOWN: Final = (
+    (r"CC0|creative commons zero|public domain dedication", "CC0-1.0"),
+    (r"CC[ -]BY-NC-SA|attribution-noncommercial-sharealike", "CC-BY-NC-SA"),
+    (r"CC[ -]BY-NC-ND|attribution-noncommercial-noderiv", "CC-BY-NC-ND"),
+    (r"CC[ -]BY-NC|attribution-noncommercial", "CC-BY-NC"),
+    (r"CC[ -]BY-SA|attribution-sharealike", "CC-BY-SA"),
+    (r"CC[ -]BY|creative commons attribution", "CC-BY"),
+    (r"apache license,?\s+version 2\.0|apache-2\.0", "Apache-2.0"),
+    (r"\bMIT license\b", "MIT"),
+)
+_VERSIONED: Final = re.compile(r"CC-BY.*")
+_VERSION: Final = re.compile(r"\b([234]\.0)\b")
+
+
+def licence_files(folder: Path) -> list[Path]:
+    """The files of a folder that state a licence; sorted."""
+    return sorted(p for p in folder.iterdir() if p.is_file() and _FILES.fullmatch(p.name))
+
+
+def licence_in(folder: Path) -> str:
+    """The licence that a folder states: an SPDX name, the first line of its text, or unknown.
+
+    Raises:
+        InputError: The file that states it cannot be read.
+    """
+    for file in licence_files(folder):
+        with untrusted.opened(file, "text", remedy="check its permissions") as content:
+            text = untrusted.decoded(content.read(_MOST_BYTES))
+        if licence := _name(text):
+            return licence
+    return UNKNOWN_LICENCE
+
+
+def _name(text: str) -> str:
+    stated = _SPDX.search(text)
+    if stated:
+        return stated[1].strip()[:_MOST_LETTERS]
+    for pattern, name in _KNOWN:
+        if re.search(pattern, text[:2000], re.IGNORECASE):
+            version = _VERSION.search(text[:2000]) if _VERSIONED.fullmatch(name) else None
+            return f"{name}-{version[1]}" if version else name
+    lines = (re.sub(r"[\x00-\x1f\x7f]", " ", line).strip() for line in text.splitlines())
+    return next((line for line in lines if line), "")[:_MOST_LETTERS]

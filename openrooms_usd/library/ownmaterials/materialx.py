@@ -1,31 +1,42 @@
-"""MaterialX files: the surface of their material as a preview surface, as far as it maps."""
+"""MaterialX files: the surface of their material, as a stage that refers to them has it.
+
+The package MaterialX parses a file, works its includes in and brings old versions up to date; what
+it then holds is read as a stage's materials are (`usd.mtlxlayers`, `usd.materialreader`).
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any, Final
+from xml.etree import ElementTree
 
+import numpy as np
+from pxr import Sdf, Tf, Usd, UsdShade
+
+from openrooms_usd import names, untrusted
 from openrooms_usd.errors import InputError, MissingPackageError
-from openrooms_usd.library.ownmaterials.licences import licence_in
-from openrooms_usd.library.ownmaterials.material import OwnMaterial
-from openrooms_usd.library.ownmaterials.mtlxtext import included, outlines, read_outline
-from openrooms_usd.library.ownmaterials.normalmaps import read_relief
-from openrooms_usd.library.ownmaterials.shadings import SHADINGS, Shading
-from openrooms_usd.library.ownmaterials.signals import Constant, Signal, Signals
-from openrooms_usd.library.ownmaterials.sizes import proportions, tile_size
-from openrooms_usd.usd.surfaces import (
-    NORMAL_BIAS,
-    NORMAL_SCALE,
-    PreviewSurface,
-    Texture,
-    f0_of,
-    ior_of,
+from openrooms_usd.library.ownmaterials.material import (
+    OwnMaterial,
+    licence_in,
+    proportions,
+    tile_size,
 )
+from openrooms_usd.library.ownmaterials.mtlxtext import included, located, outlines, read_outline
+from openrooms_usd.library.ownmaterials.normalmaps import read_relief
+from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.mtlxlayers import MATERIALS, layer_of
+from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 
-# Fresnel reflectance that no dielectric exceeds; keeps the index of refraction finite.
-_MOST_F0: Final = 0.9
+_SURFACES: Final = ("standard_surface", "open_pbr_surface", "gltf_pbr", "UsdPreviewSurface")
+# What a surface may say, and a material of rooms does not take.
+_LEFT_OUT: Final = {
+    "emissive": "emission: left out; what shines is described as a lamp",
+    "painted": "what it takes from primvars is left out; our meshes have none",
+}
+# Our meshes have one set of texture coordinates.
+_ASSUMED: Final = f"{names.ST} is assumed"
+_UNSPACED: Final = "lin_rec709"
 
 
 def read_materialx(
@@ -46,26 +57,27 @@ def read_materialx(
     for _ in outlines(path):
         pass
     losses: list[str] = []
-    signals = Signals(path.parent, losses)
     with _library(path) as library:
         document = _document(path, library)
-        shader, name = _shader(path, document, losses)
-        surface = _surface(signals, shader, SHADINGS[shader.getCategory()])
-    if signals.images.missing:
-        raise InputError(
-            f"pictures of the material cannot be used: {'; '.join(signals.images.missing)}",
-            place=path,
-            remedy="copy them into the folder of the .mtlx, and name them relative to it",
-        )
+        name = _material(path, document, losses)
+        root = _tree(document)
+    stage = Usd.Stage.Open(_layer(path, root, losses))
+    prim = stage.GetPrimAtPath(f"{MATERIALS}/{Tf.MakeValidIdentifier(name)}")
+    _check_finite(path, prim)
+    read, lost = read_preview_surface(UsdShade.Material(prim))
+    said = (loss.removeprefix(f"{prim.GetPath()}/") for loss in lost)
+    losses += [loss for loss in said if not loss.endswith(_ASSUMED)]
+    _check_pictures(path, losses)
+    surface = _fit(read, losses)
     material = OwnMaterial(name, surface, licence=licence_in(path.parent))
     ratio = _ratio(material.textures, losses)
-    size = tile_size(physical_size, ratio, signals.images.size, path, losses)
+    size = tile_size(physical_size, ratio, _stated_size(prim), path, losses)
     return replace(material, size=size, losses=tuple(dict.fromkeys(losses)))
 
 
 @contextmanager
 def _library(path: Path) -> Iterator[Any]:
-    """The package MaterialX; what it and the mapping stumble over is the file's fault."""
+    """The package MaterialX; what it stumbles over is the file's fault."""
     try:
         import MaterialX
     except ImportError as error:
@@ -85,13 +97,16 @@ def _library(path: Path) -> Iterator[Any]:
     try:
         yield MaterialX
     except stumbles as error:
-        raise InputError(
-            f"not a readable MaterialX document: {error}", place=path, remedy="export it again"
-        ) from error
+        raise _broken(path, str(error)) from error
+
+
+def _broken(path: Path, reason: str) -> InputError:
+    return InputError(
+        f"not a readable MaterialX document: {reason}", place=path, remedy="export it again"
+    )
 
 
 def _document(path: Path, library: Any) -> Any:
-    """The document beside the standard's definitions."""
     options = library.XmlReadOptions()
 
     def include(into: Any, file: Any, search: Any, nested: Any) -> None:
@@ -101,151 +116,112 @@ def _document(path: Path, library: Any) -> Any:
     options.readXIncludeFunction = include
     document = library.createDocument()
     library.readFromXmlString(document, read_outline(path).text, library.FileSearchPath(), options)
-    document.setDataLibrary(_standard(library))
     return document
 
 
-@cache
-def _standard(library: Any) -> Any:
-    """The definitions of the standard's nodes, with their defaults."""
-    definitions = library.createDocument()
-    folders, search = library.getDefaultDataLibraryFolders(), library.getDefaultDataSearchPath()
-    library.loadLibraries(folders, search, definitions)
-    return definitions
+def _tree(element: Any) -> ElementTree.Element:
+    """An element and all below it, which the package writes without escapes."""
+    said = {name: element.getAttribute(name) for name in element.getAttributeNames()}
+    made = ElementTree.Element(element.getCategory(), {**said, "name": element.getName()})
+    made.extend(map(_tree, element.getChildren()))
+    return made
 
 
-def _shader(path: Path, document: Any, losses: list[str]) -> tuple[Any, str]:
-    """The surface shader of the file's first material, and the material's name."""
+def _material(path: Path, document: Any, losses: list[str]) -> str:
+    """The name of the file's first material; a surface without one is given one."""
     materials = document.getMaterialNodes()
     if len(materials) > 1:
         others = ", ".join(node.getName() for node in materials[1:])
         losses.append(f"only its first material is read, not {others}")
     surfaces = [n for n in document.getNodes() if n.getType() == "surfaceshader"]
-    name = path.stem
     if materials:
-        name = materials[0].getName()
-        if materials[0].getInput("displacementshader") is not None:
-            losses.append("displacementshader: left out; surfaces are not displaced")
         socket = materials[0].getInput("surfaceshader")
         connected = socket.getConnectedNode() if socket is not None else None
         surfaces = [connected] if connected is not None else []
-    if not surfaces or surfaces[0].getCategory() not in SHADINGS:
+    if not surfaces or surfaces[0].getCategory() not in _SURFACES:
         what = f"its surface is {surfaces[0].getCategory()}" if surfaces else "it has no surface"
         raise InputError(
-            f"{what}, which cannot be read", place=path, remedy=f"use {', '.join(SHADINGS)}"
+            f"{what}, which cannot be read", place=path, remedy=f"use {', '.join(_SURFACES)}"
         )
-    return surfaces[0], name
+    if materials:
+        return str(materials[0].getName())
+    name = document.createValidChildName(path.stem)
+    document.addMaterialNode(name, surfaces[0])
+    return str(name)
 
 
-def _surface(signals: Signals, shader: Any, shading: Shading) -> PreviewSurface:
-    values = {name: signals.of(shader, socket) for name, socket in shading.inputs.items()}
-    if shading.base_weight:
-        weight = signals.of(shader, shading.base_weight)
-        values["base_color"] = signals.product("base", values["base_color"], weight)
-    values["normal"] = _normal(signals, values["normal"])
-    fields = {
-        name: converted
-        for name, value in values.items()
-        if (converted := _converted(name, value)) is not None
-    }
-    surface = PreviewSurface(**fields, ior=_ior(signals, shader, shading))
-    surface = _with_opacity(signals, shader, surface)
-    _report_rest(signals, shader, shading)
+def _layer(path: Path, root: ElementTree.Element, losses: list[str]) -> Sdf.Layer:
+    """The document as a layer; its pictures lie in the file's folder, or are absolute."""
+
+    def beside(name: str) -> str | None:
+        if "<" in name or "{" in name:
+            losses.append(f"{name}: tiles and frames are not read; left out")
+            return None
+        target = located(name, path.parent)
+        if target is None:
+            raise InputError(
+                "pictures of the material cannot be used: "
+                f"it names {name[:200]}, which lies outside the material's folder",
+                place=path,
+                remedy="copy its pictures into the folder of the .mtlx",
+            )
+        if target.is_file():
+            untrusted.checked(target, "picture")
+        return str(target.absolute())
+
+    if not root.get("colorspace"):
+        root.set("colorspace", _UNSPACED)
+        losses.append("pictures and colours without a colour space are taken as linear Rec.709")
+    return layer_of(root, str(path), beside)
+
+
+def _check_finite(path: Path, prim: Usd.Prim) -> None:
+    for shader in Usd.PrimRange(prim):
+        for attribute in shader.GetAuthoredAttributes():
+            value = attribute.Get()
+            numbers = isinstance(value, float | int) or hasattr(value, "dimension")
+            if numbers and not np.isfinite(value).all():
+                raise _broken(path, f"{attribute.GetBaseName()}: {value} is not finite")
+
+
+def _check_pictures(path: Path, losses: list[str]) -> None:
+    missing = [loss for loss in losses if loss.endswith((" is missing", ".file: names no file"))]
+    if missing and not any("tiles and frames" in loss for loss in losses):
+        raise InputError(
+            f"pictures of the material cannot be used: {'; '.join(missing)}",
+            place=path,
+            remedy="copy them into the folder of the .mtlx, and name them relative to it",
+        )
+
+
+def _fit(surface: PreviewSurface, losses: list[str]) -> PreviewSurface:
+    """The surface without what a material of rooms does not take, its normal map looked at."""
+    for name, loss in _LEFT_OUT.items():
+        if getattr(surface, name) != getattr(PreviewSurface, name):
+            losses.append(loss)
+            surface = replace(surface, **{name: getattr(PreviewSurface, name)})
+    if not isinstance(surface.normal, Texture):
+        return surface
+    relief = read_relief(surface.normal.file, "up")
+    if isinstance(relief, str):
+        losses.append(f"{Path(surface.normal.file).name}: left out; {relief}")
+        return replace(surface, normal=PreviewSurface.normal)
     return surface
 
 
-def _converted(name: str, signal: Signal) -> Any:
-    """A signal as the field of `PreviewSurface` wants it; None keeps the field's default."""
-    if signal is None:
-        return None
-    is_number = isinstance(getattr(PreviewSurface, name), float)
-    if isinstance(signal, Texture):
-        single = is_number and signal.channel == "rgb"
-        return replace(signal, channel="r") if single else signal
-    if is_number:
-        return sum(signal[:3]) / len(signal[:3])
-    return signal[:3] if len(signal) >= 3 else signal[:1] * 3
-
-
-def _normal(signals: Signals, signal: Signal) -> Signal:
-    """A normal map that is one, unpacked."""
-    if not isinstance(signal, Texture):
-        return None
-    relief = read_relief(signal.file, "up")
-    if isinstance(relief, str):
-        signals.losses.append(f"{Path(signal.file).name}: left out; {relief}")
-        return None
-    packed = (signal.scale, signal.bias) == (Texture.scale, Texture.bias)
-    if packed and relief.scale == NORMAL_SCALE:
-        signals.losses.append(f"{Path(signal.file).name}: a normal map without normalmap; added")
-        signal = replace(signal, scale=NORMAL_SCALE, bias=NORMAL_BIAS)
-    return replace(signal, color_space="raw")
-
-
-def _ior(signals: Signals, shader: Any, shading: Shading) -> float:
-    """The index of refraction; a weight of the reflection lowers it."""
-    (ior,) = _number(signals, shader, shading.ior, PreviewSurface.ior)
-    if not shading.specular_weight:
-        return ior
-    (weight,) = _number(signals, shader, shading.specular_weight, 1.0)
-    if weight == 1.0:
-        return ior
-    signals.losses.append(f"{shading.specular_weight}: its {weight:g} goes into the ior")
-    return ior_of(min(max(weight, 0.0) * f0_of(ior), _MOST_F0))
-
-
-def _number(signals: Signals, shader: Any, name: str, default: float) -> Constant:
-    """A number that only a constant may drive, as a tuple of one."""
-    signal = signals.of(shader, name)
-    if isinstance(signal, Texture):
-        signals.losses.append(f"{name}: its texture is taken as {default:g}")
-    return signal[:1] if isinstance(signal, tuple) else (default,)
-
-
-def _with_opacity(signals: Signals, shader: Any, surface: PreviewSurface) -> PreviewSurface:
-    """What the shader means by opacity: a mask, a part that is absent, or a clear body."""
-    kind = shader.getCategory()
-    if kind == "UsdPreviewSurface":
-        (mode,) = _number(signals, shader, "opacityMode", 0.0)
-        (threshold,) = _number(signals, shader, "opacityThreshold", 0.0)
-        presence = signals.constant(shader, "opacityMode", "") == "presence" or mode == 1.0
-        return replace(
-            surface,
-            opacity_threshold=threshold,
-            opacity_mode="presence" if presence else "transparent",
-        )
-    if kind != "gltf_pbr":
-        return replace(
-            surface, opacity_mode="presence" if surface.opacity != 1.0 else "transparent"
-        )
-    (mode,) = _number(signals, shader, "alpha_mode", 0.0)
-    (cutoff,) = _number(signals, shader, "alpha_cutoff", 0.5)
-    if mode == 0.0:
-        return replace(surface, opacity=1.0)
-    return replace(surface, opacity_threshold=cutoff if mode == 1.0 else 0.0)
-
-
-def _report_rest(signals: Signals, shader: Any, shading: Shading) -> None:
-    """Name the inputs that say something and have no place."""
-    known = {*shading.inputs.values(), shading.base_weight, shading.ior, shading.specular_weight}
-    for socket in shader.getInputs():
-        name = socket.getName()
-        if name in known | shading.harmless or not _says_something(signals, shader, name):
-            continue
-        group = next((w for g, w in shading.groups.items() if name.startswith(g)), name)
-        if group == name or _says_something(signals, shader, group):
-            signals.losses.append(f"{name}: left out")
-
-
-def _says_something(signals: Signals, shader: Any, name: str) -> bool:
-    """Whether an input differs from the shader's default."""
-    socket = shader.getInput(name)
-    if socket is None:
-        return False
-    definition = shader.getNodeDef()
-    default = definition.getActiveInput(name) if definition is not None else None
-    connected = socket.getConnectedNode() is not None or socket.getConnectedOutput() is not None
-    return connected or default is None or socket.getValue() != default.getValue()
+def _stated_size(prim: Usd.Prim) -> tuple[float, float] | None:
+    """Metres of one tile, where an image says how large it or its tile is in the world."""
+    found = None
+    for node in Usd.PrimRange(prim):
+        shader = UsdShade.Shader(node)
+        if shader and str(shader.GetShaderId() or "").startswith("ND_tiledimage"):
+            image, tile = (
+                socket.Get() if (socket := shader.GetInput(f"realworld{what}size")) else None
+                for what in ("image", "tile")
+            )
+            if image is not None or tile is not None:
+                found = (1.0, 1.0) if tile is None else (float(tile[0]), float(tile[1]))
+    return found
 
 
 def _ratio(textures: dict[str, Texture], losses: list[str]) -> float:

@@ -5,21 +5,19 @@ name what lies below the folder of the .mtlx, or the user's own files by absolut
 """
 
 import os
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
-from xml.parsers import expat
+from xml.etree.ElementTree import Element
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.ownmaterials.licences import licence_files
+from openrooms_usd.library.ownmaterials.material import licence_files
+from openrooms_usd.library.plainxml import read_xml
 
-_MAX_DEPTH: Final = 64
 _MOST_INCLUDES: Final = 256
-_ENTITIES: Final = re.compile(r"<!\s*(DOCTYPE|ENTITY)", re.IGNORECASE)
-_INCLUDE: Final = "http://www.w3.org/2001/XInclude include"
+_INCLUDE: Final = "{http://www.w3.org/2001/XInclude}include"
 
 
 @dataclass
@@ -43,39 +41,19 @@ def read_outline(path: Path) -> Outline:
     Raises:
         InputError: It cannot be read, is no XML, has a DOCTYPE or entities, or is nested too deep.
     """
-    text = untrusted.read_text(path)
-    if _ENTITIES.search(text):
-        raise _refused(path, "declares a DOCTYPE or entities, which no material needs")
-    outline = Outline(text)
-    try:
-        _parse(outline)
-    except (expat.ExpatError, ValueError) as error:
-        raise _refused(path, f"is not readable XML: {error}") from error
+    outline = Outline(untrusted.read_text(path))
+    _gather(read_xml(path, "MaterialX", "text"), "", outline)
     return outline
 
 
-def _refused(path: Path, reason: str) -> InputError:
-    return InputError(f"the MaterialX file {reason}", place=path, remedy="export it again")
-
-
-def _parse(outline: Outline) -> None:
-    """Walk the elements of ``outline.text`` and fill the rest of it."""
-    prefixes = [""]
-
-    def start(name: str, attributes: dict[str, str]) -> None:
-        if len(prefixes) > _MAX_DEPTH:
-            raise ValueError(f"elements are nested deeper than {_MAX_DEPTH}")
-        prefixes.append(prefixes[-1] + attributes.get("fileprefix", ""))
-        if name == _INCLUDE:
-            outline.includes.append(attributes.get("href", ""))
-        elif attributes.get("type") == "filename" and attributes.get("value"):
-            outline.files.append(prefixes[-1] + attributes["value"])
-
-    # Whatever encoding the file says that it has: it is text already.
-    parser = expat.ParserCreate("utf-8", namespace_separator=" ")
-    parser.StartElementHandler = start
-    parser.EndElementHandler = lambda name: prefixes.pop()
-    parser.Parse(outline.text.encode(), True)
+def _gather(element: Element, prefix: str, outline: Outline) -> None:
+    prefix += element.get("fileprefix", "")
+    if element.tag == _INCLUDE:
+        outline.includes.append(element.get("href", ""))
+    elif element.get("type") == "filename" and element.get("value"):
+        outline.files.append(prefix + element.get("value", ""))
+    for child in element:
+        _gather(child, prefix, outline)
 
 
 def located(name: str, folder: Path) -> Path | None:
@@ -145,4 +123,8 @@ def outlines(path: Path) -> Iterator[tuple[Path, Outline]]:
                 seen.add(target.resolve())
                 waiting.append(target)
         if len(seen) > _MOST_INCLUDES:
-            raise _refused(path, f"includes more than {_MOST_INCLUDES} others")
+            raise InputError(
+                f"the MaterialX file includes more than {_MOST_INCLUDES} others",
+                place=path,
+                remedy="export it again",
+            )

@@ -1,7 +1,7 @@
 """Procedural materials: tileable maps of a stated physical size, endless by their number.
 
 Each module of a substance has its families (`family.Family`); `catalogue` finds them by name,
-`storage` writes what they make, `cache` remembers it. The arithmetic is in double precision and
+`cache` writes what they make and remembers it. The arithmetic is in double precision and
 draws only uniform numbers, so that the integers stored are the same on machines whose elementary
 functions differ in the last place.
 
@@ -11,9 +11,15 @@ functions differ in the last place.
 
 from openrooms_usd.library.textures.base.family import Color, Family, Order, Use
 from openrooms_usd.library.textures.base.maps import Maps, TextureSet
-from openrooms_usd.library.textures.cache import Material, cached
+from openrooms_usd.library.textures.cache import (
+    MAPS,
+    Material,
+    cached,
+    map_file,
+    rendered_maps,
+    write_set,
+)
 from openrooms_usd.library.textures.catalogue import FAMILIES, family_of, make, substance_of
-from openrooms_usd.library.textures.storage import MAPS, map_file, rendered_maps, write_set
 
 __all__ = [
     "FAMILIES",

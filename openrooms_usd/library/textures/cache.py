@@ -14,20 +14,21 @@ from typing import Final
 from openrooms_usd import atomic, unfinished
 from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.errors import OutputError
+from openrooms_usd.library.pictures import write_png
 from openrooms_usd.library.textures.base.family import Color
+from openrooms_usd.library.textures.base.maps import TextureSet
 from openrooms_usd.library.textures.catalogue import (
     DEFAULT_RESOLUTION,
     family_of,
     make,
     substance_of,
 )
-from openrooms_usd.library.textures.storage import map_file, rendered_maps, write_set
 from openrooms_usd.usercache import cache_folder
 
 _FOLDER: Final = "textures"
 _SUMS: Final = "checksums.json"
 # Lists the modules of all substances, of which a material needs one.
-_ON_ALL: Final = (f"{__package__}.base.expanse", f"{__package__}.base.wear")
+_ON_ALL: Final = f"{__package__}.base.expanse"
 _CATALOGUE: Final = ("openrooms_usd.library.textures.catalogue",)
 
 
@@ -68,7 +69,7 @@ class Material:
     @property
     def _makers(self) -> tuple[str, ...]:
         """The modules that make it: this one's, that of its substance, and what is done to all."""
-        return __name__, f"{__package__}.{substance_of(self.name)}", *_ON_ALL
+        return __name__, f"{__package__}.{substance_of(self.name)}", _ON_ALL
 
 
 def cached(material: Material, folder: Path, stem: str) -> list[Path]:
@@ -130,3 +131,50 @@ def _keep(entry: Path, maps: tuple[str, ...], files: list[Path]) -> None:
 
 def _sum(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
+
+
+# The pictures of a set, by the name of their field.
+MAPS: Final = ("albedo", "normal", "roughness", "metallic", "height")
+
+
+def rendered_maps(name: str) -> tuple[str, ...]:
+    """The maps of a family that a renderer needs: not the height, nor a metalness that is even.
+
+    Raises:
+        InputError: There is no such family.
+    """
+    uneven = family_of(name).metallic is None
+    return ("albedo", "normal", "roughness", "metallic") if uneven else MAPS[:3]
+
+
+def map_file(folder: Path, stem: str, item: str) -> Path:
+    """Where a map of a set lies: ``<stem>_<map>.png``."""
+    return folder / f"{stem}_{item}.png"
+
+
+def write_set(
+    textures: TextureSet, folder: Path, stem: str, maps: tuple[str, ...] = MAPS
+) -> list[Path]:
+    """Write a set as ``<stem>_albedo.png`` and so on.
+
+    Args:
+        textures: The set.
+        folder: Where; it is made when it is missing.
+        stem: How the files' names begin.
+        maps: Which maps, of `MAPS`. The height's file says in its description what its black and
+            white mean.
+
+    Returns:
+        The files, in the order of ``maps``.
+
+    Raises:
+        OutputError: A file cannot be written.
+    """
+    files = [map_file(folder, stem, item) for item in maps]
+    low, high = textures.height_range
+    meaning = {"height": f"height: black {low:.4e} m, white {high:.4e} m"}
+    for item, file in zip(maps, files, strict=True):
+        pixels = getattr(textures, item)
+        is_color = item == "albedo"
+        write_png(file, pixels, is_color=is_color, description=meaning.get(item, ""))
+    return files

@@ -18,10 +18,9 @@ from openrooms_usd.library.textures import (
     specular_stone,
     wood,
 )
-from openrooms_usd.library.textures.base.expanse import laid
+from openrooms_usd.library.textures.base.expanse import laid, worn
 from openrooms_usd.library.textures.base.family import Color, Family, Order
 from openrooms_usd.library.textures.base.maps import TextureSet, encoded
-from openrooms_usd.library.textures.base.wear import worn
 
 DEFAULT_RESOLUTION: Final = 1024
 # Quotients of lengths are no whole numbers.

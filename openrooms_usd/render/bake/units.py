@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
-from openrooms_usd.usd.bindings import bound_material, bound_subsets
 from openrooms_usd.usd.lights import MeshLight, read_lights
 from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.materials import bound_material, bound_subsets
 from openrooms_usd.usd.meshes import LEFT_OUTSIDE, PlacedMesh, is_outside, read_meshes
 from openrooms_usd.usd.surfaces import PreviewSurface, Texture
 

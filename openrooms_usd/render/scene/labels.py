@@ -9,8 +9,7 @@ from openrooms_usd import names
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.render.scene.arrays import Piece
 from openrooms_usd.render.scene.legend import Legend
-from openrooms_usd.usd.semantics import read_label, read_number
-from openrooms_usd.usd.taxonomies import TAXONOMIES
+from openrooms_usd.usd.semantics import TAXONOMIES, read_label, read_number
 
 
 class Labels:

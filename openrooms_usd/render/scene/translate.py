@@ -21,6 +21,7 @@ from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.frames import odd_frame
+from openrooms_usd.usd.lightreader import LightLinks
 from openrooms_usd.usd.lights import (
     CylinderLight,
     DiskLight,
@@ -28,13 +29,13 @@ from openrooms_usd.usd.lights import (
     DomeLight,
     Light,
     MeshLight,
+    Portal,
     RectLight,
     SphereLight,
     read_lights,
+    read_portals,
 )
-from openrooms_usd.usd.linking import LightLinks
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
-from openrooms_usd.usd.portals import Portal, read_portals
 from openrooms_usd.usd.profiles import Shaping
 from openrooms_usd.usd.rendersettings import asked_purposes
 

@@ -32,7 +32,7 @@ from openrooms_usd.stages.alignment.shelf import Shelf
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.scanned import found_in
 from openrooms_usd.stages.reports import keep_overlay, keep_report
-from openrooms_usd.usd.taxonomies import NYU40
+from openrooms_usd.usd.semantics import NYU40
 
 Array = NDArray[np.float64]
 

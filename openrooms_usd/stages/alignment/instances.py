@@ -12,7 +12,7 @@ from openrooms_usd.furniture.words import Meaning, meaning, plain
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.alignment import Rejected
 from openrooms_usd.scan.registration.hints import Box, Hint
-from openrooms_usd.usd.taxonomies import NYU40
+from openrooms_usd.usd.semantics import NYU40
 
 # Where an instance begins: at this quantile of its heights, below which wrong labels may lie.
 _BOTTOM_QUANTILE: Final = 0.02

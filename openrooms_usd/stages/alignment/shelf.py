@@ -29,7 +29,7 @@ from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.instances import Instance, hint_of, instances_of
 from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.taxonomies import NYU40, class_of, classes
+from openrooms_usd.usd.semantics import NYU40, class_of, classes
 
 Array = NDArray[np.float64]
 

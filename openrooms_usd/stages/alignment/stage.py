@@ -66,7 +66,7 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.threads import mapped
 from openrooms_usd.untrusted import check_path
-from openrooms_usd.usd.activation import is_off
+from openrooms_usd.usd.layers import is_off
 
 ASSETS: Final = "assets"
 _TYPES: Final = Sdf.ValueTypeNames

@@ -42,10 +42,9 @@ from openrooms_usd.stages.cameras.photographs import (
 from openrooms_usd.stages.cameras.selection import Selection
 from openrooms_usd.stages.captures import capture_inputs, captured_section
 from openrooms_usd.usd.cameras import define_camera, exposure_of_ev100
+from openrooms_usd.usd.emitters import flux_share, world_area
 from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
-from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights
-from openrooms_usd.usd.photometry import flux_share, world_area
-from openrooms_usd.usd.portals import read_portals
+from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights, read_portals
 from openrooms_usd.usd.textures import read_texture
 
 Array = NDArray[np.float64]

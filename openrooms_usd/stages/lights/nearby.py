@@ -34,11 +34,11 @@ from openrooms_usd.library.outside.solid import WOOD, Look, Part, Placed, Solid
 from openrooms_usd.library.pictures import write_png
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
+from openrooms_usd.usd.frames import author_matrix
+from openrooms_usd.usd.lights import Portal
 from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
 from openrooms_usd.usd.meshes import define_mesh
-from openrooms_usd.usd.portals import Portal
 from openrooms_usd.usd.semantics import label
-from openrooms_usd.usd.transforms import author_matrix
 
 # How often there are flowers at the windows of a room in an upper storey, and screens at any.
 _FLOWERS_SHARE, _SCREENS_SHARE = 0.3, 0.2

@@ -15,10 +15,10 @@ from openrooms_usd.errors import DescriptionError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.displays import picture
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.activation import is_deactivated
+from openrooms_usd.usd.frames import author_matrix
+from openrooms_usd.usd.layers import is_deactivated
 from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.semantics import read_label
-from openrooms_usd.usd.transforms import author_matrix
 
 Array = NDArray[np.float64]
 

@@ -19,10 +19,10 @@ from openrooms_usd.library.assignment.annotations import Annotation, read_annota
 from openrooms_usd.library.assignment.rooms import Place, surface_of
 from openrooms_usd.library.assignment.weights import Weights, drawn
 from openrooms_usd.library.ensembles import Ensemble, ensemble_of
-from openrooms_usd.library.finish import Finish
 from openrooms_usd.library.finishes import (
     FINISHES,
     GENERIC,
+    Finish,
     finishes_of,
     furniture_families,
     suite_of,
@@ -31,7 +31,7 @@ from openrooms_usd.library.interiors import INTERIORS
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.looks import Dressed, Part, parts_of
 from openrooms_usd.stages.materials.palette import Swatch
-from openrooms_usd.usd.activation import is_deactivated
+from openrooms_usd.usd.layers import is_deactivated
 from openrooms_usd.usd.semantics import read_label
 
 ALL: Final = "all"

@@ -26,8 +26,8 @@ from openrooms_usd.codedigest import code_digest
 from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette, Swatch
-from openrooms_usd.usd.bindings import bound_material, bound_subsets
 from openrooms_usd.usd.layers import apply_metadata, export
+from openrooms_usd.usd.materials import bound_material, bound_subsets
 from openrooms_usd.usd.semantics import read_label
 
 LOOKS: Final = "looks"

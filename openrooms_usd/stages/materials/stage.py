@@ -31,8 +31,8 @@ from openrooms_usd.stages.materials.looks import (
     variant,
 )
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette, Swatch
-from openrooms_usd.usd.activation import is_deactivated
-from openrooms_usd.usd.bindings import bound_material
+from openrooms_usd.usd.layers import is_deactivated
+from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.semantics import read_label
 
 _BINDING_API: Final = "MaterialBindingAPI"

@@ -12,9 +12,9 @@ from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.stages.materials.looks import VARIANT_SET
 from openrooms_usd.usd import physics
-from openrooms_usd.usd.bindings import bound_material
 from openrooms_usd.usd.frames import TIME, matrix
 from openrooms_usd.usd.gprims import read_surface
+from openrooms_usd.usd.materials import bound_material
 from openrooms_usd.usd.physics import MaterialPhysics
 from openrooms_usd.usd.semantics import read_label
 

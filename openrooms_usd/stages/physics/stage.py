@@ -42,9 +42,8 @@ from openrooms_usd.stages.physics.colliders import (
 )
 from openrooms_usd.stages.physics.objects import Objects, search_colliders
 from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
-from openrooms_usd.usd.activation import is_deactivated
 from openrooms_usd.usd.bodies import define_scene
-from openrooms_usd.usd.layers import apply_metadata, export, split_arrays
+from openrooms_usd.usd.layers import apply_metadata, export, is_deactivated, split_arrays
 from openrooms_usd.usd.materialreader import read_preview_surface
 from openrooms_usd.usd.semantics import read_label
 

@@ -4,9 +4,10 @@ The front end is USD's own parser, which knows how bodies, colliders and joints 
 inside instances, and the standard's own rules for masses.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Final
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +17,10 @@ from openrooms_usd import names
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.physics.world import Body, Shape, Visual, World
+from openrooms_usd.physics.world import Body, LinkName, Shape, Visual, World
 from openrooms_usd.physics.world import Link as WorldLink
 from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.rigid.filters import read_filters
 from openrooms_usd.usd.rigid.frames import Frames
-from openrooms_usd.usd.rigid.items import distinct, shifted, unique, unique_names
 from openrooms_usd.usd.rigid.joints import (
     KINDS,
     UNKNOWN_KINDS,
@@ -210,10 +209,15 @@ class _Reading:
             held = self.frames.rigid(body) if body else self.frames.placed(np.eye(4))
             ends.append((fixed, inverse(self.links[fixed].frame) @ held @ anchor))
         return Edge(
-            path, motion, (ends[0][0], ends[1][0]), (ends[0][1], ends[1][1]),
-            joint_axis(desc), limits_of(self.frames, motion, desc),
-            damping_of(self.frames, motion, desc), friction_of(self.frames, motion, path),
-        )  # fmt: skip
+            path,
+            motion,
+            (ends[0][0], ends[1][0]),
+            (ends[0][1], ends[1][1]),
+            joint_axis(desc),
+            limits_of(self.frames, motion, desc),
+            damping_of(self.frames, motion, desc),
+            friction_of(self.frames, motion, path),
+        )
 
     def _body(self, tree: Tree, taken: set[str]) -> Body:
         base = self.links[tree.links[0]]
@@ -253,3 +257,111 @@ class _Reading:
             tuple(distinct([shifted(shape, back) for shape in content.shapes])),
             tuple(distinct([shifted(visual, back) for visual in content.visuals])),
         )
+
+
+Item = TypeVar("Item", Shape, Visual)
+
+
+def shifted(item: Item, back: NDArray[np.float64]) -> Item:
+    """A shape or a visual in a frame that has the same axes."""
+    if not back[:3, 3].any():
+        return item
+    return replace(item, mesh=replace(item.mesh, points=item.mesh.points + back[:3, 3]))
+
+
+def distinct(items: Sequence[Item]) -> list[Item]:
+    """The same, with a number behind names that repeat."""
+    called = unique_names([item.name for item in items])
+    return [
+        item if item.name == name else replace(item, name=name)
+        for item, name in zip(items, called, strict=True)
+    ]
+
+
+def unique_names(wanted: Sequence[str]) -> list[str]:
+    """The names, with a number behind those that repeat."""
+    taken: set[str] = set()
+    return [unique(name, taken) for name in wanted]
+
+
+def unique(name: str, taken: set[str]) -> str:
+    """A name that is not taken yet; it is taken then."""
+    found, number = name, 0
+    while found in taken:
+        number += 1
+        found = f"{name}_{number}"
+    taken.add(found)
+    return found
+
+
+_SINGLE: Final = "single shapes of it pass through others: these formats know whole links alone"
+_GROUP: Final = "it filters a group: only FilteredPairsAPI is read"
+
+
+def read_filters(
+    stage: Usd.Stage,
+    bodies: Sequence[Body],
+    colliders: Mapping[Sdf.Path, Iterable[Sdf.Path]],
+    reader: ShapeReader,
+) -> tuple[tuple[LinkName, LinkName], ...]:
+    """Links of different bodies that shall not collide.
+
+    A prim stands for all links at and below it, or for the link whose only colliders are at and
+    below it.
+
+    Args:
+        stage: The composed stage.
+        bodies: What was read from it.
+        colliders: Of each link, by its prim.
+        reader: Receives what is left out.
+
+    Returns:
+        Each pair once, in the order of the bodies.
+    """
+    called = {Sdf.Path(link.path): (body.name, link.name) for body in bodies for link in body.links}
+    for prim in stage.Traverse():
+        if prim.IsA(UsdPhysics.CollisionGroup):
+            reader.lose(prim.GetPath(), "skipped", _GROUP)
+    order = {name: number for number, name in enumerate(called.values())}
+    found = {}
+    for here, there in _said(stage):
+        ends = [_links(path, called, colliders) for path in (here, there)]
+        for path, end in zip((here, there), ends, strict=True):
+            if not end and not _of_one_body(here, there, called):
+                reader.lose(path, "skipped", _SINGLE)
+        for one, other in product(*ends):
+            if one[0] != other[0]:
+                first, second = sorted((one, other), key=order.__getitem__)
+                found[first, second] = order[first], order[second]
+    return tuple(sorted(found, key=found.__getitem__))
+
+
+def _said(stage: Usd.Stage) -> Iterator[tuple[Sdf.Path, Sdf.Path]]:
+    for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
+        if prim.HasAPI(UsdPhysics.FilteredPairsAPI):
+            for target in UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets():
+                yield prim.GetPath(), target
+
+
+def _links(
+    path: Sdf.Path,
+    called: Mapping[Sdf.Path, LinkName],
+    colliders: Mapping[Sdf.Path, Iterable[Sdf.Path]],
+) -> list[LinkName]:
+    below = [name for link, name in called.items() if link.HasPrefix(path)]
+    holder = _holder(path, called)
+    if below or holder is None:
+        return below
+    whole = all(collider.HasPrefix(path) for collider in colliders[holder])
+    return [called[holder]] if whole else []
+
+
+def _of_one_body(here: Sdf.Path, there: Sdf.Path, called: Mapping[Sdf.Path, LinkName]) -> bool:
+    holders = [_holder(path, called) for path in (here, there)]
+    return len({called[holder][0] if holder else "" for holder in holders}) == 1
+
+
+def _holder(path: Sdf.Path, called: Mapping[Sdf.Path, LinkName]) -> Sdf.Path | None:
+    """The link that a prim belongs to."""
+    prefixes = path.GetPrefixes()
+    return next((prefix for prefix in reversed(prefixes) if prefix in called), None)

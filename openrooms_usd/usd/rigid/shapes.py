@@ -18,8 +18,8 @@ from openrooms_usd.physics.decomposition import collision_shapes
 from openrooms_usd.physics.hulls import MOST_VERTICES, convex_hull, half_spaces
 from openrooms_usd.physics.world import Contact, Shape, Visual
 from openrooms_usd.usd import physics
-from openrooms_usd.usd.bindings import bound_material, bound_subsets
 from openrooms_usd.usd.gprims import read_surface
+from openrooms_usd.usd.materials import bound_material, bound_subsets
 from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.rigid.frames import Frames
 
@@ -110,12 +110,16 @@ class ShapeReader:
         key = _shared(prim)
         if key not in self._contacts:
             made = physics.read(prim)
-            self._contacts[key] = UNKNOWN if made is None else Contact(
-                made.static_friction,
-                min(made.dynamic_friction, made.static_friction),
-                min(made.restitution, 1.0),
-                prim.GetName(),
-            )  # fmt: skip
+            self._contacts[key] = (
+                UNKNOWN
+                if made is None
+                else Contact(
+                    made.static_friction,
+                    min(made.dynamic_friction, made.static_friction),
+                    min(made.restitution, 1.0),
+                    prim.GetName(),
+                )
+            )
         return self._contacts[key]
 
     def visuals(self, placed: PlacedMesh, link_from_world: Array) -> Iterator[Visual]:

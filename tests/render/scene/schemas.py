@@ -12,7 +12,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.imagefile import write_png
-from tests.usd.test_skinning import puppet
+from tests.usd.test_moments import puppet
 
 GROUND, OTHER = "/World/Lit/Ground", "/World/Other"
 MATERIAL, SECOND = "/World/Material", "/World/Second"

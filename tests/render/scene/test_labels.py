@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade
 
-from openrooms_usd.usd.semantics import label, label_part
-from openrooms_usd.usd.taxonomies import NYU40, OPENROOMS45
+from openrooms_usd.usd.semantics import NYU40, OPENROOMS45, label, label_part
 from tests import small
 from tests.small import square
 

@@ -8,9 +8,9 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.library.sky import Air, daylight, sun_direction
-from openrooms_usd.library.solar import SunPosition
+from openrooms_usd.library.sunlight import SunPosition
 from openrooms_usd.render.scene.lights import Gaussian
-from openrooms_usd.usd.portals import Portal
+from openrooms_usd.usd.lights import Portal
 
 Array = NDArray[np.float64]
 # The picture's upper edge is the world's up, its middle looks along -Y.

@@ -3,8 +3,9 @@
 From the ground up:
 
 - `noise`: periodic noise; `maps`: a material as arrays, then as the integers of files;
-- `expanse`, `wear`: small pictures laid over metres, and the marks of use;
-- `family`: what a family of materials is; `recipe`, `tints`: its draws, means, colours and gloss;
-- `lattice`, `cells`, `courses`: repeats, cells about sites, pieces in courses;
-- `strewn`, `scales`, `fibres`, `flakes`: single things, scallops, fibres and slivers on a surface.
+- `expanse`: small pictures laid over metres, and the marks of use;
+- `family`: what a family of materials is; `recipe`: its draws, means, colours and gloss;
+- `vocabulary`: all of these words in one name;
+- `lattice`, `cells`, `courses`: repeats, cells about sites and scales, pieces in courses;
+- `strewn`: single things, fibres and slivers on a surface.
 """

@@ -5,33 +5,15 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.family import Color, Order
-from openrooms_usd.library.textures.base.noise import Field
+from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Upholstery colours, scene-linear Rec.709: greys, natural linen, blues, greens, rust, ochre, rose.
-COLORS: Final[tuple[Color, ...]] = (
-    (0.33, 0.33, 0.33),
-    (0.12, 0.125, 0.13),
-    (0.50, 0.46, 0.39),
-    (0.40, 0.33, 0.25),
-    (0.085, 0.13, 0.20),
-    (0.20, 0.29, 0.36),
-    (0.14, 0.21, 0.15),
-    (0.30, 0.32, 0.22),
-    (0.36, 0.14, 0.075),
-    (0.45, 0.29, 0.09),
-    (0.44, 0.27, 0.25),
-)
-# Bleached, unbleached and sand-coloured yarns.
-NATURALS: Final[tuple[Color, ...]] = (
-    (0.66, 0.63, 0.56),
-    (0.55, 0.49, 0.39),
-    (0.42, 0.34, 0.24),
-    (0.34, 0.29, 0.22),
-    (0.24, 0.19, 0.13),
-)
-_CREAM: Final[Color] = (0.62, 0.58, 0.49)
-_BLACK: Final[Color] = (0.035, 0.035, 0.038)
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+COLORS: Final[tuple[tx.Color, ...]] = _PALETTES["dyes_colors"]
+NATURALS: Final[tuple[tx.Color, ...]] = _PALETTES["dyes_naturals"]
+_CREAM: Final[tx.Color] = (0.62, 0.58, 0.49)
+_BLACK: Final[tx.Color] = (0.035, 0.035, 0.038)
 
 
 @dataclass(frozen=True)
@@ -47,9 +29,9 @@ class Dye:
 
     ends: tuple[str, ...]
     picks: tuple[str, ...]
-    palettes: tuple[tuple[Color, ...], ...]
+    palettes: tuple[tuple[tx.Color, ...], ...]
 
-    def drawn(self, order: Order) -> tuple[Field, Field]:
+    def drawn(self, order: tx.Order) -> tuple[tx.Field, tx.Field]:
         """(p, 3) and (q, 3) colours of the ends and picks of one repeat."""
         choice = int(order.rng.integers(len(self.ends)))
         palette = np.array(self.palettes[int(order.rng.integers(len(self.palettes)))])
@@ -61,11 +43,11 @@ def _numbers(letters: str) -> list[int]:
     return [ord(letter) - ord("a") for letter in letters]
 
 
-def _one(*palettes: tuple[Color, ...]) -> Dye:
+def _one(*palettes: tuple[tx.Color, ...]) -> Dye:
     return Dye(("a",), ("b" if len(palettes[0]) > 1 else "a",), palettes)
 
 
-def _checked(setts: tuple[str, ...], *palettes: tuple[Color, ...]) -> Dye:
+def _checked(setts: tuple[str, ...], *palettes: tuple[tx.Color, ...]) -> Dye:
     return Dye(setts, setts, palettes)
 
 
@@ -119,7 +101,7 @@ TICKING: Final = Dye(
         ((0.64, 0.61, 0.53), (0.33, 0.055, 0.045)),
         ((0.60, 0.57, 0.50), (0.09, 0.15, 0.09)),
     ),
-)  # fmt: skip
+)
 SEERSUCKER: Final = Dye(
     ("a" * 12 + "b" * 12,),
     ("a",),

@@ -6,12 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.family import Family, Order
-from openrooms_usd.library.textures.base.lattice import offset, phase, resolved, spacing, whole
-from openrooms_usd.library.textures.base.maps import Maps
-from openrooms_usd.library.textures.base.noise import Field
-from openrooms_usd.library.textures.base.recipe import drawn_roughness, noise
-from openrooms_usd.library.textures.base.tints import around, mean_color, tinted
+from openrooms_usd.library.textures.base import lattice
+from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.fabric.dyes import COLORS, NATURALS
 
 # Height of a loop, in wales, and courses a wale's width holds.
@@ -23,26 +19,26 @@ _REPEAT_WALES: Final = 10
 _CROSSING_COURSES: Final = 8
 
 
-def _plain_side(across: Field, along: Field) -> Field:
+def _plain_side(across: tx.Field, along: tx.Field) -> tx.Field:
     """Height 0..1 of the face: each loop's two legs lean apart, so that columns of V appear.
 
     Args:
         across: Place in wales.
         along: Place in courses, broadcast against ``across``.
     """
-    half = offset(2.0 * across)
-    lean = 0.9 * np.abs(offset(across))
-    leg = offset(along - lean)
+    half = lattice.offset(2.0 * across)
+    lean = 0.9 * np.abs(lattice.offset(across))
+    leg = lattice.offset(along - lean)
     return np.asarray((1.0 - 0.75 * half**2) * (1.0 - 0.6 * leg**2))
 
 
-def _purl_side(across: Field, along: Field) -> Field:
+def _purl_side(across: tx.Field, along: tx.Field) -> tx.Field:
     """Height 0..1 of the back: rows of arcs."""
-    arc = offset(along + 0.18 * np.cos(2.0 * np.pi * across))
+    arc = lattice.offset(along + 0.18 * np.cos(2.0 * np.pi * across))
     return np.asarray((1.0 - 0.8 * arc**2) * (0.75 + 0.25 * np.cos(4.0 * np.pi * across)))
 
 
-def _rib(across: Field, along: Field) -> Field:
+def _rib(across: tx.Field, along: tx.Field) -> tx.Field:
     """Two wales of the face, two of the back, which draws in and lies deeper."""
     place = across / 4.0
     raised = np.clip(0.5 + 2.2 * np.cos(2.0 * np.pi * (place - 0.25)), 0.0, 1.0)
@@ -50,7 +46,7 @@ def _rib(across: Field, along: Field) -> Field:
     return np.asarray(raised * face + (1.0 - raised) * 0.8 * _purl_side(across, along))
 
 
-def _cable(across: Field, along: Field) -> Field:
+def _cable(across: tx.Field, along: tx.Field) -> tx.Field:
     """Ropes of two strands that cross over each other, on a ground of the back."""
     place = across % _REPEAT_WALES - _REPEAT_WALES / 2
     turn = np.pi * along / _CROSSING_COURSES
@@ -67,12 +63,12 @@ def _cable(across: Field, along: Field) -> Field:
 
 
 def _make(
-    stitch: Callable[[Field, Field], Field],
+    stitch: Callable[[tx.Field, tx.Field], tx.Field],
     wale: tuple[float, float],
     repeat: tuple[int, int],
     depth: float,
-    order: Order,
-) -> Maps:
+    order: tx.Order,
+) -> tx.Maps:
     """A knitted fabric with whole repeats of wales and courses.
 
     Args:
@@ -83,28 +79,28 @@ def _make(
         order: What is asked for.
     """
     n, rng = order.resolution, order.rng
-    mean = mean_color(order, COLORS + NATURALS)
+    mean = tx.mean_color(order, COLORS + NATURALS)
     pitch = float(rng.uniform(*wale))
-    wales = whole(order, pitch, repeat[0])
-    courses = whole(order, pitch / _COURSES_PER_WALE, repeat[1])
-    uneven = 0.10 * noise(order, 6.0 * pitch) + 0.05 * noise(order, 1.2 * pitch)
+    wales = lattice.whole(order, pitch, repeat[0])
+    courses = lattice.whole(order, pitch / _COURSES_PER_WALE, repeat[1])
+    uneven = 0.10 * tx.noise(order, 6.0 * pitch) + 0.05 * tx.noise(order, 1.2 * pitch)
     # Courses rise against the rows.
-    height = stitch(phase(n, wales), -phase(n, courses)[:, None] + uneven)
-    hairs = noise(order, 0.3 * pitch)
+    height = stitch(lattice.phase(n, wales), -lattice.phase(n, courses)[:, None] + uneven)
+    hairs = tx.noise(order, 0.3 * pitch)
     low = float(height.min())
     share = (height - low) / max(float(height.max()) - low, 1e-9)
     shade = (0.35 + 0.65 * np.sqrt(share)) * (1.0 + 0.08 * hairs)
-    unit = depth * spacing(order, pitch, wales)
-    return Maps(
-        albedo=tinted(np.maximum(shade, 0.05), mean),
-        height=unit * (height + 0.05 * hairs) + 0.15 * pitch * noise(order, 0.05),
-        roughness=around(drawn_roughness(order, 0.84, 0.94), -0.06 * share),
+    unit = depth * lattice.spacing(order, pitch, wales)
+    return tx.Maps(
+        albedo=tx.tinted(np.maximum(shade, 0.05), mean),
+        height=unit * (height + 0.05 * hairs) + 0.15 * pitch * tx.noise(order, 0.05),
+        roughness=tx.around(tx.drawn_roughness(order, 0.84, 0.94), -0.06 * share),
     )
 
 
-KNITTED: Final[dict[str, Family]] = {
-    name: Family(
-        resolved(partial(_make, stitch, wale, repeat, _LOOP_HEIGHT_WALES), 0.5 * wale[0]),
+KNITTED: Final[dict[str, tx.Family]] = {
+    name: tx.Family(
+        lattice.resolved(partial(_make, stitch, wale, repeat, _LOOP_HEIGHT_WALES), 0.5 * wale[0]),
         size,
         frozenset({"textile", "furniture"}),
         grain=True,

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.library.textures.base.lattice import offset, phase
-from openrooms_usd.library.textures.base.noise import Field, apart
+from openrooms_usd.library.textures.base import lattice
+from openrooms_usd.library.textures.base import vocabulary as tx
 
 Pattern = NDArray[np.int64]
 
@@ -46,9 +46,9 @@ class Cloth:
         tone: (N, N) brightness of the thread on top, about 1.
     """
 
-    height: Field
+    height: tx.Field
     is_warp: NDArray[np.bool_]
-    tone: Field
+    tone: tx.Field
 
 
 def pattern(*rows: str) -> Pattern:
@@ -95,7 +95,7 @@ def woven(
         crimp: How far threads rise and sink, in radii.
     """
     ends, picks = counts
-    lift: Field = np.asarray(2 * weave - 1, np.float64)
+    lift: tx.Field = np.asarray(2 * weave - 1, np.float64)
     warp, warp_tone = _tubes(rng, crimp * lift, threads[0], (ends, picks), resolution)
     weft, weft_tone = _tubes(rng, -crimp * lift.T, threads[1], (picks, ends), resolution)
     is_warp = warp >= weft.T
@@ -105,13 +105,13 @@ def woven(
 
 def _tubes(
     rng: np.random.Generator,
-    lift: Field,
+    lift: tx.Field,
     thread: Thread,
     counts: tuple[int, int],
     resolution: int,
-) -> tuple[Field, Field]:
+) -> tuple[tx.Field, tx.Field]:
     """(N, N) height in radii and tone of threads along axis 0."""
-    across = phase(resolution, counts[0])
+    across = lattice.phase(resolution, counts[0])
     number = np.floor(across).astype(np.int64)
     thick = 1.0 + thread.slub * _along(rng, resolution, counts, 6.0)
     stray = thread.bend * _along(rng, resolution, counts, 12.0)
@@ -119,15 +119,15 @@ def _tubes(
         _along(rng, resolution, counts, 5.0) + 0.5 * rng.uniform(-1.0, 1.0, counts[0])
     )
     axis = _rise(lift, counts[1], resolution)[:, np.arange(counts[0]) % lift.shape[1]]
-    aside = offset(across) + 2.0 * stray[:, number]
+    aside = lattice.offset(across) + 2.0 * stray[:, number]
     # A parabola is round enough, and needs no root.
     height = (axis + thick - 0.5)[:, number] - aside**2 * (0.95 / thick)[:, number]
     return height, tone[:, number] * _plies(thread, counts, resolution)
 
 
-def _rise(lift: Field, crossings: int, resolution: int) -> Field:
+def _rise(lift: tx.Field, crossings: int, resolution: int) -> tx.Field:
     """(N, q) height of a thread's axis: like a cosine from crossing to crossing."""
-    along = phase(resolution, crossings)
+    along = lattice.phase(resolution, crossings)
     crossing = np.floor(along).astype(np.int64)
     share = along - crossing - 0.5
     other = np.where(share >= 0.0, crossing + 1, crossing - 1)
@@ -138,12 +138,12 @@ def _rise(lift: Field, crossings: int, resolution: int) -> Field:
 
 def _along(
     rng: np.random.Generator, resolution: int, counts: tuple[int, int], crossings: float
-) -> Field:
+) -> tx.Field:
     """(N, threads) unevenness along each thread, with features of so many crossings.
 
     Drawn once a crossing and interpolated by its Fourier series: the same on all grids.
     """
-    white = (apart(rng).random((counts[1], counts[0])) - 0.5) * math.sqrt(12.0)
+    white = (tx.apart(rng).random((counts[1], counts[0])) - 0.5) * math.sqrt(12.0)
     frequency = np.arange(counts[1] // 2 + 1) / counts[1]
     kernel = np.exp(-2.0 * (0.35 * math.pi * crossings * frequency) ** 2)
     power = np.full(len(kernel), 2.0)
@@ -153,12 +153,12 @@ def _along(
     return np.clip(np.fft.irfft(series, n=resolution, axis=0) / gain, -2.5, 2.5)
 
 
-def _plies(thread: Thread, counts: tuple[int, int], resolution: int) -> Field:
+def _plies(thread: Thread, counts: tuple[int, int], resolution: int) -> tx.Field:
     """(N, N) slanted stripes of the plies, one turn for each crossing thread."""
     if thread.twist == 0.0:
         return np.ones((resolution, 1))
-    turn = 2.0 * np.pi * phase(resolution, counts[1])[:, None]
-    slant = 2.5 * offset(phase(resolution, counts[0]))
+    turn = 2.0 * np.pi * lattice.phase(resolution, counts[1])[:, None]
+    slant = 2.5 * lattice.offset(lattice.phase(resolution, counts[0]))
     return np.asarray(
         1.0 + thread.twist * (np.sin(turn) * np.cos(slant) + np.cos(turn) * np.sin(slant))
     )

@@ -1,15 +1,145 @@
 """Fabrics: woven, knitted, and of standing or matted fibres."""
 
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
-from openrooms_usd.library.textures.base.family import Family
-from openrooms_usd.library.textures.base.lattice import resolved
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.library.textures.base import lattice
+from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.fabric import dyes
-from openrooms_usd.library.textures.fabric.cloths import Fabric, make, medallions, puckers, waffle
+from openrooms_usd.library.textures.fabric.dyes import Dye
 from openrooms_usd.library.textures.fabric.knit import KNITTED
 from openrooms_usd.library.textures.fabric.pile import PILED
-from openrooms_usd.library.textures.fabric.weave import Thread, pattern, pointed, satin, twill
+from openrooms_usd.library.textures.fabric.weave import (
+    Cloth,
+    Pattern,
+    Thread,
+    pattern,
+    pointed,
+    satin,
+    twill,
+    woven,
+)
+from openrooms_usd.tables import read_table
+
+Figure = Callable[[int, int], NDArray[np.bool_]]
+Shape = Callable[[tx.Order], tx.Field]
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """A woven fabric.
+
+    Attributes:
+        size: Usual physical size of its picture, metres.
+        weave: Its pattern.
+        warp: Its ends.
+        weft: Its picks.
+        dye: Colours of ends and picks.
+        roughness: Range of its mean.
+        relief: Height of a thread's tube, share of its radius.
+        crimp: How far threads rise and sink, in radii.
+        hollow: How dark the hollows between threads are, 0..1.
+        fuzz: How much hairs blur it.
+        wrinkle: Standard deviation of the height over a few centimetres, metres.
+        figure: Where, over (picks, ends), the weave is turned to its other face.
+        shape: (N, N) relief on top of that of threads, metres.
+        uses: Where people have it.
+    """
+
+    size: float
+    weave: Pattern
+    warp: Thread
+    weft: Thread
+    dye: Dye = dyes.PLAIN
+    roughness: tuple[float, float] = (0.8, 0.92)
+    relief: float = 0.7
+    crimp: float = 0.45
+    hollow: float = 0.5
+    fuzz: float = 0.05
+    wrinkle: float = 60e-6
+    figure: Figure | None = None
+    shape: Shape | None = None
+    uses: frozenset[tx.Use] = frozenset({"textile", "furniture"})
+
+
+def make(fabric: Fabric, order: tx.Order) -> tx.Maps:
+    """A cloth with whole repeats of its weave and of its stripes on each side."""
+    rng = order.rng
+    end_colors, pick_colors = fabric.dye.drawn(order)
+    ends = _count(order, fabric.warp, fabric.weave.shape[1], len(end_colors))
+    picks = _count(order, fabric.weft, fabric.weave.shape[0], len(pick_colors))
+    weave = fabric.weave
+    if fabric.figure is not None:
+        whole_cloth = np.tile(weave, (picks // len(weave), ends // weave.shape[1]))
+        weave = np.where(fabric.figure(picks, ends), 1 - whole_cloth, whole_cloth)
+    threads = (fabric.warp, fabric.weft)
+    cloth = woven(rng, weave, threads, (ends, picks), order.resolution, fabric.crimp)
+    hollow = np.clip(0.5 + 0.5 * cloth.height, 0.0, 1.0)
+    hairs = tx.noise(order, 0.0009)
+    shade = cloth.tone * (1.0 - fabric.hollow * (1.0 - hollow)) * (1.0 + fabric.fuzz * hairs)
+    colors = _colored(cloth, end_colors, pick_colors, (ends, picks))
+    pitch = min(1.0 / fabric.warp.density[0], order.size / max(ends, picks))
+    height = 0.5 * fabric.relief * pitch * cloth.height + fabric.wrinkle * tx.noise(order, 0.05)
+    if fabric.shape is not None:
+        height = height + fabric.shape(order)
+    rough = tx.drawn_roughness(order, *fabric.roughness)
+    mean = None if order.color is None else np.array(order.color)
+    return tx.Maps(
+        albedo=tx.tinted(colors * np.maximum(shade, 0.05)[..., None], mean),
+        height=height,
+        roughness=tx.around(rough, -0.06 * hollow),
+    )
+
+
+def _count(order: tx.Order, thread: Thread, weave: int, stripes: int) -> int:
+    pitch = 1.0 / order.rng.uniform(*thread.density)
+    return lattice.whole(order, pitch, math.lcm(weave, stripes))
+
+
+def _colored(cloth: Cloth, ends: tx.Field, picks: tx.Field, counts: tuple[int, int]) -> tx.Field:
+    """(N, N, 3) colour of the thread on top."""
+    resolution = len(cloth.height)
+    end = np.floor(lattice.phase(resolution, counts[0])).astype(np.int64) % len(ends)
+    pick = np.floor(lattice.phase(resolution, counts[1])).astype(np.int64) % len(picks)
+    return np.where(cloth.is_warp[..., None], ends[end][None], picks[pick][:, None])
+
+
+def medallions(picks: int, ends: int) -> NDArray[np.bool_]:
+    """Lobed flowers within ogees, every second row moved by half."""
+    columns = 2
+    rows = 2 * max(1, round(columns * picks / ends / 2))
+    t, s = np.meshgrid(lattice.phase(picks, rows), lattice.phase(ends, columns), indexing="ij")
+    figure = np.zeros(s.shape, np.bool_)
+    for moved in (0.0, 0.5):
+        x, y = lattice.offset(s + moved), lattice.offset(t / 2 + moved / 1.0) * 1.2
+        radius, angle = np.hypot(x, y), np.arctan2(x, y)
+        petals = 0.34 * (1.0 + 0.28 * np.cos(6.0 * angle))
+        ring = np.abs(radius - 0.56 - 0.05 * np.cos(12.0 * angle)) < 0.045
+        figure |= ((radius < petals) & (radius > 0.10)) | (radius < 0.055) | ring
+    vine = np.abs(np.abs(np.cos(np.pi * s)) - np.abs(np.sin(np.pi * t / 2))) < 0.10
+    return np.asarray(figure | vine)
+
+
+def waffle(order: tx.Order) -> tx.Field:
+    """Square hollows between ridges, deepest in their middles."""
+    count = lattice.whole(order, 0.0055)
+    ridge = np.abs(lattice.offset(lattice.phase(order.resolution, count)))
+    deep = lattice.spacing(order, 0.0055, count) * 0.28
+    return np.asarray(deep * np.maximum(ridge[:, None], ridge) ** 1.5)
+
+
+def puckers(order: tx.Order) -> tx.Field:
+    """Stripes that lie flat, and stripes that were woven slack and ripple."""
+    count = lattice.whole(order, 0.008)
+    slack = tx.smoothstep(-0.35, 0.35, np.cos(2.0 * np.pi * lattice.phase(order.resolution, count)))
+    return np.asarray(0.00018 * slack * (tx.noise(order, 0.006, 0.004) + 0.3))
+
 
 # Cloths whose pictures are as wide are laid twice along each side, all others four times; metres.
 _WIDE_M: Final = 0.2
@@ -20,77 +150,38 @@ def _yarn(per_cm: float, **options: float) -> Thread:
     return Thread((93.0 * per_cm, 107.0 * per_cm), **options)
 
 
-WOVEN: Final = {
-    "linen": Fabric(
-        0.12, pattern("X.", ".X"), _yarn(15, slub=0.22, melange=0.18, bend=0.12),
-        _yarn(13, slub=0.28, melange=0.2, bend=0.12), dyes.NATURAL,
-    ),
-    # Duck: ends go in pairs.
-    "canvas": Fabric(
-        0.1, pattern("XX..", "..XX"), _yarn(18, twist=0.12), _yarn(10, twist=0.12, slub=0.06),
-        dyes.NATURAL, wrinkle=20e-6,
-    ),
-    "twill": Fabric(0.1, twill(2, 2), _yarn(18, melange=0.06), _yarn(15, melange=0.06)),
-    "herringbone": Fabric(
-        0.15, pointed(twill(2, 2), 12), _yarn(11, twist=0.1), _yarn(10, twist=0.1), dyes.TWO_TONE,
-        fuzz=0.09,
-    ),
-    "houndstooth": Fabric(
-        0.16, twill(2, 2), _yarn(9, twist=0.1), _yarn(9, twist=0.1), dyes.HOUNDSTOOTH, fuzz=0.08,
-    ),
-    "tartan": Fabric(
-        0.2, twill(2, 2), _yarn(12, melange=0.06), _yarn(12, melange=0.06), dyes.TARTAN, fuzz=0.07,
-    ),
-    "satin": Fabric(
-        0.06, satin(8, 3), _yarn(34, melange=0.05, slub=0.05), _yarn(24, melange=0.05), dyes.SILK,
-        roughness=(0.3, 0.42), relief=0.25, crimp=0.3, hollow=0.25, fuzz=0.01, wrinkle=120e-6,
-    ),
-    "basket_weave": Fabric(
-        0.16, pattern("XXX...", "XXX...", "XXX...", "...XXX", "...XXX", "...XXX"),
-        _yarn(7, twist=0.14, slub=0.12), _yarn(7, twist=0.14, slub=0.12), fuzz=0.08,
-    ),
-    "denim": Fabric(
-        0.08, twill(3, 1), _yarn(25, melange=0.16, slub=0.14), _yarn(17, melange=0.06), dyes.INDIGO,
-        crimp=0.4, fuzz=0.1,
-    ),
-    "ticking": Fabric(
-        0.1, twill(2, 1), _yarn(24, melange=0.04), _yarn(16, melange=0.04), dyes.TICKING, crimp=0.4,
-    ),
-    "damask": Fabric(
-        0.09, satin(5, 2), _yarn(30, melange=0.03, slub=0.04), _yarn(30, melange=0.03, slub=0.04),
-        dyes.TWO_TONE, roughness=(0.42, 0.55), relief=0.4, crimp=0.3, hollow=0.3, fuzz=0.02,
-        figure=medallions,
-    ),
-    "waffle_weave": Fabric(
-        0.11, pattern("X.", ".X"), _yarn(13), _yarn(13), dyes.NATURAL, relief=0.5, shape=waffle,
-    ),
-    "seersucker": Fabric(
-        0.096, pattern("X.", ".X"), _yarn(30, melange=0.04), _yarn(26, melange=0.04),
-        dyes.SEERSUCKER, relief=0.4, hollow=0.35, shape=puckers,
-    ),
-    # Thick hard yarns, for floors.
-    "sisal": Fabric(
-        0.25, pattern("XX..", "..XX"), _yarn(3.2, slub=0.1, melange=0.15, twist=0.2),
-        _yarn(2.6, slub=0.16, melange=0.25, twist=0.25), dyes.NATURAL, roughness=(0.86, 0.95),
-        hollow=0.65, fuzz=0.16, uses=frozenset({"floor"}),
-    ),
-    # Ribs: picks far thicker than the ends that cover them.
-    "repp": Fabric(
-        0.1, pattern("X.", ".X"), _yarn(26, melange=0.05), _yarn(6, slub=0.1), crimp=0.75,
-    ),
-}  # fmt: skip
+_WEAVES: Final[Mapping[str, Callable[..., Pattern]]] = {
+    "pattern": pattern,
+    "twill": twill,
+    "satin": satin,
+    "pointed_twill": lambda up, down, width: pointed(twill(up, down), width),
+}
+_NAMED: Final = {"medallions": medallions, "waffle": waffle, "puckers": puckers}
 
 
-def _family(fabric: Fabric) -> Family:
+def _fabric(told: dict[str, Any]) -> Fabric:
+    """A cloth of the table."""
+    weave, *given = told.pop("weave")
+    made: dict[str, Any] = {name: _yarn(**told.pop(name)) for name in ("warp", "weft")}
+    made["dye"] = getattr(dyes, told.pop("dye", "PLAIN"))
+    made |= {name: _NAMED[told.pop(name)] for name in ("figure", "shape") if name in told}
+    made |= {"uses": frozenset(told.pop("uses"))} if "uses" in told else {}
+    return Fabric(weave=_WEAVES[weave](*given), **made, **told)
+
+
+WOVEN: Final = {n: _fabric(told) for n, told in read_table(__file__, "cloths.toml").items()}
+
+
+def _family(fabric: Fabric) -> tx.Family:
     finest = 1.0 / max(fabric.warp.density[1], fabric.weft.density[1])
     # What has a large pattern shows its repeat, as it should.
     drawn = fabric.figure is not None or fabric.dye in _PATTERNED
     laid = 1 if drawn else 4 if fabric.size < _WIDE_M else 2
-    make_cloth = resolved(partial(make, fabric), finest)
-    return Family(make_cloth, fabric.size, fabric.uses, grain=True, laid=laid)
+    make_cloth = lattice.resolved(partial(make, fabric), finest)
+    return tx.Family(make_cloth, fabric.size, fabric.uses, grain=True, laid=laid)
 
 
-FAMILIES: Final[dict[str, Family]] = {
+FAMILIES: Final[dict[str, tx.Family]] = {
     **{name: _family(fabric) for name, fabric in WOVEN.items()},
     **KNITTED,
     **PILED,

@@ -10,32 +10,31 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.family import Color, Order
-from openrooms_usd.library.textures.base.maps import Maps
-from openrooms_usd.library.textures.base.noise import Field
-from openrooms_usd.library.textures.base.recipe import drawn_color, finished
+from openrooms_usd.library.textures.base import vocabulary as tx
 
-SILVER: Final[Color] = (0.97, 0.96, 0.91)
-ALUMINIUM: Final[Color] = (0.91, 0.92, 0.92)
-GOLD: Final[Color] = (1.0, 0.77, 0.34)
-COPPER: Final[Color] = (0.95, 0.64, 0.54)
-BRASS: Final[Color] = (0.91, 0.78, 0.42)
-BRONZE: Final[Color] = (0.74, 0.55, 0.38)
-IRON: Final[Color] = (0.56, 0.57, 0.58)
-STEEL: Final[Color] = (0.60, 0.58, 0.55)
-CHROMIUM: Final[Color] = (0.55, 0.56, 0.55)
-NICKEL: Final[Color] = (0.66, 0.61, 0.53)
-ZINC: Final[Color] = (0.66, 0.68, 0.71)
-TITANIUM: Final[Color] = (0.54, 0.50, 0.45)
+SILVER: Final[tx.Color] = (0.97, 0.96, 0.91)
+ALUMINIUM: Final[tx.Color] = (0.91, 0.92, 0.92)
+GOLD: Final[tx.Color] = (1.0, 0.77, 0.34)
+COPPER: Final[tx.Color] = (0.95, 0.64, 0.54)
+BRASS: Final[tx.Color] = (0.91, 0.78, 0.42)
+BRONZE: Final[tx.Color] = (0.74, 0.55, 0.38)
+IRON: Final[tx.Color] = (0.56, 0.57, 0.58)
+STEEL: Final[tx.Color] = (0.60, 0.58, 0.55)
+CHROMIUM: Final[tx.Color] = (0.55, 0.56, 0.55)
+NICKEL: Final[tx.Color] = (0.66, 0.61, 0.53)
+ZINC: Final[tx.Color] = (0.66, 0.68, 0.71)
+TITANIUM: Final[tx.Color] = (0.54, 0.50, 0.45)
 
 
-def drawn_metal(order: Order, *metals: Color) -> Field:
+def drawn_metal(order: tx.Order, *metals: tx.Color) -> tx.Field:
     """(3,) one of some metals; or the colour asked for."""
     metal = metals[int(order.rng.integers(len(metals)))]
-    return drawn_color(order, (metal,), 0.03)
+    return tx.drawn_color(order, (metal,), 0.03)
 
 
-def bare(order: Order, metal: Field, shade: Field, height: Field, roughness: Field) -> Maps:
+def bare(
+    order: tx.Order, metal: tx.Field, shade: tx.Field, height: tx.Field, roughness: tx.Field
+) -> tx.Maps:
     """Metal without corrosion, ``shade`` (N, N) lighter or darker, never above 1."""
     albedo = np.minimum(metal * np.clip(shade, 0.1, 1.2)[..., None], 1.0)
-    return finished(order, albedo, height, roughness, 1.0)
+    return tx.finished(order, albedo, height, roughness, 1.0)

@@ -5,177 +5,165 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.cells import scattered_cells
-from openrooms_usd.library.textures.base.family import Color, Family, Order, Use
-from openrooms_usd.library.textures.base.maps import Maps
-from openrooms_usd.library.textures.base.noise import Field, band_noise, smoothstep
-from openrooms_usd.library.textures.base.recipe import (
-    drawn_color,
-    drawn_roughness,
-    finished,
-    fractal,
-    mixed,
-    noise,
-    whole,
-)
+from openrooms_usd.library.textures.base import vocabulary as tx
+from openrooms_usd.tables import read_table
 
-# Housings: whites, greys, black, and the colours of toys and kitchenware. Scene-linear Rec.709.
-COLORS: Final[tuple[Color, ...]] = (
-    (0.76, 0.76, 0.75),
-    (0.68, 0.65, 0.58),
-    (0.36, 0.365, 0.37),
-    (0.10, 0.103, 0.107),
-    (0.030, 0.030, 0.032),
-    (0.45, 0.045, 0.035),
-    (0.055, 0.16, 0.36),
-    (0.65, 0.42, 0.06),
-    (0.10, 0.26, 0.13),
-)
-DARK: Final[tuple[Color, ...]] = ((0.030, 0.030, 0.032), (0.055, 0.056, 0.058), (0.11, 0.11, 0.11))
+_PALETTES: Final = read_table(__file__, "palettes.toml")
+
+COLORS: Final[tuple[tx.Color, ...]] = _PALETTES["parts_colors"]
+DARK: Final[tuple[tx.Color, ...]] = _PALETTES["parts_dark"]
 
 
-def _plain(order: Order, colors: tuple[Color, ...] = COLORS) -> Field:
+def _plain(order: tx.Order, colors: tuple[tx.Color, ...] = COLORS) -> tx.Field:
     """(N, N, 3) one colour through and through."""
-    color = drawn_color(order, (colors[int(order.rng.integers(len(colors)))],), 0.08)
+    color = tx.drawn_color(order, (colors[int(order.rng.integers(len(colors)))],), 0.08)
     return np.broadcast_to(color, (order.resolution, order.resolution, 3))
 
 
-def _moulded(order: Order) -> Maps:
+def _moulded(order: tx.Order) -> tx.Maps:
     """Polished mould: sink marks of some centimetres, and flow lines where the melt ran."""
-    flow = noise(order, 0.007, 0.12)
-    height = 14e-6 * noise(order, 0.045) + 0.8e-6 * flow
+    flow = tx.noise(order, 0.007, 0.12)
+    height = 14e-6 * tx.noise(order, 0.045) + 0.8e-6 * flow
     shade = 1.0 + 0.012 * flow
-    roughness = drawn_roughness(order, 0.12, 0.24) + 0.012 * flow
-    return finished(order, _plain(order) * shade[..., None], height, roughness)
+    roughness = tx.drawn_roughness(order, 0.12, 0.24) + 0.012 * flow
+    return tx.finished(order, _plain(order) * shade[..., None], height, roughness)
 
 
-def _leather_grain(order: Order) -> Maps:
+def _leather_grain(order: tx.Order) -> tx.Maps:
     """Grain of dashboards and cases: rounded pads with valleys, finer ones within."""
-    warp = 0.0004 * noise(order, 0.004), 0.0004 * noise(order, 0.004)
-    pads = scattered_cells(order, 0.0024, 1.0, warp)
+    warp = 0.0004 * tx.noise(order, 0.004), 0.0004 * tx.noise(order, 0.004)
+    pads = tx.scattered_cells(order, 0.0024, 1.0, warp)
     valley = np.exp(-((pads.edge / 0.00022) ** 2))
     own = order.rng.uniform(0.6, 1.0, pads.count)[pads.index]
-    height = 70e-6 * own * (1.0 - valley) + 5e-6 * noise(order, 0.0005)
-    roughness = drawn_roughness(order, 0.42, 0.58) + 0.08 * valley
-    return finished(order, _plain(order) * (1.0 - 0.08 * valley)[..., None], height, roughness)
+    height = 70e-6 * own * (1.0 - valley) + 5e-6 * tx.noise(order, 0.0005)
+    roughness = tx.drawn_roughness(order, 0.42, 0.58) + 0.08 * valley
+    return tx.finished(order, _plain(order) * (1.0 - 0.08 * valley)[..., None], height, roughness)
 
 
-def _spark_eroded(order: Order) -> Maps:
+def _spark_eroded(order: tx.Order) -> tx.Maps:
     """Spark-eroded mould (VDI 3400): craters over craters, equal in all directions."""
     crater = np.minimum(
-        np.abs(band_noise(order.rng, order.resolution, order.size, 0.0008)),
-        np.abs(noise(order, 0.0006)) + 0.2,
+        np.abs(tx.band_noise(order.rng, order.resolution, order.size, 0.0008)),
+        np.abs(tx.noise(order, 0.0006)) + 0.2,
     )
-    height = 9e-6 * np.sqrt(crater + 0.01) + 2e-6 * noise(order, 0.003)
+    height = 9e-6 * np.sqrt(crater + 0.01) + 2e-6 * tx.noise(order, 0.003)
     shade = 1.0 + 0.02 * (crater - crater.mean())
-    roughness = drawn_roughness(order, 0.5, 0.7)
-    return finished(order, _plain(order) * shade[..., None], height, roughness + 0.02 * crater)
+    roughness = tx.drawn_roughness(order, 0.5, 0.7)
+    return tx.finished(order, _plain(order) * shade[..., None], height, roughness + 0.02 * crater)
 
 
-def _hairline(order: Order) -> Maps:
+def _hairline(order: tx.Order) -> tx.Maps:
     """Brushed face of appliances: hairlines along t, each some centimetres long."""
-    hair = noise(order, 0.00035, 0.05) + 0.7 * noise(order, 0.0008, 0.12)
+    hair = tx.noise(order, 0.00035, 0.05) + 0.7 * tx.noise(order, 0.0008, 0.12)
     height = 1.6e-6 * hair
     shade = 1.0 + 0.03 * hair
-    roughness = drawn_roughness(order, 0.3, 0.42) + 0.02 * hair
-    return finished(order, _plain(order) * shade[..., None], height, roughness)
+    roughness = tx.drawn_roughness(order, 0.3, 0.42) + 0.02 * hair
+    return tx.finished(order, _plain(order) * shade[..., None], height, roughness)
 
 
-def _ribbed(order: Order) -> Maps:
+def _ribbed(order: tx.Order) -> tx.Maps:
     """Round ribs along t, as grips and grilles have."""
-    count = whole(order.size, 0.006)
+    count = tx.whole(order.size, 0.006)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count % 1.0
     groove = np.clip((np.abs(place - 0.5) - 0.33) / 0.17, 0.0, 1.0)
     rib = 0.0018 * np.sqrt(1.0 - groove**1.5 * 0.98)[None, :]
-    grain = noise(order, 0.0006)
+    grain = tx.noise(order, 0.0006)
     shade = 1.0 - 0.12 * (groove**2)[None, :] + 0.004 * grain
-    roughness = drawn_roughness(order, 0.3, 0.5) + 0.01 * grain
-    return finished(order, _plain(order) * shade[..., None], rib + 2e-6 * grain, roughness)
+    roughness = tx.drawn_roughness(order, 0.3, 0.5) + 0.01 * grain
+    return tx.finished(order, _plain(order) * shade[..., None], rib + 2e-6 * grain, roughness)
 
 
-def _printed(order: Order) -> Maps:
+def _printed(order: tx.Order) -> tx.Maps:
     """Printed in layers: threads across t, each a little off, with blobs where they begin."""
-    count = whole(order.size, 0.0003)
+    count = tx.whole(order.size, 0.0003)
     place = (np.arange(order.resolution)[:, None] + 0.5) / order.resolution * count
     shift = order.rng.uniform(-1.0, 1.0, count)[np.floor(place).astype(np.int64) % count]
     thread = np.sqrt(np.clip(1.0 - (2.0 * (place % 1.0) - 1.0) ** 2, 0.02, 1.0))
-    ghost = noise(order, 0.004, 0.03)
+    ghost = tx.noise(order, 0.004, 0.03)
     height = 60e-6 * thread + 9e-6 * shift + 6e-6 * ghost
-    blob = smoothstep(1.8, 2.5, noise(order, 0.0015, 0.0008))
+    blob = tx.smoothstep(1.8, 2.5, tx.noise(order, 0.0015, 0.0008))
     shade = 1.0 + 0.05 * (thread - 1.0) + 0.015 * shift + 0.01 * ghost
-    roughness = drawn_roughness(order, 0.32, 0.5) + 0.03 * shift + 0.05 * blob
-    return finished(order, _plain(order) * shade[..., None], height + 40e-6 * blob, roughness)
+    roughness = tx.drawn_roughness(order, 0.32, 0.5) + 0.03 * shift + 0.05 * blob
+    return tx.finished(order, _plain(order) * shade[..., None], height + 40e-6 * blob, roughness)
 
 
-def _mesh(order: Order, pitch: float, share: float) -> Maps:
+def _mesh(order: tx.Order, pitch: float, share: float) -> tx.Maps:
     """Sheet with round holes in rows shifted by half; the holes are dark."""
-    columns = whole(order.size, pitch)
-    rows = whole(order.size, pitch * np.sqrt(0.75), 2)
+    columns = tx.whole(order.size, pitch)
+    rows = tx.whole(order.size, pitch * np.sqrt(0.75), 2)
     s = (np.arange(order.resolution) + 0.5) / order.resolution * columns
     t = (np.arange(order.resolution)[:, None] + 0.5) / order.resolution * rows
     across = (s + 0.5 * (np.floor(t) % 2)) % 1.0 - 0.5
     far = np.hypot(across, (t % 1.0 - 0.5) * np.sqrt(0.75)) * pitch
     inside = share * pitch - far
-    hole = smoothstep(-0.0001, 0.0001, inside)
+    hole = tx.smoothstep(-0.0001, 0.0001, inside)
     bevel = np.clip(inside / 0.0003 + 1.0, 0.0, 1.0)
-    fine = noise(order, 0.0006)
-    albedo = mixed(hole, np.full(3, 0.02), _plain(order, COLORS[2:5]))
+    fine = tx.noise(order, 0.0006)
+    albedo = tx.mixed(hole, np.full(3, 0.02), _plain(order, COLORS[2:5]))
     height = -0.12e-3 * bevel**2 - 0.5e-3 * hole + 2e-6 * fine
-    return finished(order, albedo, height, drawn_roughness(order, 0.4, 0.55) + 0.4 * hole)
+    return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.4, 0.55) + 0.4 * hole)
 
 
-def _pyramids(order: Order) -> Maps:
+def _pyramids(order: tx.Order) -> tx.Maps:
     """Prismatic sheet of lamps: square pyramids side by side."""
-    count = whole(order.size, 0.004)
+    count = tx.whole(order.size, 0.004)
     place = np.abs((np.arange(order.resolution) + 0.5) / order.resolution * count % 1.0 - 0.5)
     peak = 0.5 - np.maximum(place[None, :], place[:, None])
-    wave = noise(order, 0.03)
-    albedo = drawn_color(order, ((0.78, 0.79, 0.79), (0.72, 0.73, 0.72)))
-    shade = 1.0 - 0.05 * smoothstep(0.08, 0.0, peak)
+    wave = tx.noise(order, 0.03)
+    albedo = tx.drawn_color(order, ((0.78, 0.79, 0.79), (0.72, 0.73, 0.72)))
+    shade = 1.0 - 0.05 * tx.smoothstep(0.08, 0.0, peak)
     height = 0.0022 * np.minimum(peak, 0.46) + 4e-6 * wave
-    return finished(order, albedo * shade[..., None], height, drawn_roughness(order, 0.1, 0.2))
+    return tx.finished(
+        order, albedo * shade[..., None], height, tx.drawn_roughness(order, 0.1, 0.2)
+    )
 
 
-def _frosted(order: Order) -> Maps:
+def _frosted(order: tx.Order) -> tx.Maps:
     """Frosted acrylic: etched evenly, with soft larger waves of the cast sheet."""
-    etch = noise(order, 0.00025)
-    cast = fractal(order, 0.06, 0.8)
-    albedo = drawn_color(order, ((0.74, 0.76, 0.76), (0.66, 0.7, 0.71), (0.5, 0.62, 0.66)))
+    etch = tx.noise(order, 0.00025)
+    cast = tx.fractal(order, 0.06, 0.8)
+    albedo = tx.drawn_color(order, ((0.74, 0.76, 0.76), (0.66, 0.7, 0.71), (0.5, 0.62, 0.66)))
     shade = 1.0 + 0.008 * cast
     height = 0.5e-6 * etch + 30e-6 * cast
-    return finished(order, albedo * shade[..., None], height, drawn_roughness(order, 0.4, 0.6))
+    return tx.finished(
+        order, albedo * shade[..., None], height, tx.drawn_roughness(order, 0.4, 0.6)
+    )
 
 
-def _foam(order: Order) -> Maps:
+def _foam(order: tx.Order) -> tx.Maps:
     """Expanded polystyrene: beads pressed against each other."""
-    warp = 0.0003 * noise(order, 0.002), 0.0003 * noise(order, 0.002)
-    beads = scattered_cells(order, 0.0042, 1.0, warp)
+    warp = 0.0003 * tx.noise(order, 0.002), 0.0003 * tx.noise(order, 0.002)
+    beads = tx.scattered_cells(order, 0.0042, 1.0, warp)
     dome = np.clip(beads.edge / 0.0016, 0.0, 1.0)
     tone = order.rng.uniform(-0.015, 0.015, beads.count)[beads.index]
     own = order.rng.uniform(-1.0, 1.0, beads.count)[beads.index]
-    albedo = drawn_color(order, ((0.82, 0.82, 0.81), (0.6, 0.6, 0.61)), 0.04)
+    albedo = tx.drawn_color(order, ((0.82, 0.82, 0.81), (0.6, 0.6, 0.61)), 0.04)
     shade = 1.0 + tone - 0.12 * (1.0 - dome) ** 3
     height = 0.25e-3 * np.sqrt(dome) + 0.05e-3 * own
-    return finished(order, albedo * shade[..., None], height, drawn_roughness(order, 0.6, 0.75))
+    return tx.finished(
+        order, albedo * shade[..., None], height, tx.drawn_roughness(order, 0.6, 0.75)
+    )
 
 
-def _glitter(order: Order) -> Maps:
+def _glitter(order: tx.Order) -> tx.Maps:
     """Clear plastic over hexagons of foil, most of them dull, some in the light."""
-    flakes = scattered_cells(order, 0.0011, 1.0)
+    flakes = tx.scattered_cells(order, 0.0011, 1.0)
     tilt = order.rng.uniform(-1.0, 1.0, (2, flakes.count))
     shine = order.rng.random(flakes.count) ** 3
-    foil = smoothstep(0.0, 0.00006, 0.00042 - flakes.radius)
-    color = drawn_color(order, ((0.42, 0.33, 0.12), (0.36, 0.36, 0.38), (0.4, 0.10, 0.2)))
+    foil = tx.smoothstep(0.0, 0.00006, 0.00042 - flakes.radius)
+    color = tx.drawn_color(order, ((0.42, 0.33, 0.12), (0.36, 0.36, 0.38), (0.4, 0.10, 0.2)))
     bright = 0.35 + 1.3 * shine[flakes.index]
-    albedo = mixed(foil, color * bright[..., None], np.broadcast_to(0.3 * color, (*foil.shape, 3)))
+    albedo = tx.mixed(
+        foil, color * bright[..., None], np.broadcast_to(0.3 * color, (*foil.shape, 3))
+    )
     lean = flakes.across * tilt[0][flakes.index] + flakes.up * tilt[1][flakes.index]
-    roughness = drawn_roughness(order, 0.12, 0.2) + 0.1 * foil
-    return finished(order, albedo, 0.08 * lean * foil + 3e-6 * noise(order, 0.01), roughness)
+    roughness = tx.drawn_roughness(order, 0.12, 0.2) + 0.1 * foil
+    return tx.finished(order, albedo, 0.08 * lean * foil + 3e-6 * tx.noise(order, 0.01), roughness)
 
 
-def _wicker(order: Order) -> Maps:
+def _wicker(order: tx.Order) -> tx.Maps:
     """Flat bands woven like cane, as garden furniture and baskets have."""
-    count = whole(order.size, 0.012, 2)
+    count = tx.whole(order.size, 0.012, 2)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count
     s, t = place[None, :], place[:, None]
     cell_s, cell_t = np.floor(s), np.floor(t)
@@ -183,31 +171,33 @@ def _wicker(order: Order) -> Maps:
     over = (cell_s + cell_t) % 2 == 0
     across, along = np.where(over, x, y), np.where(over, y, x)
     inside = 0.44 - np.abs(across)
-    band = smoothstep(0.0, 0.02, inside)
+    band = tx.smoothstep(0.0, 0.02, inside)
     crown = np.cos(np.pi * along) * 1.1e-3 + 0.35e-3 * np.sqrt(
         np.clip(1 - (across / 0.44) ** 2, 0, 1)
     )
-    thread = np.where(over, noise(order, 0.0008, 0.03), noise(order, 0.03, 0.0008))
-    color = drawn_color(order, ((0.16, 0.10, 0.06), (0.06, 0.055, 0.05), (0.33, 0.28, 0.21)))
+    thread = np.where(over, tx.noise(order, 0.0008, 0.03), tx.noise(order, 0.03, 0.0008))
+    color = tx.drawn_color(order, ((0.16, 0.10, 0.06), (0.06, 0.055, 0.05), (0.33, 0.28, 0.21)))
     shade = (1.0 + 0.09 * thread) * (0.25 + 0.75 * band) * (0.75 + 0.25 * np.cos(np.pi * along))
     height = band * crown - 1.0e-3 * (1.0 - band) + 15e-6 * thread
-    return finished(order, color * shade[..., None], height, drawn_roughness(order, 0.4, 0.55))
+    return tx.finished(
+        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.4, 0.55)
+    )
 
 
-_PARTS: Final[frozenset[Use]] = frozenset({"object", "furniture"})
-_OBJECTS: Final[frozenset[Use]] = frozenset({"object"})
+_PARTS: Final[frozenset[tx.Use]] = frozenset({"object", "furniture"})
+_OBJECTS: Final[frozenset[tx.Use]] = frozenset({"object"})
 
-FAMILIES: Final[dict[str, Family]] = {
-    "foam_beads": Family(_foam, 0.15, frozenset({"object", "ceiling"})),
-    "frosted_acrylic": Family(_frosted, 0.3, _PARTS),
-    "glitter_plastic": Family(_glitter, 0.1, _OBJECTS),
-    "hairline_plastic": Family(_hairline, 0.2, _PARTS, grain=True),
-    "leather_grain_plastic": Family(_leather_grain, 0.1, _PARTS),
-    "moulded_plastic": Family(_moulded, 0.3, _PARTS),
-    "perforated_plastic": Family(partial(_mesh, pitch=0.0026, share=0.3), 0.1, _OBJECTS),
-    "printed_layers": Family(_printed, 0.06, _OBJECTS),
-    "prismatic_sheet": Family(_pyramids, 0.12, frozenset({"object", "ceiling"})),
-    "ribbed_plastic": Family(_ribbed, 0.15, _PARTS, grain=True),
-    "spark_eroded_plastic": Family(_spark_eroded, 0.08, _PARTS),
-    "woven_resin": Family(_wicker, 0.2, _PARTS),
+FAMILIES: Final[dict[str, tx.Family]] = {
+    "foam_beads": tx.Family(_foam, 0.15, frozenset({"object", "ceiling"})),
+    "frosted_acrylic": tx.Family(_frosted, 0.3, _PARTS),
+    "glitter_plastic": tx.Family(_glitter, 0.1, _OBJECTS),
+    "hairline_plastic": tx.Family(_hairline, 0.2, _PARTS, grain=True),
+    "leather_grain_plastic": tx.Family(_leather_grain, 0.1, _PARTS),
+    "moulded_plastic": tx.Family(_moulded, 0.3, _PARTS),
+    "perforated_plastic": tx.Family(partial(_mesh, pitch=0.0026, share=0.3), 0.1, _OBJECTS),
+    "printed_layers": tx.Family(_printed, 0.06, _OBJECTS),
+    "prismatic_sheet": tx.Family(_pyramids, 0.12, frozenset({"object", "ceiling"})),
+    "ribbed_plastic": tx.Family(_ribbed, 0.15, _PARTS, grain=True),
+    "spark_eroded_plastic": tx.Family(_spark_eroded, 0.08, _PARTS),
+    "woven_resin": tx.Family(_wicker, 0.2, _PARTS),
 }

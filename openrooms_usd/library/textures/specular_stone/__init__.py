@@ -1,11 +1,11 @@
 """Stone, ceramics and glass that shine: polished slabs, ground composites, glazed tiles.
 
-`veins`: polished slabs; `aggregates`: composites that were ground; `tiles`: glazed and polished.
+`aggregates`: polished slabs, and composites that were ground; `tiles`: glazed and polished.
 """
 
 from typing import Final
 
 from openrooms_usd.library.textures.base.family import Family
-from openrooms_usd.library.textures.specular_stone import aggregates, tiles, veins
+from openrooms_usd.library.textures.specular_stone import aggregates, tiles
 
-FAMILIES: Final[dict[str, Family]] = {**veins.FAMILIES, **aggregates.FAMILIES, **tiles.FAMILIES}
+FAMILIES: Final[dict[str, Family]] = {**aggregates.FAMILIES, **tiles.FAMILIES}

@@ -1,17 +1,13 @@
 """Wood: pieces cut from a tree, floors laid of it, and boards made of its parts.
 
-- `species`: what distinguishes woods; `knots`: where branches were; `boards`: pieces side by side;
-- `timber`: the face of one piece;
-- `solid`: veneers, staves and planks; `parquet`: floors; `woodbased`: strands, particles, cork.
+- `species`: what distinguishes woods; `boards`: pieces side by side;
+- `timber`: the face of one piece, with its knots;
+- `solid`: veneers, staves and planks; `woodbased`: floors; strands, particles, cork.
 """
 
 from typing import Final
 
 from openrooms_usd.library.textures.base.family import Family
-from openrooms_usd.library.textures.wood import parquet, solid, woodbased
+from openrooms_usd.library.textures.wood import solid, woodbased
 
-FAMILIES: Final[dict[str, Family]] = {
-    **solid.FAMILIES,
-    **parquet.FAMILIES,
-    **woodbased.FAMILIES,
-}
+FAMILIES: Final[dict[str, Family]] = {**solid.FAMILIES, **woodbased.FAMILIES}

@@ -9,10 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.library.textures.base.courses import Laid, laid
-from openrooms_usd.library.textures.base.family import Order
-from openrooms_usd.library.textures.base.noise import Field
-from openrooms_usd.library.textures.base.recipe import Index, whole
+from openrooms_usd.library.textures.base import vocabulary as tx
 
 
 @dataclass(frozen=True)
@@ -28,18 +25,18 @@ class Boards:
         oblique: Whether the grain runs along neither s nor t.
     """
 
-    index: Index
+    index: tx.Index
     count: int
-    across: Field
-    along: Field
-    edge: Field
+    across: tx.Field
+    along: tx.Field
+    edge: tx.Field
     oblique: bool = False
 
-    def spread(self, order: Order, field: Field) -> Field:
+    def spread(self, order: tx.Order, field: tx.Field) -> tx.Field:
         """A periodic field, grain along t, cut from another place for each piece."""
         return self.cut(order, field)[0]
 
-    def cut(self, order: Order, *fields: Field) -> list[Field]:
+    def cut(self, order: tx.Order, *fields: tx.Field) -> list[tx.Field]:
         """Periodic fields, grain along t, all cut from another place for each piece."""
         resolution = order.resolution
         texels = resolution / order.size
@@ -58,21 +55,21 @@ class Boards:
         ]
         return [_blended(field, corners) for field in fields]
 
-    def each(self, values: Field) -> Field:
+    def each(self, values: tx.Field) -> tx.Field:
         """(N, N) a value for each piece."""
         return np.asarray(values[self.index])
 
-    def gap(self, order: Order, width: float) -> Field:
+    def gap(self, order: tx.Order, width: float) -> tx.Field:
         """(N, N) share of each texel that is the gap between pieces, ``width`` metres wide."""
         texel = order.size / order.resolution
         return np.clip((width / 2 + texel / 2 - self.edge) / texel, 0.0, 1.0)
 
-    def bevel(self, width: float) -> Field:
+    def bevel(self, width: float) -> tx.Field:
         """(N, N) 0 inside to 1 at the edge over ``width`` metres."""
         return np.clip(1.0 - self.edge / width, 0.0, 1.0)
 
 
-def staves(order: Order, width: tuple[float, float], mirrored: bool = False) -> Boards:
+def staves(order: tx.Order, width: tuple[float, float], mirrored: bool = False) -> Boards:
     """Pieces that run through, edge to edge.
 
     Args:
@@ -80,7 +77,7 @@ def staves(order: Order, width: tuple[float, float], mirrored: bool = False) -> 
         width: Range of their widths, metres.
         mirrored: Veneers of one width, each the mirror picture of its neighbour.
     """
-    count = whole(order.size, sum(width) / 2, 2 if mirrored else 1)
+    count = tx.whole(order.size, sum(width) / 2, 2 if mirrored else 1)
     widths = np.ones(count) if mirrored else order.rng.uniform(*width, count)
     widths = widths * (order.size / float(widths.sum()))
     place = _place(order)
@@ -101,7 +98,7 @@ def staves(order: Order, width: tuple[float, float], mirrored: bool = False) -> 
     )
 
 
-def planks(order: Order, width: tuple[float, float], length: tuple[float, float]) -> Boards:
+def planks(order: tx.Order, width: tuple[float, float], length: tuple[float, float]) -> Boards:
     """Rows of pieces with staggered ends.
 
     Args:
@@ -109,13 +106,13 @@ def planks(order: Order, width: tuple[float, float], length: tuple[float, float]
         width: Range of the rows' widths, metres; equal ends for one width.
         length: Range of the pieces' lengths, metres.
     """
-    rows = whole(order.size, sum(width) / 2)
+    rows = tx.whole(order.size, sum(width) / 2)
     widths = order.rng.uniform(*width, rows)
-    pieces = whole(order.size, sum(length) / 2)
+    pieces = tx.whole(order.size, sum(length) / 2)
     lengths = [order.rng.uniform(*length, pieces) for _ in range(rows)]
     starts = np.cumsum(order.rng.uniform(0.22, 0.78, rows)) * (order.size / pieces)
     return _upright(
-        laid(
+        tx.laid(
             order,
             widths * (order.size / float(widths.sum())),
             [own * (order.size / float(own.sum())) for own in lengths],
@@ -124,13 +121,13 @@ def planks(order: Order, width: tuple[float, float], length: tuple[float, float]
     )
 
 
-def _upright(rows: Laid) -> Boards:
+def _upright(rows: tx.Laid) -> Boards:
     """Courses turned by a quarter: their pieces run along t."""
     edge = np.minimum(rows.side, rows.bed).T
     return Boards(rows.index.T, rows.count, rows.up.T, -rows.across.T, edge)
 
 
-def blocks(order: Order, side: float, fingers: int = 1) -> Boards:
+def blocks(order: tx.Order, side: float, fingers: int = 1) -> Boards:
     """Squares of parallel fingers, each turned by a quarter against its neighbours.
 
     Args:
@@ -138,7 +135,7 @@ def blocks(order: Order, side: float, fingers: int = 1) -> Boards:
         side: Of a square, metres.
         fingers: How many pieces make a square.
     """
-    count = whole(order.size, side, 2)
+    count = tx.whole(order.size, side, 2)
     place = _place(order) / order.size * count
     cell = np.floor(place).astype(np.int64)
     s = (place - cell)[None, :] + np.zeros((order.resolution, 1))
@@ -153,7 +150,7 @@ def blocks(order: Order, side: float, fingers: int = 1) -> Boards:
     return Boards(index, count * count * fingers, across * unit, on * unit, edge * unit)
 
 
-def herringbone(order: Order, width: float, ratio: int) -> Boards:
+def herringbone(order: tx.Order, width: float, ratio: int) -> Boards:
     """Pieces at right angles whose ends butt against sides, at 45 degrees to the walls.
 
     Args:
@@ -161,7 +158,7 @@ def herringbone(order: Order, width: float, ratio: int) -> Boards:
         width: Of a piece, metres; rounded so that the pattern repeats on each side.
         ratio: How many times longer than wide a piece is.
     """
-    repeats = whole(order.size, width * ratio * np.sqrt(2.0))
+    repeats = tx.whole(order.size, width * ratio * np.sqrt(2.0))
     unit = order.size / (repeats * ratio * np.sqrt(2.0))
     place = _place(order)
     s, t = place[None, :], place[::-1, None]
@@ -179,7 +176,7 @@ def herringbone(order: Order, width: float, ratio: int) -> Boards:
     return Boards(index, int(index.max()) + 1, across * unit, along * unit, edge * unit, True)
 
 
-def _numbered(start: tuple[Index, Index], lies: NDArray[np.bool_], turn: int) -> Index:
+def _numbered(start: tuple[tx.Index, tx.Index], lies: NDArray[np.bool_], turn: int) -> tx.Index:
     """(N, N) the same number for a piece and its copy on the other side of the picture.
 
     A side of the picture moves pieces by (turn, turn) or by (turn, -turn).
@@ -189,7 +186,7 @@ def _numbered(start: tuple[Index, Index], lies: NDArray[np.bool_], turn: int) ->
     return np.unique(key, return_inverse=True)[1].reshape(key.shape)
 
 
-def chevron(order: Order, column: float, pitch: float, slope: float = 1.0) -> Boards:
+def chevron(order: tx.Order, column: float, pitch: float, slope: float = 1.0) -> Boards:
     """Columns of parallelograms whose ends meet in straight lines along t.
 
     Args:
@@ -198,7 +195,7 @@ def chevron(order: Order, column: float, pitch: float, slope: float = 1.0) -> Bo
         pitch: Height of a piece along t, metres.
         slope: By how much a piece rises along t over what it runs along s.
     """
-    columns, rows = whole(order.size, column, 2), whole(order.size, pitch)
+    columns, rows = tx.whole(order.size, column, 2), tx.whole(order.size, pitch)
     width, high = order.size / columns, order.size / rows
     place = _place(order)
     number = np.floor(place / width).astype(np.int64)
@@ -214,19 +211,19 @@ def chevron(order: Order, column: float, pitch: float, slope: float = 1.0) -> Bo
     return Boards(index, columns * rows, across, along, edge, True)
 
 
-def _flat(row: Field, column: Field, resolution: int) -> Index:
+def _flat(row: tx.Field, column: tx.Field, resolution: int) -> tx.Index:
     """Places in a periodic field as numbers of its texels."""
     rows, columns = row.astype(np.int64) % resolution, column.astype(np.int64) % resolution
     return rows * resolution + columns
 
 
-def _blended(field: Field, corners: list[tuple[Index, Field]]) -> Field:
+def _blended(field: tx.Field, corners: list[tuple[tx.Index, tx.Field]]) -> tx.Field:
     blend = np.zeros_like(field)
     for place, weight in corners:
         blend += weight * np.take(field, place)
     return blend
 
 
-def _place(order: Order) -> Field:
+def _place(order: tx.Order) -> tx.Field:
     """(N,) places of the texels' centres, metres."""
     return np.asarray((np.arange(order.resolution) + 0.5) * (order.size / order.resolution))

@@ -6,7 +6,7 @@ Where in a ring the pores lie and how wide the rays are: R. B. Hoadley, Identify
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from openrooms_usd.library.textures.base.family import Color
+from openrooms_usd.library.textures.base import vocabulary as tx
 
 Cut = Literal["flat", "quarter", "mixed", "peeled"]
 
@@ -33,7 +33,7 @@ class Timber:
         knot: Range of their radii, metres.
     """
 
-    color: Color
+    color: tx.Color
     late: float
     ring: tuple[float, float]
     pores: float
@@ -65,9 +65,14 @@ WALNUT: Final = Timber(
 )
 MAPLE: Final = Timber((0.58, 0.43, 0.28), 0.07, (0.005, 0.012), 0.03, redder=0.12)
 SAPELE: Final = Timber(
-    (0.23, 0.105, 0.06), 0.06, (0.006, 0.010), 0.35, (0.0008, 0.006), cut="quarter",
+    (0.23, 0.105, 0.06),
+    0.06,
+    (0.006, 0.010),
+    0.35,
+    (0.0008, 0.006),
+    cut="quarter",
     ribbon=(0.13, 0.016),
-)  # fmt: skip
+)
 ZEBRANO: Final = Timber(
     (0.42, 0.27, 0.135), 0.8, (0.009, 0.016), 0.3, (0.001, 0.012), redder=0.1, cut="quarter"
 )
