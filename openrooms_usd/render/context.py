@@ -203,7 +203,7 @@ class RenderContext:
         entry = manifest.run_entry(self, asked)
         if self.plan.denoiser:
             entry["denoiser"] = self.plan.denoiser.entry()
-        return entry | ({"friction": self.friction.entry()} if self._has_friction else {})
+        return entry | ({"friction": self.friction.entry()} if FRICTION in self.plan.asked else {})
 
     def photograph(self, name: str) -> Mapping[str, str] | None:
         """What a view stands for in a capture, if anything."""
@@ -248,7 +248,7 @@ class RenderContext:
         width, height = size or self.resolution
         asked = self.request(name, width=width, height=height)
         view = self.picture(camera, asked, progress)
-        friction = self.friction if self._has_friction else None
+        friction = self.friction if FRICTION in self.plan.asked else None
         view = self.plan.complete(view, len(self._sources), friction)
         if not self.plan.flow or after is None:
             return view
@@ -388,10 +388,6 @@ class RenderContext:
             known = ", ".join(self.cameras) or "none; without --camera the scene is framed"
             raise RenderError("there is no such camera", place=path, remedy=known)
         return read_camera(self.stage.GetPrimAtPath(path), width, height)
-
-    @property
-    def _has_friction(self) -> bool:
-        return FRICTION in self.plan.asked
 
     @cached_property
     def _caster(self) -> CastingTracer:
