@@ -45,7 +45,7 @@ def main(
 def first_camera(stage: Path) -> tuple[str, ...]:
     """The option that chooses the stage's first camera; nothing where it has none."""
     from openrooms_usd.usd.cameras import list_cameras
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.layers import open_stage
 
     paths = [str(prim.GetPath()) for prim in list_cameras(open_stage(stage))]
     return ("--camera", paths[0]) if paths else ()

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.report import publish, table
-from openrooms_usd.usd.surfaces import ior_of
+from openrooms_usd.usd.shading.surfaces import ior_of
 
 Array = NDArray[np.float64]
 

@@ -34,15 +34,15 @@ def told(**found):
 """
 _OURS: Final = """
 from pxr import Usd, UsdGeom
-import openrooms_usd.usd.subdivided
+import openrooms_usd.usd.shapes.subdivided
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render.channel_plan import ChannelPlan
 from openrooms_usd.render.context import RenderContext
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.moments import hold
-from openrooms_usd.usd.mtlxlayers import read_mtlx_layers
+from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.variants import choose
 choose(sys.argv[2])

@@ -23,7 +23,7 @@ from benchmarks.real.truth import Hole
 from benchmarks.scenes import ORUSD
 from openrooms_usd.render.sheet import Tile, write_sheet
 from openrooms_usd.scan.report.canvas import Canvas
-from openrooms_usd.usd.textures import read_codes
+from openrooms_usd.usd.shading.textures import read_codes
 
 Bytes = NDArray[np.uint8]
 

@@ -138,7 +138,7 @@ def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str
 def _about_room(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
     """What is to be said of a room that was written anew and shows what nobody meant."""
     if any(row.state == "written" for row in summaries):
-        from openrooms_usd.usd.layers import open_stage
+        from openrooms_usd.usd.files.layers import open_stage
         from openrooms_usd.validation.model import Subject
         from openrooms_usd.validation.room_rules import told
 

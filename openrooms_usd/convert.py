@@ -128,8 +128,8 @@ def convert_stage(
     What an exporter copies by layers it takes from outside only with ``include_outside``, and
     writes at all times where ``time_code`` is None.
     """
-    from openrooms_usd.usd.diagnostics import reading
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.diagnostics import reading
+    from openrooms_usd.usd.files.layers import open_stage
     from openrooms_usd.usd.outside import is_picture, refuse_outside
 
     kind = to or exporter_of(destination)
@@ -175,7 +175,7 @@ def write_stage(
         OutputError: The destination cannot be written.
     """
     from openrooms_usd.usd.moments import hold
-    from openrooms_usd.usd.mtlxlayers import read_mtlx_layers
+    from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
     lost: dict[str, str] = {}
@@ -195,8 +195,8 @@ def exporter_of(destination: Path) -> str:
 
 def conclude(report: Report, stage: "Usd.Stage") -> None:
     """Report what no prim tells of: what USD cannot find, and the frame that all is moved to."""
-    from openrooms_usd.usd.diagnostics import composition_errors
-    from openrooms_usd.usd.frames import world_from_stage
+    from openrooms_usd.usd.files.diagnostics import composition_errors
+    from openrooms_usd.usd.places.frames import world_from_stage
 
     for prim, reason in composition_errors(stage):
         report.add(prim, "skipped", reason)

@@ -15,8 +15,8 @@ from pxr import Ar, Sdf, Usd, UsdUtils
 
 from openrooms_usd import atomic, untrusted
 from openrooms_usd.errors import OutputError, StageError
-from openrooms_usd.usd import layers
-from openrooms_usd.usd.diagnostics import reading
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.outside import is_sublayer_of, refuse_outside
 
 # What the USDZ specification allows: layers, and beside them images and packages as they are.

@@ -12,8 +12,8 @@ from typing import Final
 
 from pxr import Usd
 
-from openrooms_usd.usd import layers
-from openrooms_usd.usd.diagnostics import quiet, reading
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.files.diagnostics import quiet, reading
 from openrooms_usd.validation import layer_rules, physics_rules, prim_rules
 from openrooms_usd.validation.core import core_findings
 from openrooms_usd.validation.model import Finding, Rule, Severity, Subject

@@ -3,7 +3,7 @@
 import numpy as np
 from pxr import Gf, UsdGeom, UsdShade, Vt
 
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.shading.surfaces import Texture
 from tests import small
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
-from openrooms_usd.usd.lights import Portal, connect_portals, define_mesh_light, define_portal
-from openrooms_usd.usd.materials import define_preview_surface
-from openrooms_usd.usd.surfaces import PreviewSurface
+from openrooms_usd.usd.light.lights import Portal, connect_portals, define_mesh_light, define_portal
+from openrooms_usd.usd.shading.materials import define_preview_surface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface
 
 # Corners of a cube, and its sides as they are seen from outside; the last is at +Y.
 CUBE = np.array([(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], dtype=float)

@@ -9,9 +9,9 @@ from typing import Any, Final
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
 
-from openrooms_usd.usd.lights import Portal, connect_portals, define_portal
-from openrooms_usd.usd.materials import define_preview_surface
-from openrooms_usd.usd.surfaces import PreviewSurface
+from openrooms_usd.usd.light.lights import Portal, connect_portals, define_portal
+from openrooms_usd.usd.shading.materials import define_preview_surface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface
 
 Point = Sequence[float]
 CAMERA: Final = "/Camera"

@@ -15,7 +15,7 @@ from pxr import Usd
 from benchmarks.light.hard import CAMERA, CASES
 from benchmarks.scenes import orusd
 from openrooms_usd.usd.cameras import PinholeCamera, list_cameras, read_camera
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 
 Pictures = NDArray[np.float64]
 # Noon in March: the sun shines in by a window that looks south.

@@ -62,7 +62,7 @@ def _rooms(folder: Path, quick: bool) -> list[tuple[str, World]]:
     from openrooms_usd.compose import compose_room
     from openrooms_usd.demo import copy_example
     from openrooms_usd.generate import generate, write
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.layers import open_stage
     from openrooms_usd.usd.rigid.reading import read_world
 
     described = {} if quick else {"the bundled example": copy_example(folder / "source")}

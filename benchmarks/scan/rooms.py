@@ -15,9 +15,9 @@ from benchmarks.scenes import orusd
 from openrooms_usd import names
 from openrooms_usd.geometry.polygons import counter_clockwise
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom
-from openrooms_usd.usd.frames import local_to_world, world_from_stage
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes, world_triangles
+from openrooms_usd.usd.places.frames import local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label, read_number
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes, world_triangles
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]

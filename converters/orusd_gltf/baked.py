@@ -17,9 +17,9 @@ from openrooms_usd.errors import StageError
 from openrooms_usd.render.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
 from openrooms_usd.render.scene.pictures import evaluate
 from openrooms_usd.render.scene.surfaces import Surface
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.meshes import PlacedMesh
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.shading.textures import read_texture
+from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Object, numbers
 from orusd_gltf.geometry import Coordinates
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-from openrooms_usd.usd.frames import TIME, Z_UP_FROM_Y_UP, local_to_world, world_from_stage
+from openrooms_usd.usd.places.frames import TIME, Z_UP_FROM_Y_UP, local_to_world, world_from_stage
 from orusd_gltf.document import Document, Object, numbers
 
 Array = NDArray[np.float64]

@@ -15,9 +15,8 @@ from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.render.scene.cameras import stage_resolution
 from openrooms_usd.usd.cameras import FLIP, ORTHOGRAPHIC, PinholeCamera, list_cameras, read_camera
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.lightreader import ellipse_perimeter, ellipsoid_area
-from openrooms_usd.usd.lights import (
+from openrooms_usd.usd.light.lightreader import ellipse_perimeter, ellipsoid_area
+from openrooms_usd.usd.light.lights import (
     CylinderLight,
     DiskLight,
     DistantLight,
@@ -26,7 +25,8 @@ from openrooms_usd.usd.lights import (
     RectLight,
     SphereLight,
 )
-from openrooms_usd.usd.meshes import PlacedMesh
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Document, Object, number, numbers
 
 Array = NDArray[np.float64]

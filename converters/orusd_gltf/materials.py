@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
 from openrooms_usd.usd.arrays import array_of, flattened
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import bound_material, material_key, parts_by_material
-from openrooms_usd.usd.meshes import PlacedMesh
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import bound_material, material_key, parts_by_material
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Document, Object, number, numbers
 from orusd_gltf.geometry import Coordinates
 from orusd_gltf.pictures import Pictures

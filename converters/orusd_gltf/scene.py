@@ -10,8 +10,8 @@ from pxr import Usd, UsdPhysics
 from openrooms_usd.convert import Report
 from openrooms_usd.render.scene.unseen import report_unseen
 from openrooms_usd.usd.cameras import list_cameras
-from openrooms_usd.usd.lights import Light, MeshLight, read_lights, read_portals
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.usd.light.lights import Light, MeshLight, read_lights, read_portals
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 from orusd_gltf.baked import LIGHTMAP, BakedLight, area_of, list_atlases, place_of
 from orusd_gltf.document import INDICES, VERTICES, Document, Object, packed_primitive
 from orusd_gltf.geometry import Vertices, vertices

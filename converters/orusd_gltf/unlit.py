@@ -8,8 +8,8 @@ import numpy as np
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.render.scene.surfaces import SurfaceReader, mean_luminance
-from openrooms_usd.usd.meshes import PlacedMesh
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.baked import BakedLight
 from orusd_gltf.document import Document, Object, numbers
 from orusd_gltf.geometry import Coordinates, Vertices, vertices

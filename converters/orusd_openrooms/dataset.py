@@ -116,7 +116,7 @@ def _write_split(
 
 def _write_scenes(root: Path, renders: Sequence[RenderedScene], options: DatasetOptions) -> None:
     """The rooms of which there are stages: meshes, materials, lights, and the file of all."""
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.layers import open_stage
     from orusd_openrooms.scenes.export import Film, add_scene
 
     for split, render, file in zip(options.splits, renders, options.stages, strict=False):

@@ -18,7 +18,7 @@ from orusd_urdf.looks import PLAIN, Look, Loss
 from orusd_urdf.naming import Names
 
 if TYPE_CHECKING:
-    from openrooms_usd.usd.surfaces import Texture
+    from openrooms_usd.usd.shading.surfaces import Texture
 
 MESHES: Final = PurePosixPath("meshes")
 TEXTURES: Final = PurePosixPath("textures")
@@ -99,7 +99,7 @@ def picture_bytes(texture: "Texture") -> bytes:
     Raises:
         InputError: It cannot be read.
     """
-    from openrooms_usd.usd.textures import local_file, picture_facts, read_texture
+    from openrooms_usd.usd.shading.textures import local_file, picture_facts, read_texture
 
     plain = texture.scale == (1.0,) * 4 and texture.bias == (0.0,) * 4 and texture.channel == "rgb"
     facts = picture_facts(texture.file)

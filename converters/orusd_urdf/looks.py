@@ -13,7 +13,7 @@ from openrooms_usd.physics.world import Visual, World
 if TYPE_CHECKING:
     from pxr import Usd
 
-    from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+    from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 
 Floats = NDArray[np.float32]
 Color = tuple[float, float, float]
@@ -82,7 +82,7 @@ def read_looks(stage: "Usd.Stage", world: World) -> Looks:
     """
     from pxr import UsdShade
 
-    from openrooms_usd.usd.materialreader import read_preview_surface
+    from openrooms_usd.usd.shading.materialreader import read_preview_surface
 
     visuals = (v for body in world.bodies for link in body.links for v in link.visuals)
     looks: dict[str, Look] = {}
@@ -99,7 +99,7 @@ def read_looks(stage: "Usd.Stage", world: World) -> Looks:
 
 def look_of(surface: "PreviewSurface") -> Look:
     """The look of a preview surface."""
-    from openrooms_usd.usd.surfaces import Texture
+    from openrooms_usd.usd.shading.surfaces import Texture
 
     base = surface.base_color
     color, texture = (_WHITE, base) if isinstance(base, Texture) else (_encoded(base), None)
@@ -122,7 +122,7 @@ def _encoded(color: Color) -> Color:
 
 
 def _reasons(surface: "PreviewSurface") -> list[str]:
-    from openrooms_usd.usd.surfaces import Texture
+    from openrooms_usd.usd.shading.surfaces import Texture
 
     pictures = {
         item.name for item in fields(surface) if isinstance(getattr(surface, item.name), Texture)

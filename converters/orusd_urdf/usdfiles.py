@@ -8,8 +8,8 @@ from pxr import Ar, Sdf
 
 from openrooms_usd import atomic
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import layers
-from openrooms_usd.usd.textures import local_file
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.shading.textures import local_file
 from orusd_urdf.looks import Loss
 from orusd_urdf.naming import Names
 

@@ -15,8 +15,8 @@ from pxr import Sdf, Usd, UsdPhysics
 from openrooms_usd import atomic, names
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import World
-from openrooms_usd.usd import layers
-from openrooms_usd.usd.frames import stated_metres
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.places.frames import stated_metres
 from orusd_urdf.checking import check_world
 from orusd_urdf.flattening import flattened, ordered
 from orusd_urdf.looks import Loss

@@ -16,14 +16,15 @@ from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError
 from openrooms_usd.package import package
-from openrooms_usd.usd import layers, udim
 from openrooms_usd.usd.arrays import flattened
-from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.frames import up_axis
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import PANE_OPACITY, define_preview_surface
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
-from openrooms_usd.usd.textures import local_file, read_texture
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.files.diagnostics import reading
+from openrooms_usd.usd.places.frames import up_axis
+from openrooms_usd.usd.shading import udim
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import PANE_OPACITY, define_preview_surface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, ior_of
+from openrooms_usd.usd.shading.textures import local_file, read_texture
 from orusd_usdz.profiles import Profile
 
 FOLDER = "textures"

@@ -52,7 +52,7 @@ def render_path(
     """
     from openrooms_usd.render.contract import DEFAULT_RATE
     from openrooms_usd.render.paths import rendering
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     file = usd_file(scene)
     wanted = settings_of(settings, fields, FILM)

@@ -179,7 +179,7 @@ def probe(
         RenderError: The renderer makes no probes.
     """
     from openrooms_usd.render.probes import probe_stage
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     file = usd_file(scene)
     folder = file.parent / _PROBES if out is None else path_of(out)
@@ -281,7 +281,7 @@ def bake(
         RenderError: The renderer lights no texels.
     """
     from openrooms_usd.render.bake.baking import MOST_TEXELS, AtlasLayout, bake_stage
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     file = usd_file(scene)
     folder = file.parent / _LIGHTMAPS if out is None else path_of(out)

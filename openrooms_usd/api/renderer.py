@@ -292,7 +292,7 @@ def open_renderer(
         RenderError: The renderer's backend is not available.
     """
     from openrooms_usd.render.opening import open_for_rendering
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     file, wanted = usd_file(scene), settings_of(settings, fields)
     with ExitStack() as held:

@@ -47,9 +47,9 @@ def render(
         RenderError: The renderer cannot do it.
     """
     from openrooms_usd.render.driver import render_stage
-    from openrooms_usd.usd.diagnostics import quiet
-    from openrooms_usd.usd.layers import open_stage
-    from openrooms_usd.usd.metrics import find_misfits
+    from openrooms_usd.usd.files.diagnostics import quiet
+    from openrooms_usd.usd.files.layers import open_stage
+    from openrooms_usd.usd.places.metrics import find_misfits
 
     file = usd_file(scene)
     folder = file.parent / _RENDER if out is None else path_of(out)
@@ -103,7 +103,7 @@ def compare(
         RenderError: The renderer cannot do it.
     """
     from openrooms_usd.comparison import driver
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     wanted = settings_of(settings, fields, BAKE)
     with quiet():

@@ -64,8 +64,8 @@ def load_world(scene: AnyPath) -> "World":
         InputError: The file is missing or no readable USD.
         StageError: Its physics is not what UsdPhysics allows.
     """
-    from openrooms_usd.usd.diagnostics import quiet
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.diagnostics import quiet
+    from openrooms_usd.usd.files.layers import open_stage
     from openrooms_usd.usd.rigid.reading import read_world as read
 
     with quiet():

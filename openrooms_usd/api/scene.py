@@ -189,8 +189,8 @@ class Scene(os.PathLike[str]):
         Raises:
             InputError: It is missing or no readable USD.
         """
-        from openrooms_usd.usd.diagnostics import quiet
-        from openrooms_usd.usd.layers import open_stage
+        from openrooms_usd.usd.files.diagnostics import quiet
+        from openrooms_usd.usd.files.layers import open_stage
 
         with quiet():
             return open_stage(self.path)
@@ -227,7 +227,7 @@ class Scene(os.PathLike[str]):
             OrusdError: As `compose`.
         """
         from openrooms_usd.compose import compose_room
-        from openrooms_usd.usd.diagnostics import quiet
+        from openrooms_usd.usd.files.diagnostics import quiet
 
         if self.description is None:
             raise InputError(

@@ -51,7 +51,7 @@ def compose(
         OutputError: ``out`` cannot be written.
     """
     from openrooms_usd.compose import compose_room
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     described, folder = room_of(room), path_of(out)
     with quiet():
@@ -120,7 +120,7 @@ def simulate(
     """
     from openrooms_usd.simulate import DEFAULT_TIMESTEP, Friction
     from openrooms_usd.simulation.settling import settle
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     choice_of(friction, Friction, "friction")
     with quiet():
@@ -166,7 +166,7 @@ def convert(
         OutputError: The destination cannot be written.
     """
     from openrooms_usd.convert import convert_stage
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
         return convert_stage(

@@ -45,7 +45,7 @@ def bake(
     stage under that layer; lightmaps.json; and for each light an irradiance texture, and their sum.
     """
     from openrooms_usd.render.bake.baking import AtlasLayout, bake_stage
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     layout = AtlasLayout(texel, side, max_texels)
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:

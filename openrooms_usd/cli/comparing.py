@@ -56,7 +56,7 @@ def compare(
     from the scan.
     """
     from openrooms_usd.comparison.driver import compare_stage
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
         found = compare_stage(

@@ -42,7 +42,7 @@ def compose(
     strongest layer and is never written again.
     """
     from openrooms_usd.compose import compose_room
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     started = time.perf_counter()
     with quiet(), progress_bar(hidden=as_json, first="reading") as progress:

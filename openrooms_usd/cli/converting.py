@@ -50,7 +50,7 @@ def convert(
     nothing is lost in silence.
     """
     from openrooms_usd.convert import convert_stage, exporter_of
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     check_report(report_file, stage, out)
     to = to or exporter_of(out)

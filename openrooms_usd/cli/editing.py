@@ -39,7 +39,7 @@ def adopt(scene: Path, saved: Path | None, dry_run: bool, as_json: bool) -> None
     scene.usda is then as compose writes it. Of a file that was flattened, what differs is moved.
     """
     from openrooms_usd.edits.adopting import adopt as move
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
         adoption = move(scene, saved, dry_run=dry_run)
@@ -80,7 +80,7 @@ def fit(out: Path, dry_run: bool, as_json: bool) -> None:
     the prim that refers to it.
     """
     from openrooms_usd.edits.fitting import fit as correct
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
         fitting = correct(out, dry_run=dry_run)
@@ -102,7 +102,7 @@ def fit(out: Path, dry_run: bool, as_json: bool) -> None:
 def orphans(out: Path, as_json: bool) -> None:
     """List the opinions of OUT/layers/edits.usda that do nothing."""
     from openrooms_usd.edits.orphans import orphans_of
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
         found = orphans_of(out)

@@ -21,7 +21,7 @@ def film(
         how: What else it takes.
     """
     from openrooms_usd.render.paths.rendering import render_path
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
         summary = render_path(stage, out, spec, settings, progress=progress, **how)

@@ -79,7 +79,7 @@ def sheet(
 ) -> None:
     """Draw the catalogue: every object in a studio, with its name, style and size."""
     from openrooms_usd.showroom import draw_sheet, exhibits
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     started = time.perf_counter()
     shown = exhibits(categories, every_style=every_style)

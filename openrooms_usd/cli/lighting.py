@@ -104,7 +104,7 @@ def probe(
     latitude-longitude EXR.
     """
     from openrooms_usd.render.probes import probe_stage
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
         found = probe_stage(stage, out, settings, at=at, at_openings=openings, progress=progress)

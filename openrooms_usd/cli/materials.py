@@ -78,7 +78,7 @@ def sheet(
 ) -> None:
     """Draw every family on a lit ball and on a floor."""
     from openrooms_usd.showroom import draw_material_sheets
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     started = time.perf_counter()
     with quiet(), progress_bar(hidden=as_json, first="composing") as progress:

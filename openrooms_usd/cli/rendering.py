@@ -124,7 +124,7 @@ def render(
     from openrooms_usd.render import render_stage
     from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
     from openrooms_usd.render.reading import read_render
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     # Held until the end, so that its files are read once.
     _held = _warn_of_units(stage)
@@ -212,9 +212,9 @@ def _renders(
 
 def _warn_of_units(stage: Path) -> "Usd.Stage":
     """Say before the picture what in it is a hundred times too large, and give the stage."""
-    from openrooms_usd.usd.diagnostics import quiet
-    from openrooms_usd.usd.layers import open_stage
-    from openrooms_usd.usd.metrics import find_misfits
+    from openrooms_usd.usd.files.diagnostics import quiet
+    from openrooms_usd.usd.files.layers import open_stage
+    from openrooms_usd.usd.places.metrics import find_misfits
 
     with quiet():
         opened = open_stage(stage)

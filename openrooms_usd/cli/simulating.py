@@ -52,7 +52,7 @@ def simulate(
     described; delete the layer and compose again to go back to that.
     """
     from openrooms_usd.simulation.settling import settle
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="reading") as progress:
         settled = settle(

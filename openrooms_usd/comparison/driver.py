@@ -31,8 +31,8 @@ from openrooms_usd.render.previews import preview
 from openrooms_usd.render.sheet import MOST_VIEWS, Tile, reduced, write_sheet
 from openrooms_usd.stages.cameras.photographs import intrinsics_for
 from openrooms_usd.usd.cameras import PinholeCamera
-from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.usd.shading.textures import read_texture
 
 Array = NDArray[np.float64]
 Bytes = NDArray[np.uint8]

@@ -55,7 +55,7 @@ def coverage_of(job: Job, room: Room, folder: Path, scene: Path) -> dict[str, fl
     from openrooms_usd.compose import compose_room
     from openrooms_usd.scan.shown import shown
     from openrooms_usd.stages.layout.scanned import found_in
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.layers import open_stage
 
     least: Any = job.room.source.get("coverage")
     if least is None or not isinstance(room.layout, ScanLayout):

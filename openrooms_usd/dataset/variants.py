@@ -28,8 +28,8 @@ from openrooms_usd.description.moments import zone
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.generate import expanded, generate, write
-from openrooms_usd.library.beams import lamp_kelvin
-from openrooms_usd.library.sunlight import sun_position
+from openrooms_usd.library.styles.beams import lamp_kelvin
+from openrooms_usd.library.surroundings.sunlight import sun_position
 
 Section = dict[str, Any]
 

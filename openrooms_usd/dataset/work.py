@@ -128,7 +128,7 @@ class _OpenRoom:
             held: Takes the claim of the render's folder.
         """
         from openrooms_usd.render.opening import open_for_rendering
-        from openrooms_usd.usd.diagnostics import quiet
+        from openrooms_usd.usd.files.diagnostics import quiet
 
         held.enter_context(quiet())
         store = held.enter_context(store_at(root_of(task["root"])))

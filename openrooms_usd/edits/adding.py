@@ -25,7 +25,7 @@ from openrooms_usd.stages.alignment.placement import FLOOR, SURFACE, Placement, 
 from openrooms_usd.stages.alignment.poses import author_described
 from openrooms_usd.stages.alignment.stage import placement_of
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
-from openrooms_usd.usd.meshes import read_meshes, world_triangles
+from openrooms_usd.usd.shapes.meshes import read_meshes, world_triangles
 
 Described: TypeAlias = LibraryObject | FileObject
 

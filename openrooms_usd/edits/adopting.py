@@ -18,8 +18,8 @@ from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.layers import open_stage, stacked_files
+from openrooms_usd.usd.files.diagnostics import reading
+from openrooms_usd.usd.files.layers import open_stage, stacked_files
 
 # What a layer means by saying nothing (UsdGeom).
 _FALLBACKS: Final = {UsdGeom.Tokens.upAxis: "Y", UsdGeom.Tokens.metersPerUnit: 0.01}

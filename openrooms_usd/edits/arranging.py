@@ -20,8 +20,8 @@ from openrooms_usd.edits.targets import furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.placements import author_placed
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.places.placements import author_placed
 from openrooms_usd.usd.semantics import label, read_label
 
 # Between an object and its copy, metres.

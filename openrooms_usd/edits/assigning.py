@@ -18,14 +18,14 @@ from openrooms_usd.description.materials import Look
 from openrooms_usd.description.room import Room, room_of
 from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.targets import Scope, object_of, parts_meant
-from openrooms_usd.library.assignment.rooms import Place, families_of
-from openrooms_usd.library.finishes import furniture_families
+from openrooms_usd.library.styles.assignment.rooms import Place, families_of
+from openrooms_usd.library.styles.finishes import furniture_families
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.dressing import Chooser
 from openrooms_usd.stages.materials.looks import define_all
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette
-from openrooms_usd.usd.materials import bound_subsets
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materials import bound_subsets
 
 # Where the materials of edits are.
 LOOKS: Final = f"{names.WORLD}/Looks"

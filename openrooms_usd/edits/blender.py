@@ -15,7 +15,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 
 PROPERTIES: Final = "userProperties:blender:"
 OBJECT: Final = f"{PROPERTIES}object_name"

@@ -18,11 +18,11 @@ from openrooms_usd.colorimetry import luminance
 from openrooms_usd.edits.blender import DATA, Pair, Pairing, container, is_named, named
 from openrooms_usd.edits.blender_objects import adopt_object
 from openrooms_usd.edits.flattened import Differences
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.lightreader import read_light
-from openrooms_usd.usd.materialreader import preview_shader
-from openrooms_usd.usd.materials import bound_material, bound_subsets
-from openrooms_usd.usd.placements import author_placed
+from openrooms_usd.usd.light.lightreader import read_light
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.places.placements import author_placed
+from openrooms_usd.usd.shading.materialreader import preview_shader
+from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.edits.blender import DATA, PROPERTIES, is_named, named
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.placements import author_placed
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.places.placements import author_placed
 
 # Where the materials of new objects go.
 LOOKS: Final = f"{names.WORLD}/Looks"

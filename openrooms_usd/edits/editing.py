@@ -13,7 +13,7 @@ from openrooms_usd import claims, names
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 
 _EDITS: Final = f"{names.LAYERS}/{names.EDITS}.usda"
 

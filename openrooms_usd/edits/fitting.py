@@ -14,9 +14,9 @@ from openrooms_usd.edits.merging import copied
 from openrooms_usd.errors import InputError
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
-from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.layers import open_stage, stacked_files
-from openrooms_usd.usd.metrics import SCALE, TURN, Misfit, find_misfits, is_own
+from openrooms_usd.usd.files.diagnostics import reading
+from openrooms_usd.usd.files.layers import open_stage, stacked_files
+from openrooms_usd.usd.places.metrics import SCALE, TURN, Misfit, find_misfits, is_own
 
 _RESET: Final = "!resetXformStack!"
 _INVERTED: Final = "!invert!"

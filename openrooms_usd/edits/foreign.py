@@ -9,9 +9,9 @@ from pxr import Ar, Sdf
 
 from openrooms_usd import names
 from openrooms_usd.errors import StageError
-from openrooms_usd.usd import preflight
-from openrooms_usd.usd.diagnostics import UNREADABLE
-from openrooms_usd.usd.layers import apply_metadata
+from openrooms_usd.usd.files import preflight
+from openrooms_usd.usd.files.diagnostics import UNREADABLE
+from openrooms_usd.usd.files.layers import apply_metadata
 
 # How a layer's own fields are called that hold its structure and no metadata.
 _STRUCTURE = ("subLayers", "subLayerOffsets", "primChildren", "rootPrims")

@@ -7,8 +7,8 @@ from pxr import Sdf, Usd, UsdUtils
 
 from openrooms_usd.edits.foreign import Foreign, anchored
 from openrooms_usd.errors import StageError
-from openrooms_usd.usd.diagnostics import UNREADABLE, reason
-from openrooms_usd.usd.layers import apply_metadata, relative_assets
+from openrooms_usd.usd.files.diagnostics import UNREADABLE, reason
+from openrooms_usd.usd.files.layers import apply_metadata, relative_assets
 
 _RATE: Final = "timeCodesPerSecond"
 

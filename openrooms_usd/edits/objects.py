@@ -23,10 +23,10 @@ from openrooms_usd.edits.targets import Scope
 from openrooms_usd.edits.views import SceneMaterial, material_of
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
-from openrooms_usd.usd.diagnostics import quiet
-from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
-from openrooms_usd.usd.materials import bound_material, bound_subsets
+from openrooms_usd.usd.files.diagnostics import quiet
+from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
 
 Array = NDArray[np.float64]
 

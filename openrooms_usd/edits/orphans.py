@@ -12,8 +12,8 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names, untrusted
 from openrooms_usd.edits.foreign import own_layers
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.diagnostics import UNREADABLE, reading
-from openrooms_usd.usd.layers import open_stage, stacked_files
+from openrooms_usd.usd.files.diagnostics import UNREADABLE, reading
+from openrooms_usd.usd.files.layers import open_stage, stacked_files
 
 Reason: TypeAlias = Literal["missing", "instance", "variant", "target", "operation"]
 

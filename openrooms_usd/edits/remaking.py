@@ -26,8 +26,8 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.dressing import Chooser, Dresser
 from openrooms_usd.stages.materials.looks import publish_look
 from openrooms_usd.stages.materials.palette import Palette
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.placements import author_placed
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.places.placements import author_placed
 from openrooms_usd.usd.semantics import label, read_label
 
 _DIGITS: Final = 4

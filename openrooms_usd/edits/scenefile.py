@@ -12,8 +12,8 @@ from pxr import Usd
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.edits.editing import being_edited
 from openrooms_usd.errors import UnknownNameError
-from openrooms_usd.usd.diagnostics import quiet
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.diagnostics import quiet
+from openrooms_usd.usd.files.layers import open_stage
 
 Value = TypeVar("Value")
 

@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.usd.arrays import array_of
-from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
+from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.assignment.kinds import kind_of
+from openrooms_usd.library.styles.assignment.kinds import kind_of
 from openrooms_usd.usd.semantics import read_label
 
 Scope: TypeAlias = Literal["part", "alike", "object", "category"]

@@ -13,11 +13,11 @@ from openrooms_usd.colorimetry import luminance
 from openrooms_usd.edits.scenefile import ByName, SceneFile
 from openrooms_usd.render.scene.cameras import stage_resolution
 from openrooms_usd.usd.cameras import Projection, list_cameras, read_camera
-from openrooms_usd.usd.diagnostics import quiet
-from openrooms_usd.usd.emitters import DistantLight, Light
-from openrooms_usd.usd.lightsearch import read_lights
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.files.diagnostics import quiet
+from openrooms_usd.usd.light.emitters import DistantLight, Light
+from openrooms_usd.usd.light.lightsearch import read_lights
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.surfaces import Texture
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Gap
-from openrooms_usd.library.assignment.weights import drawn
+from openrooms_usd.library.styles.assignment.weights import drawn
 
 Weights = Mapping[str, float]
 

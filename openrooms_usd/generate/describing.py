@@ -17,9 +17,9 @@ from openrooms_usd.generate.rooms import (
     Generated,
     named,
 )
-from openrooms_usd.library.assignment.rooms import surface_of
-from openrooms_usd.library.ensembles import ensemble_of
-from openrooms_usd.library.interiors import Color
+from openrooms_usd.library.styles.assignment.rooms import surface_of
+from openrooms_usd.library.styles.ensembles import ensemble_of
+from openrooms_usd.library.styles.interiors import Color
 
 # What hangs is placed so far before its wall, whose face is rounded to the millimetre, metres.
 _BEFORE_WALL_M: Final = 0.005

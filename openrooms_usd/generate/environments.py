@@ -10,7 +10,7 @@ from openrooms_usd.draws import generator
 from openrooms_usd.generate.moments import MOMENTS, moment_of
 from openrooms_usd.generate.outside import place
 from openrooms_usd.generate.rooms import Generated
-from openrooms_usd.library.sunlight import sun_position
+from openrooms_usd.library.surroundings.sunlight import sun_position
 
 # Where rooms lie: degrees north or south of the equator, and how often south of it.
 _LATITUDE_DEG: Final = (30.0, 58.0)

@@ -12,8 +12,8 @@ from openrooms_usd.draws import generator
 from openrooms_usd.generate.boxes import NONE, Array, box
 from openrooms_usd.generate.shell import Shell
 from openrooms_usd.geometry.ceilings import Axis, across, strips
-from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.interiors import INTERIORS, PLAIN, ShellStyle
+from openrooms_usd.library.styles.assignment.weights import drawn
+from openrooms_usd.library.styles.interiors import INTERIORS, PLAIN, ShellStyle
 
 # Skirting and rails stand out less than the gap between furniture and walls, metres.
 _DEPTH_M: Final = 0.014

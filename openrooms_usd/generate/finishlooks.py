@@ -8,8 +8,8 @@ from openrooms_usd.draws import generator
 from openrooms_usd.generate.finishing import shell_style
 from openrooms_usd.generate.rooms import Generated
 from openrooms_usd.generate.shell import Side
-from openrooms_usd.library.assignment.rooms import families_of
-from openrooms_usd.library.assignment.weights import drawn
+from openrooms_usd.library.styles.assignment.rooms import families_of
+from openrooms_usd.library.styles.assignment.weights import drawn
 
 # Groups whose wall people paint in another colour.
 _BEFORE: Final = ("sleeping", "sitting", "media", "dining", "conference", "working")

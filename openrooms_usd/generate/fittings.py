@@ -16,8 +16,8 @@ from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.kit import Kit
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shell import Gap, Side
-from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.interiors import ShellStyle
+from openrooms_usd.library.styles.assignment.weights import drawn
+from openrooms_usd.library.styles.interiors import ShellStyle
 
 # Rooms without heating, and those with sockets beside basins alone.
 _UNHEATED: Final = frozenset({"closet", "garage", "storage"})

@@ -13,7 +13,7 @@ from openrooms_usd.generate.items import Group, Item, with_dependants
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.sizes import drawn_size
 from openrooms_usd.generate.standing import above_foot, level_top
-from openrooms_usd.library.interiors import Interior
+from openrooms_usd.library.styles.interiors import Interior
 from openrooms_usd.names import ROOM_HEIGHT
 
 # An object rests on a top that is level to this, metres.

@@ -14,7 +14,7 @@ from openrooms_usd.draws import generator
 from openrooms_usd.furniture import category
 from openrooms_usd.generate.moments import MOMENTS, Moment, moment_of
 from openrooms_usd.generate.rooms import Generated, named, program_of
-from openrooms_usd.library.beams import HOME_KELVIN, WORK_ROOMS, BeamName, lamp_kelvin
+from openrooms_usd.library.styles.beams import HOME_KELVIN, WORK_ROOMS, BeamName, lamp_kelvin
 
 Section = dict[str, Any]
 _Profile = tuple[BeamName, tuple[float, float] | None]

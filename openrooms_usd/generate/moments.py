@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from openrooms_usd.draws import generator
-from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.beams import WORK_ROOMS
+from openrooms_usd.library.styles.assignment.weights import drawn
+from openrooms_usd.library.styles.beams import WORK_ROOMS
 
 
 @dataclass(frozen=True)

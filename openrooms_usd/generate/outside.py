@@ -8,7 +8,7 @@ import numpy as np
 from openrooms_usd.draws import generator
 from openrooms_usd.generate.rooms import Generated
 from openrooms_usd.generate.shell import Gap
-from openrooms_usd.library.assignment.weights import drawn
+from openrooms_usd.library.styles.assignment.weights import drawn
 
 # How often a room stands in each kind of place, and how high up; homes and what is in towns.
 _HOMES: Final = {"street": 4.0, "garden": 4.0, "hills": 1.5, "city": 1.5, "courtyard": 0.7}

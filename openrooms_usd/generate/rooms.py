@@ -26,8 +26,8 @@ from openrooms_usd.generate.programs import PROGRAMS, Program, Want
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.shell import Shell
 from openrooms_usd.generate.walls import ceiling_lamps, hang
-from openrooms_usd.library.assignment.weights import drawn
-from openrooms_usd.library.interiors import INTERIORS, Interior
+from openrooms_usd.library.styles.assignment.weights import drawn
+from openrooms_usd.library.styles.interiors import INTERIORS, Interior
 
 # How often a room is drawn again when what it is for found no place.
 _MAX_DRAFTS: Final = 6

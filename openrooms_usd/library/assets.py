@@ -32,7 +32,7 @@ from openrooms_usd.library.timber import grained
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
-    from openrooms_usd.usd.materials import PreviewSurface
+    from openrooms_usd.usd.shading.materials import PreviewSurface
 
 GEOMETRY: Final = "geometry.usdc"
 # The Xform below Geometry that holds the fixed parts of an object whose other parts move.
@@ -136,7 +136,7 @@ def publish(folder: Path, asset: Asset) -> str:
 
 def _copy_textures(model: Model, folder: Path) -> Model:
     """Copy the textures of foreign surfaces, and point the surfaces at the copies."""
-    from openrooms_usd.usd.materials import Texture
+    from openrooms_usd.usd.shading.materials import Texture
 
     surfaces = {}
     for part, surface in model.surfaces.items():
@@ -172,7 +172,7 @@ def _new_stage(asset: Asset) -> "tuple[Usd.Stage, Usd.Prim]":
     """A stage in memory with our metadata and the asset's root prim."""
     from pxr import Usd, UsdGeom
 
-    from openrooms_usd.usd.layers import apply_metadata
+    from openrooms_usd.usd.files.layers import apply_metadata
 
     stage = Usd.Stage.CreateInMemory(load=Usd.Stage.LoadNone)
     apply_metadata(stage.GetRootLayer())
@@ -184,9 +184,9 @@ def _new_stage(asset: Asset) -> "tuple[Usd.Stage, Usd.Prim]":
 def _write_geometry(asset: Asset, model: Model, target: Path) -> None:
     from pxr import UsdGeom
 
-    from openrooms_usd.usd.layers import export
-    from openrooms_usd.usd.meshes import define_mesh
+    from openrooms_usd.usd.files.layers import export
     from openrooms_usd.usd.semantics import label_part
+    from openrooms_usd.usd.shapes.meshes import define_mesh
 
     stage, root = _new_stage(asset)
     geometry = UsdGeom.Scope.Define(stage, root.GetPath().AppendChild("Geometry")).GetPath()
@@ -218,9 +218,9 @@ def _define_joints(
     """
     from pxr import Gf, UsdGeom
 
-    from openrooms_usd.usd.frames import author_placement
-    from openrooms_usd.usd.physics import author_joint
+    from openrooms_usd.usd.places.frames import author_placement
     from openrooms_usd.usd.semantics import label_part
+    from openrooms_usd.usd.shading.physics import author_joint
 
     groups: dict[str, tuple[Sdf.Path, tuple[float, float, float]]] = {}
     for joint in model.joints:
@@ -239,7 +239,7 @@ def _bind_surfaces(
     """Define each distinct surface once and bind it to its parts."""
     from pxr import UsdGeom, UsdShade
 
-    from openrooms_usd.usd.materials import define_preview_surface
+    from openrooms_usd.usd.shading.materials import define_preview_surface
 
     if not model.surfaces:
         return
@@ -259,7 +259,7 @@ def _bind_surfaces(
 def _write_interface(asset: Asset, model: Model, target: Path) -> None:
     from pxr import Gf, Kind, Sdf, Usd, UsdGeom, Vt
 
-    from openrooms_usd.usd.layers import export
+    from openrooms_usd.usd.files.layers import export
     from openrooms_usd.usd.semantics import label
 
     stage, root = _new_stage(asset)

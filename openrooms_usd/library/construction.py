@@ -9,8 +9,8 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.furniture.construction import ANY, BOARD, GENERAL, Construction, Row
 from openrooms_usd.furniture.record import JointDamping, Support
 from openrooms_usd.furniture.registry import record
-from openrooms_usd.library.assignment.kinds import kind_of, known_as
 from openrooms_usd.library.friction.references import density
+from openrooms_usd.library.styles.assignment.kinds import kind_of, known_as
 from openrooms_usd.physics.inertia import shell, solid
 from openrooms_usd.physics.mass import MassProperties
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from openrooms_usd.geometry.grain import LONG_RATIO, along_grain, shifted
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.assignment.kinds import kind_of
+from openrooms_usd.library.styles.assignment.kinds import kind_of
 from openrooms_usd.tables import read_table
 
 _TABLES: Final = read_table(__file__, "timber.toml")

@@ -15,8 +15,8 @@ from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.render.coco import masks
 from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.render.rle import tight_box
-from openrooms_usd.usd.frames import local_to_world, world_from_stage
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.usd.places.frames import local_to_world, world_from_stage
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 from openrooms_usd.version import __version__
 
 Array = NDArray[np.float64]

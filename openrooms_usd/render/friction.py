@@ -127,7 +127,7 @@ def read_materials(stage: "Usd.Stage", paths: Mapping[int, str]) -> dict[int, Ma
         stage: The composed stage, ours or a foreign one.
         paths: The materials' prim paths by number.
     """
-    from openrooms_usd.usd import physics
+    from openrooms_usd.usd.shading import physics
 
     found = {}
     for number, path in paths.items():

@@ -63,8 +63,8 @@ def write_labels(
 
 
 def _boxes(renders: Sequence[Path], stage: Path | None) -> dict[str, Any]:
-    from openrooms_usd.usd.diagnostics import quiet
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.diagnostics import quiet
+    from openrooms_usd.usd.files.layers import open_stage
 
     if len(renders) != 1:
         raise InputError(

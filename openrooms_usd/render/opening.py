@@ -15,11 +15,11 @@ from openrooms_usd.render.contract import Renderer
 from openrooms_usd.render.plan import choose_cameras
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.cameras import set_field_of_view
-from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.diagnostics import reading
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.moments import hold
-from openrooms_usd.usd.mtlxlayers import read_mtlx_layers
 from openrooms_usd.usd.rendersettings import asked_cameras
+from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 
 
 def load_renderer(settings: RenderSettings) -> Renderer:

@@ -99,7 +99,7 @@ class Prober(Protocol):
 
 def openings(stage: Any) -> list[Place]:
     """The centres of the openings of a stage, by the names of their portals."""
-    from openrooms_usd.usd.lights import read_portals
+    from openrooms_usd.usd.light.lights import read_portals
 
     found = []
     for portal in read_portals(stage):

@@ -20,12 +20,12 @@ from openrooms_usd.library import textures
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.showroom.studio import EXPOSURE, softboxes
 from openrooms_usd.usd.cameras import define_camera
-from openrooms_usd.usd.frames import author_placement
-from openrooms_usd.usd.layers import apply_metadata
-from openrooms_usd.usd.lights import define_dome
-from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
-from openrooms_usd.usd.meshes import define_mesh
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
+from openrooms_usd.usd.files.layers import apply_metadata
+from openrooms_usd.usd.light.lights import define_dome
+from openrooms_usd.usd.places.frames import author_placement
+from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, define_preview_surface
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 # Of dielectrics in OpenRooms' model.
 _F0: Final = 0.05

@@ -19,16 +19,16 @@ from openrooms_usd import names
 from openrooms_usd.compose import compose_room
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.geometry.solids import box
-from openrooms_usd.library.environments import directions
 from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.library.surroundings.environments import directions
 from openrooms_usd.showroom.exhibits import Exhibit
 from openrooms_usd.usd.cameras import define_camera
-from openrooms_usd.usd.frames import author_placement
-from openrooms_usd.usd.layers import apply_metadata
-from openrooms_usd.usd.lights import define_dome, define_mesh_light
-from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
-from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.files.layers import apply_metadata
+from openrooms_usd.usd.light.lights import define_dome, define_mesh_light
+from openrooms_usd.usd.places.frames import author_placement
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 Array = NDArray[np.float64]
 

@@ -30,10 +30,11 @@ from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import CAMERA, COLORS
 from openrooms_usd.simulation.settledlayer import choose_look
 from openrooms_usd.simulation.settling import motions
-from openrooms_usd.usd import layers, semantics
+from openrooms_usd.usd import semantics
 from openrooms_usd.usd.cameras import PinholeCamera
-from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
-from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 Array = NDArray[np.float64]
 

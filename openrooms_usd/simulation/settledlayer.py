@@ -10,7 +10,7 @@ from pxr import Sdf, Usd
 
 from openrooms_usd import claims, names
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import layers
+from openrooms_usd.usd.files import layers
 
 _METADATA: Final = ("defaultPrim", "upAxis", "metersPerUnit", "kilogramsPerUnit")
 

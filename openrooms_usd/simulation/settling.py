@@ -24,7 +24,7 @@ from openrooms_usd.simulate import (
 from openrooms_usd.simulation.guarding import corners, guard_of
 
 if TYPE_CHECKING:
-    from openrooms_usd.usd.settled import Motion
+    from openrooms_usd.usd.places.settled import Motion
 
 Array = NDArray[np.float64]
 
@@ -103,8 +103,8 @@ def settle(
     the same layer does not count. So a second run writes the same.
     """
     from openrooms_usd.simulation.settledlayer import choose_look, settling
+    from openrooms_usd.usd.places.settled import author_motions
     from openrooms_usd.usd.rigid.reading import read_world
-    from openrooms_usd.usd.settled import author_motions
 
     _check(seconds, timestep)
     found: Engine = adapters.load(adapters.ENGINES, engine)
@@ -186,7 +186,7 @@ def _degrees(motion: Array) -> float:
 
 def motions(world: World, simulation: Simulation) -> "Iterator[Motion]":
     """The motion of every root, and of every link that moves against it; robots have no prims."""
-    from openrooms_usd.usd.settled import Motion
+    from openrooms_usd.usd.places.settled import Motion
 
     poses = simulation.poses()
     for body in world.bodies:

@@ -11,7 +11,7 @@ from pxr import Sdf
 from openrooms_usd import atomic, claims, names, removal, unfinished
 from openrooms_usd.errors import StageError, writing
 from openrooms_usd.ledger import Ledger
-from openrooms_usd.usd import layers as usd_layers
+from openrooms_usd.usd.files import layers as usd_layers
 
 
 @dataclass

@@ -14,10 +14,10 @@ from openrooms_usd.errors import StageError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.stages.base import Stage, StageContext, completed, record_of
 from openrooms_usd.stages.draft import Draft
-from openrooms_usd.usd import layers
-from openrooms_usd.usd import layers as usd_layers
-from openrooms_usd.usd.diagnostics import composition_errors, reason
-from openrooms_usd.usd.preflight import check_stage_file
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.files import layers as usd_layers
+from openrooms_usd.usd.files.diagnostics import composition_errors, reason
+from openrooms_usd.usd.files.preflight import check_stage_file
 from openrooms_usd.version import __version__
 
 

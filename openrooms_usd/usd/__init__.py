@@ -1,16 +1,10 @@
 """Authoring and reading USD by concept; knows no stage of the pipeline and no renderer.
 
-`mapping` says what becomes of each concept in a picture.
-
-- opening: `crate_reader`, `preflight`, `diagnostics`; `layers`, `outside`;
-- time: `moments`;
-- places: `frames`, `metrics`, `placements`, `partitions`, `settled`;
-- surfaces: `traversal`, `gprims`, `arrays`, `tessellation`, `subdivided`,
-  `curves`, `patches`, `meshes`;
-- materials: `surfaces`, `materials`, `materialreader`, `physics`; of their networks
-  `networks`, `uvtextures`, `textures`, `udim`;
-  of MaterialX `mtlxlayers`, `uber`, `nodegraphs`, `nodecoordinates`;
-- light: `emitters`, `lightreader`, `lightsearch`, `shaping` (with IES `profiles`),
-  `lights`; `cameras`, `rendersettings`;
-- meaning: `semantics`; bodies: `bodies`, `rigid`.
+- `files`: files: looked through before USD opens them, stacked, and what is wrong with them;
+- `places`: where things are: units, axes, transforms, poses; walls that stand free;
+- `shapes`: surfaces as triangles: the walk over a stage, and the reader of each kind of prim;
+- `shading`: materials: authored and read, from UsdPreviewSurface, MaterialX and textures;
+- `light`: lights: authored, found and read as plain data, with their profiles;
+- besides: `arrays`, `bodies`, `cameras`, `mapping`, `moments`, `outside`, `rendersettings`,
+  `rigid`, `semantics`.
 """

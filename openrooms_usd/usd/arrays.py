@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Tf, Usd, UsdGeom
 
-from openrooms_usd.usd.diagnostics import NO_TYPE
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.files.diagnostics import NO_TYPE
+from openrooms_usd.usd.places.frames import TIME
 
 
 def array_of(value: Any, dtype: type[np.generic], width: int | None = None) -> NDArray[Any]:
@@ -20,7 +20,7 @@ def array_of(value: Any, dtype: type[np.generic], width: int | None = None) -> N
 
     Raises:
         TypeError: It is of a type that USD does not know: the file is damaged
-            (`openrooms_usd.usd.diagnostics.reading`).
+            (`openrooms_usd.usd.files.diagnostics.reading`).
     """
     empty = np.zeros((0,) if width is None else (0, width), dtype)
     if value is None:

@@ -20,7 +20,7 @@ from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.geometry.vectors import UP, unit
 from openrooms_usd.physics.mass import MassProperties
-from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 Array = NDArray[np.float64]
 

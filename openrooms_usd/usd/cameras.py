@@ -23,15 +23,15 @@ from openrooms_usd.geometry.pinhole import (
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.arrays import number_of, vector_of
-from openrooms_usd.usd.frames import (
+from openrooms_usd.usd.places.frames import (
     TIME,
     author_matrix,
     local_to_world,
     meters_per_unit,
     world_from_stage,
 )
-from openrooms_usd.usd.meshes import MeshReading, read_meshes, world_triangles
 from openrooms_usd.usd.rendersettings import conformed_aperture, is_set, render_settings
+from openrooms_usd.usd.shapes.meshes import MeshReading, read_meshes, world_triangles
 
 Array = NDArray[np.float64]
 

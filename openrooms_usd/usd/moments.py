@@ -13,9 +13,9 @@ from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdSkel, Vt
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.arrays import array_of, number_of
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import is_set
-from openrooms_usd.usd.traversal import has_whole_rows
+from openrooms_usd.usd.shapes.traversal import has_whole_rows
 
 # Prototypes of point instancers may be mere overs or classes.
 _PRIMS: Final = Usd.PrimIsActive & Usd.PrimIsLoaded

@@ -14,7 +14,7 @@ from typing import Final
 from pxr import Ar, Sdf, Usd, UsdUtils
 
 from openrooms_usd.errors import StageError
-from openrooms_usd.usd.diagnostics import reading
+from openrooms_usd.usd.files.diagnostics import reading
 
 # More names than this say no more.
 _MAX_NAMED_FILES: Final = 5

@@ -8,7 +8,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdRender, Vt
 
 from openrooms_usd import names
 from openrooms_usd.usd.arrays import number_of, vector_of
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 
 _POLICY: Final = "aspectRatioConformPolicy"
 _PURPOSES: Final = ("default", "render")

@@ -5,7 +5,7 @@ from typing import Final
 
 from pxr import Sdf, Usd, UsdShade, UsdValidation
 
-from openrooms_usd.usd.diagnostics import UNREADABLE, plain, reason
+from openrooms_usd.usd.files.diagnostics import UNREADABLE, plain, reason
 from openrooms_usd.validation.model import Finding, Severity, Subject
 
 _SEVERITY: Final[dict[UsdValidation.ValidationErrorType, Severity]] = {

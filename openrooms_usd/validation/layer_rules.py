@@ -7,7 +7,7 @@ from typing import Final
 from pxr import Sdf, UsdGeom
 
 from openrooms_usd.edits.orphans import find_orphans
-from openrooms_usd.usd.metrics import find_misfits
+from openrooms_usd.usd.places.metrics import find_misfits
 from openrooms_usd.validation.model import Complaint, Subject
 
 # USD takes these from the root layer alone, so a layer that differs shows something else by itself.

@@ -11,7 +11,7 @@ from pxr import Kind, Sdf, Usd, UsdShade
 
 from openrooms_usd import names, untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.diagnostics import reading
+from openrooms_usd.usd.files.diagnostics import reading
 
 # Files that are pictures, also inside a package.
 _PICTURE: Final = re.compile(

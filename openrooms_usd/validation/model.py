@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from openrooms_usd import names
 from openrooms_usd.edits.orphans import edit_layers
-from openrooms_usd.usd.diagnostics import UNREADABLE
+from openrooms_usd.usd.files.diagnostics import UNREADABLE
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.validation.roomview import RoomView
 

@@ -11,7 +11,7 @@ from typing import Final
 
 from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
-from openrooms_usd.usd.frames import stated_metres
+from openrooms_usd.usd.places.frames import stated_metres
 from openrooms_usd.validation.model import Complaint, Rule, Subject
 from openrooms_usd.validation.physics_rules import moves
 

@@ -22,9 +22,9 @@ from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.stages.alignment.instances import instances_of
 from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.stages.layout.scanned import found_in, in_metres
-from openrooms_usd.usd.diagnostics import quiet
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.diagnostics import quiet
+from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.view.app import Command, Nothing
 from openrooms_usd.view.fields import Fields

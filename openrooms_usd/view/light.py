@@ -15,10 +15,10 @@ from pxr import Sdf, Usd, UsdLux
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHTS
 from openrooms_usd.render.scene.lamps import environment
-from openrooms_usd.usd.emitters import DomeLight
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.lights import read_lights, read_portals
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.light.emitters import DomeLight
+from openrooms_usd.usd.light.lights import read_lights, read_portals
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.shading.textures import read_texture
 from openrooms_usd.view.moments import Moment, atlases_of
 
 Floats = NDArray[np.float32]

@@ -12,9 +12,9 @@ from openrooms_usd import names, untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.bake.baking import LIT
 from openrooms_usd.render.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
-from openrooms_usd.usd.diagnostics import reading
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.diagnostics import reading
+from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.usd.places.frames import TIME
 
 # By prim: its part of an atlas, the atlas, and its coordinates as a digest.
 Places: TypeAlias = dict[str, tuple[object, ...]]

@@ -16,8 +16,8 @@ from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.stages.alignment.surroundings import surroundings
-from openrooms_usd.usd.diagnostics import quiet
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.diagnostics import quiet
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.app import App, Command
 from openrooms_usd.view.corrections import Corrections
 from openrooms_usd.view.room import room_glb, room_state

@@ -9,11 +9,11 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.usd import physics
 from openrooms_usd.usd.cameras import PINHOLE, list_cameras, photograph, read_camera
-from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
-from openrooms_usd.usd.materials import bound_material
+from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.materials import bound_material
 
 # What has no place in a room.
 _NOWHERE: Final = (UsdShade.Material, UsdShade.NodeGraph, UsdShade.Shader, UsdPhysics.Scene)

@@ -15,9 +15,9 @@ from openrooms_usd.convert import write_stage
 from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.reading import RenderedScene, read_render
-from openrooms_usd.usd.diagnostics import quiet, reading
-from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.diagnostics import quiet, reading
+from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.view.app import App, Command, Nothing
 
 if TYPE_CHECKING:

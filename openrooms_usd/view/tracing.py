@@ -23,7 +23,7 @@ from openrooms_usd.render.denoise import load_denoiser
 from openrooms_usd.render.opening import load_renderer, open_for_rendering
 from openrooms_usd.render.tone import fitted_tone
 from openrooms_usd.usd.cameras import PinholeCamera
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.app import STAGES, Nothing
 
 Floats = NDArray[np.float32]

@@ -13,7 +13,7 @@ from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.digest import light_digest
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.cameras import list_cameras, read_camera
-from openrooms_usd.usd.diagnostics import quiet
+from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.moments import hold
 
 

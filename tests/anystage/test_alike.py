@@ -13,7 +13,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.pictures import Picture
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 from tests.anystage.properties import digest, scene_of
 from tests.anystage.stages import random_stage
 from tests.anystage.test_any_stage import batches

@@ -4,7 +4,7 @@ import pytest
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
 
 from openrooms_usd.errors import OrusdError
-from openrooms_usd.usd.diagnostics import quiet
+from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.rendersettings import asked_cameras, asked_resolution, settings_losses
 from tests.anystage.properties import faults, scene_of, views
 

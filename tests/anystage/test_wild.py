@@ -21,8 +21,8 @@ def translated(path: Path) -> str:
     from openrooms_usd.errors import OrusdError
     from openrooms_usd.render.scene.translate import translate
     from openrooms_usd.usd.cameras import framing_camera, list_cameras, read_camera
-    from openrooms_usd.usd.diagnostics import quiet, reading
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.diagnostics import quiet, reading
+    from openrooms_usd.usd.files.layers import open_stage
     from openrooms_usd.usd.moments import hold
 
     try:

@@ -27,8 +27,8 @@ PACKAGES = {
 DATA = {
     "openrooms_usd/py.typed",
     "openrooms_usd/demo/room.yaml",
-    "openrooms_usd/library/hosek_wilkie.npy",
-    "openrooms_usd/library/hosek_wilkie.LICENSE.txt",
+    "openrooms_usd/library/surroundings/hosek_wilkie.npy",
+    "openrooms_usd/library/surroundings/hosek_wilkie.LICENSE.txt",
     "openrooms_usd/usd/mapping.toml",
     "orusd_gltf/py.typed",
     "orusd_hypersim/py.typed",

@@ -15,10 +15,10 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.usd.cameras import FLIP, read_camera
-from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import bound_material, bound_subsets
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.light.lights import DomeLight, MeshLight, read_lights
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
+from openrooms_usd.usd.shading.surfaces import Texture
 from orusd_usdz import UsdzExporter
 from tests.blender.conftest import Blender
 

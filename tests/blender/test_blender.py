@@ -18,7 +18,7 @@ from openrooms_usd.edits.adopting import adopt
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.usd.cameras import FLIP, read_camera
-from openrooms_usd.usd.lights import MeshLight, define_dome, read_lights
+from openrooms_usd.usd.light.lights import MeshLight, define_dome, read_lights
 from openrooms_usd.validate import validate_stage
 from orusd_usdz import UsdzExporter
 from tests.blender.conftest import Blender

@@ -17,7 +17,7 @@ from openrooms_usd import names
 from openrooms_usd.channels import numbered
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.render import RenderRequest
-from openrooms_usd.usd.lights import define_dome, define_mesh_light
+from openrooms_usd.usd.light.lights import define_dome, define_mesh_light
 from tests.blender.conftest import Blender
 from tests.opening import open_with
 from tests.small import Stage

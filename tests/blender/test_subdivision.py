@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, Vt
 from scipy.spatial import KDTree
 
-from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.subdivided import LEVELS
+from openrooms_usd.usd.shapes.meshes import read_meshes
+from openrooms_usd.usd.shapes.subdivided import LEVELS
 from tests.blender.conftest import Blender
 
 pytestmark = pytest.mark.slow

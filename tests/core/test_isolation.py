@@ -12,10 +12,10 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import atomic, claims, isolation
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import layers
-from openrooms_usd.usd.crate_reader import check_crate_reads
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.files.crate_reader import check_crate_reads
 
-READER = isolation._reader("openrooms_usd.usd.crate_reader")
+READER = isolation._reader("openrooms_usd.usd.files.crate_reader")
 
 
 @pytest.fixture(autouse=True)
@@ -110,7 +110,7 @@ class Slow(isolation._Reader):
     """A process that answers at a certain asking, and has worked for so long by then."""
 
     def __init__(self, answers_at: int, worked_s: float) -> None:
-        super().__init__("openrooms_usd.usd.crate_reader")
+        super().__init__("openrooms_usd.usd.files.crate_reader")
         self.asked, self.answers_at, self.worked_s = 0, answers_at, worked_s
 
     def _answer(self, seconds: float) -> str | None:

@@ -8,7 +8,7 @@ from openrooms_usd.dataset.plan import Job, plan_jobs
 from openrooms_usd.dataset.variants import described, realised, with_other_lights
 from openrooms_usd.description import Room, load_dataset, room_of
 from openrooms_usd.furniture import CATEGORIES
-from openrooms_usd.library.sunlight import sun_position
+from openrooms_usd.library.surroundings.sunlight import sun_position
 
 TEXT = """\
 rooms:

@@ -11,8 +11,8 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd.edits.fitting import fit, misfits_of
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.metrics import SCALE, TURN, find_misfits
+from openrooms_usd.usd.places.metrics import SCALE, TURN, find_misfits
+from openrooms_usd.usd.shapes.meshes import read_meshes
 from openrooms_usd.validate import validate_stage
 from tests.commands import run
 

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdUtils
 
 from openrooms_usd.edits.adopting import adopt
 from openrooms_usd.errors import StageError
-from openrooms_usd.usd.layers import relative_assets
+from openrooms_usd.usd.files.layers import relative_assets
 
 SOFA, LAMP = "/World/Furniture/sofa", "/World/Furniture/lamp"
 Values = Callable[[Usd.Stage], dict[str, object]]

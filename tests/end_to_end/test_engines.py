@@ -18,7 +18,7 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd.physics.world import Link, World
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import UsdPhysicsExporter
 

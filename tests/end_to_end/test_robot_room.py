@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import adapters
 from openrooms_usd.simulation.robot_cameras import RobotCameras, robot_camera
 from openrooms_usd.simulation.robots import ALONG, pusher, with_robot
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from tests.engines import ENGINES
 

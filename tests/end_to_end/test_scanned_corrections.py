@@ -13,8 +13,8 @@ from pxr import Sdf, Usd, UsdGeom, Vt
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.usd.frames import matrix
-from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.places.frames import matrix
+from openrooms_usd.usd.shapes.meshes import read_meshes
 from tests.commands import output_of
 from tests.end_to_end.test_scanned_room import (
     AWAY,

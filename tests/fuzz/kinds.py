@@ -57,7 +57,7 @@ def planting_out(write: Write, section: str) -> Write:
 
     def plant(folder: Path) -> None:
         from openrooms_usd.compose import compose_room
-        from openrooms_usd.usd.diagnostics import quiet
+        from openrooms_usd.usd.files.diagnostics import quiet
 
         write(folder)
         room = folder / "in/room.yaml"

@@ -76,7 +76,7 @@ def _plant_pictures(folder: Path) -> None:
 
 
 def _pixels(name: str, folder: Path) -> object:
-    from openrooms_usd.usd.textures import color_space, read_codes, read_texture
+    from openrooms_usd.usd.shading.textures import color_space, read_codes, read_texture
 
     file = str(folder / f"in/{name}/x_color.{'exr' if name == 'piz' else name}")
     return color_space(file), read_codes(file), read_texture(file).shape

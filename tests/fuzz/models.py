@@ -272,8 +272,8 @@ def _plant_usd(folder: Path) -> None:
 
 
 def _model(name: str, folder: Path) -> object:
-    from openrooms_usd.library.meshfile import dependencies, read_model
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.library.models.meshfile import dependencies, read_model
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
         dependencies(folder / "in" / name)
@@ -288,7 +288,7 @@ def _plant_annotations(folder: Path) -> None:
 
 
 def _annotation(name: str, folder: Path) -> object:
-    from openrooms_usd.library.assignment.annotations import files_of, read_annotation
+    from openrooms_usd.library.styles.assignment.annotations import files_of, read_annotation
 
     files_of(folder / "in" / name)
     return read_annotation(folder / "in" / name)
@@ -301,7 +301,7 @@ def _plant_cads(folder: Path) -> None:
 
 
 def _cads(folder: Path) -> object:
-    from openrooms_usd.library.cads import folder_cads
+    from openrooms_usd.library.models.cads import folder_cads
 
     return [cad.model() for cad in folder_cads(folder / "in")]
 

@@ -186,7 +186,7 @@ def Xform "Scene" (
 
 def _compose(folder: Path, text: str, out: str = "out", *, flat: bool = False) -> None:
     from openrooms_usd.compose import compose_room
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     (folder / "in").mkdir(exist_ok=True)
     (folder / "in/room.yaml").write_text(text)
@@ -215,7 +215,7 @@ def _plant_saved(folder: Path) -> None:
     """A composed room, and what another program saved of it."""
     from pxr import UsdUtils
 
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     _compose(folder, COMPOSED.format(""), flat=True)
     saved = folder / "in/saved.usdc"
@@ -246,7 +246,7 @@ def _load(folder: Path) -> object:
 
 def _packaged(name: str, folder: Path) -> object:
     from openrooms_usd import package
-    from openrooms_usd.usd.diagnostics import quiet
+    from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
         if name == "scene.usdc":

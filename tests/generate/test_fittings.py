@@ -8,7 +8,7 @@ from openrooms_usd.generate import generate, write
 from openrooms_usd.generate.boxes import overlap
 from openrooms_usd.generate.finishing import finished, finishing
 from openrooms_usd.generate.rooms import FITTINGS, Generated, draw_shell
-from openrooms_usd.library.interiors import INTERIORS
+from openrooms_usd.library.styles.interiors import INTERIORS
 
 ROOMS = (("living_room", 1), ("bedroom", 2), ("kitchen", 2), ("hallway", 1))
 

@@ -15,7 +15,7 @@ from openrooms_usd.generate import generate
 from openrooms_usd.generate.groups.kitchen import BASE_M, LEVEL_M, WALL_LOW_M
 from openrooms_usd.generate.items import Item
 from openrooms_usd.geometry.topology import is_closed
-from openrooms_usd.library.finishes import finishes_of, suite_of
+from openrooms_usd.library.styles.finishes import finishes_of, suite_of
 
 SEEDS = range(8)
 RNG = np.random.default_rng

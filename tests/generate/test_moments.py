@@ -20,9 +20,9 @@ from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.rooms import Furnishing, Generated, draw_shell, generate, named
 from openrooms_usd.generate.shapes import Shapes
 from openrooms_usd.generate.shell import Gap, Shell
-from openrooms_usd.library.beams import WORK_ROOMS
-from openrooms_usd.library.sky import sun_direction
-from openrooms_usd.library.sunlight import sun_position
+from openrooms_usd.library.styles.beams import WORK_ROOMS
+from openrooms_usd.library.surroundings.sky import sun_direction
+from openrooms_usd.library.surroundings.sunlight import sun_position
 
 _LAMPS = ("ceiling_lamp", "floor_lamp", "table_lamp", "wall_lamp")
 

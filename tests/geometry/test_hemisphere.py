@@ -14,7 +14,7 @@ from openrooms_usd.geometry.hemisphere import (
     tiled,
     untiled,
 )
-from openrooms_usd.library import environments
+from openrooms_usd.library.surroundings import environments
 
 RIGHT, UP, FORWARD = np.eye(3)[0], np.array([0.0, 0, 1]), np.array([0.0, 1, 0])
 

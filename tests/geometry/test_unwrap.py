@@ -11,7 +11,7 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, rounded_box, sphere
 from openrooms_usd.geometry.unwrap import laid_out, unwrapped
 from openrooms_usd.geometry.uvquality import uv_quality
-from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 pytest.importorskip("xatlas", reason="xatlas has no wheel for this Python")
 

@@ -14,9 +14,9 @@ import trimesh
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.errors import MissingPackageError
-from openrooms_usd.usd.lights import define_mesh_light
-from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.light.lights import define_mesh_light
+from openrooms_usd.usd.shading.surfaces import Texture
+from openrooms_usd.usd.shapes.meshes import read_meshes
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb, local, read, volume

@@ -13,7 +13,7 @@ from openrooms_usd import adapters
 from openrooms_usd.cli import orusd
 from openrooms_usd.convert import exporter_of
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.light.lights import define_mesh_light
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb

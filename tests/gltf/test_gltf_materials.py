@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.render.scene.pictures import Picture, evaluate
 from openrooms_usd.render.scene.surfaces import SurfaceReader
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb
 from tests.small import Stage

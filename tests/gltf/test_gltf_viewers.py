@@ -23,7 +23,7 @@ from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.demo import copy_example
 from openrooms_usd.render.reading import read_render
 from openrooms_usd.usd.cameras import list_cameras
-from openrooms_usd.usd.materials import bound_material
+from openrooms_usd.usd.shading.materials import bound_material
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import MODULES
 

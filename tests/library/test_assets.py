@@ -13,9 +13,9 @@ from openrooms_usd.furniture import CATEGORIES, Furniture, category, make
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.assets import Asset, Model, publish
-from openrooms_usd.usd.materials import PreviewSurface, Texture, bound_material
-from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, bound_material
+from openrooms_usd.usd.shapes.meshes import read_meshes
 
 ENGINE = nvidia.ValidationEngine()
 

@@ -12,17 +12,23 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, part_of
 from openrooms_usd.furniture.registry import records
-from openrooms_usd.library.assignment.annotations import files_of, read_annotation
-from openrooms_usd.library.assignment.kinds import kind_of, known_as
-from openrooms_usd.library.assignment.rooms import (
+from openrooms_usd.library.styles.assignment.annotations import files_of, read_annotation
+from openrooms_usd.library.styles.assignment.kinds import kind_of, known_as
+from openrooms_usd.library.styles.assignment.rooms import (
     ROOMS,
     USUAL,
     families_of,
     substance_of,
     surface_of,
 )
-from openrooms_usd.library.assignment.weights import drawn, families_for
-from openrooms_usd.library.finishes import FINISHES, METALS, PARTS, finishes_of, furniture_families
+from openrooms_usd.library.styles.assignment.weights import drawn, families_for
+from openrooms_usd.library.styles.finishes import (
+    FINISHES,
+    METALS,
+    PARTS,
+    finishes_of,
+    furniture_families,
+)
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.library.textures import substance_of as substance_of_family
 from tests.furniture.pieces import piece

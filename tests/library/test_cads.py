@@ -8,7 +8,7 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import category
-from openrooms_usd.library.cads import folder_cads, furniture_cads, merged
+from openrooms_usd.library.models.cads import folder_cads, furniture_cads, merged
 
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 

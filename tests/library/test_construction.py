@@ -16,7 +16,6 @@ from openrooms_usd.geometry.solids import box, rounded_box
 from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import model_of
-from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.library.construction import (
     construction_of,
     density_of,
@@ -24,8 +23,9 @@ from openrooms_usd.library.construction import (
     mass_of_part,
     movable,
 )
-from openrooms_usd.library.finishes import FINISHES, finishes_of
 from openrooms_usd.library.friction.references import SUBSTANCES
+from openrooms_usd.library.styles.assignment.kinds import kind_of
+from openrooms_usd.library.styles.finishes import FINISHES, finishes_of
 from openrooms_usd.library.timber import grained
 from openrooms_usd.physics.mass import MassProperties, combined
 from tests.furniture.pieces import piece

@@ -10,15 +10,15 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.environments import (
+from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.library.surroundings.environments import (
     directions,
     horizontal_illuminance,
     make_sky,
     read_panorama,
     scaled_to_nits,
 )
-from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.shading.textures import read_texture
 
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 
@@ -53,7 +53,7 @@ def test_directions_follow_the_dome_of_the_scene() -> None:
     """The same frame as a DomeLight_1 with its pole along Z: checked through the reader."""
     from pxr import Usd, UsdGeom
 
-    from openrooms_usd.usd.lights import define_dome, read_lights
+    from openrooms_usd.usd.light.lights import define_dome, read_lights
 
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, "Z")

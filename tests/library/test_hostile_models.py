@@ -13,10 +13,10 @@ import trimesh
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.assignment.annotations import read_annotation
-from openrooms_usd.library.meshfile import dependencies, read_model
+from openrooms_usd.library.models.meshfile import dependencies, read_model
 from openrooms_usd.library.ownmaterials import files_of, read_material
 from openrooms_usd.library.pictures import write_png
+from openrooms_usd.library.styles.assignment.annotations import read_annotation
 from openrooms_usd.scan.models.meshscene import shown_meshes
 
 ENDINGS = (".obj", ".glb", ".ply", ".usd", ".usda", ".usdc", ".usdz")

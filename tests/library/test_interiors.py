@@ -11,9 +11,9 @@ from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.furniture.schemes import METALS
 from openrooms_usd.generate import generate
 from openrooms_usd.generate.rooms import style_of
-from openrooms_usd.library.ensembles import ensemble_of
-from openrooms_usd.library.finishes import FINISHES
-from openrooms_usd.library.interiors import INTERIORS, Interior
+from openrooms_usd.library.styles.ensembles import ensemble_of
+from openrooms_usd.library.styles.finishes import FINISHES
+from openrooms_usd.library.styles.interiors import INTERIORS, Interior
 from openrooms_usd.library.textures import FAMILIES
 
 FAMILY_NAMES = {name for families in FAMILIES.values() for name in families}

@@ -10,7 +10,7 @@ import pytest
 from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.library.ownmaterials import OwnMaterial, files_of, read_material
 from openrooms_usd.library.pictures import write_png
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, f0_of
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, f0_of
 
 pytest.importorskip("MaterialX")
 Read = Callable[..., OwnMaterial]

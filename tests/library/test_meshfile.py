@@ -17,10 +17,10 @@ from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.uvquality import uv_quality
 from openrooms_usd.library.assets import Asset, publish
-from openrooms_usd.library.meshfile import read_model
-from openrooms_usd.library.pieces import prim_names
-from openrooms_usd.usd.materials import Texture
-from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.library.models.meshfile import read_model
+from openrooms_usd.library.models.pieces import prim_names
+from openrooms_usd.usd.shading.materials import Texture
+from openrooms_usd.usd.shapes.meshes import define_mesh
 from tests.furniture.pieces import piece
 
 # A wedge 2 wide, 1 deep, 3 high in a Y-up file; only the low corner in front is missing.

@@ -9,21 +9,21 @@ import shapely
 
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.draws import generator
-from openrooms_usd.library.environments import directions, horizontal_illuminance
-from openrooms_usd.library.outside import SCENES, Site, outside_panorama
-from openrooms_usd.library.outside.canvas import Canvas
-from openrooms_usd.library.outside.daylight import Daylight, daylight_of
-from openrooms_usd.library.outside.facades import Plain, Surfaces
-from openrooms_usd.library.outside.faces import Face, World
-from openrooms_usd.library.outside.foliage import PLANTS, lobe
-from openrooms_usd.library.outside.houses import House
-from openrooms_usd.library.outside.near import Window, parted
-from openrooms_usd.library.outside.noise import fractal_tile, sampled
-from openrooms_usd.library.outside.plants import Hedge
-from openrooms_usd.library.outside.shadows import Shadows
-from openrooms_usd.library.outside.solid import even_light, painted, solid
-from openrooms_usd.library.sky import Air, daylight
-from openrooms_usd.library.sunlight import SunPosition, refraction
+from openrooms_usd.library.surroundings.environments import directions, horizontal_illuminance
+from openrooms_usd.library.surroundings.outside import SCENES, Site, outside_panorama
+from openrooms_usd.library.surroundings.outside.canvas import Canvas
+from openrooms_usd.library.surroundings.outside.daylight import Daylight, daylight_of
+from openrooms_usd.library.surroundings.outside.facades import Plain, Surfaces
+from openrooms_usd.library.surroundings.outside.faces import Face, World
+from openrooms_usd.library.surroundings.outside.foliage import PLANTS, lobe
+from openrooms_usd.library.surroundings.outside.houses import House
+from openrooms_usd.library.surroundings.outside.near import Window, parted
+from openrooms_usd.library.surroundings.outside.noise import fractal_tile, sampled
+from openrooms_usd.library.surroundings.outside.plants import Hedge
+from openrooms_usd.library.surroundings.outside.shadows import Shadows
+from openrooms_usd.library.surroundings.outside.solid import even_light, painted, solid
+from openrooms_usd.library.surroundings.sky import Air, daylight
+from openrooms_usd.library.surroundings.sunlight import SunPosition, refraction
 
 HEIGHT = 240
 

@@ -19,7 +19,7 @@ from openrooms_usd.library.ownmaterials import (
     read_material,
 )
 from openrooms_usd.library.ownmaterials.normalmaps import Relief, green_agreement, read_relief
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface
 
 Folder = Callable[..., Path]
 

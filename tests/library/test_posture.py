@@ -8,8 +8,8 @@ import pytest
 import trimesh
 
 from openrooms_usd.furniture import category
-from openrooms_usd.library.meshfile import read_model
-from openrooms_usd.library.posture import Posture, Usual, posture, standing
+from openrooms_usd.library.models.meshfile import read_model
+from openrooms_usd.library.models.posture import Posture, Usual, posture, standing
 
 Real = Callable[[str], Path]
 

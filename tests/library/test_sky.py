@@ -9,11 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.library import skycache
-from openrooms_usd.library.environments import directions
-from openrooms_usd.library.sky import Air, daylight, hosek_wilkie, rounded, sun_direction, sun_disk
-from openrooms_usd.library.skycache import cached_picture
-from openrooms_usd.library.sunlight import (
+from openrooms_usd.library.surroundings import skycache
+from openrooms_usd.library.surroundings.environments import directions
+from openrooms_usd.library.surroundings.sky import (
+    Air,
+    daylight,
+    hosek_wilkie,
+    rounded,
+    sun_direction,
+    sun_disk,
+)
+from openrooms_usd.library.surroundings.skycache import cached_picture
+from openrooms_usd.library.surroundings.sunlight import (
     SunPosition,
     air_mass,
     clear_illuminance,

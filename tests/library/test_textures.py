@@ -16,7 +16,7 @@ from openrooms_usd.description import families
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.errors import InputError
 from openrooms_usd.library import textures
-from openrooms_usd.library.finishes import FINISHES
+from openrooms_usd.library.styles.finishes import FINISHES
 from openrooms_usd.library.textures import FAMILIES, TextureSet, family_of, make
 from openrooms_usd.library.textures.base import expanse
 from openrooms_usd.library.textures.base.maps import Maps, encoded, normals

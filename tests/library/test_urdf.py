@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.assets import Model
-from openrooms_usd.library.meshfile import dependencies, read_model
+from openrooms_usd.library.models.meshfile import dependencies, read_model
 
 CUBE = (
     "".join(f"v {x} {y} {z}\n" for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.render.scene.arrays import Environment
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 from orusd_mitsuba.plugins.light_weights import Beam, brightest_beam
 
 # A window in the plane y = 1, half a metre about the axis, that looks along +Y.

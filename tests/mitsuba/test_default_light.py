@@ -14,7 +14,7 @@ from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.render import render_stage
 from openrooms_usd.render.scene.default_light import BRIGHTEST_FROM, EXPOSURE, TOLD
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.light.lights import define_mesh_light
 from tests import small
 from tests.mitsuba.rendering import radiance, session_of
 from tests.small import square

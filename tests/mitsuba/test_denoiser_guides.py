@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pxr import Usd
 
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from tests import small
 from tests.small import square
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 from tests import small
 from tests.small import square
 

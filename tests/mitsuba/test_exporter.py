@@ -11,7 +11,7 @@ from pxr import Gf, UsdGeom, UsdLux, UsdRender
 
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.render.scene import gathering
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from orusd_mitsuba import MitsubaExporter
 from tests import small
 from tests.crowd import crowd

@@ -10,7 +10,7 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.render.scene.pictures import Picture, load, mended
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from tests import small
 from tests.small import square
 

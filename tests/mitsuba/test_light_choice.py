@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.lights import Portal, define_portal
+from openrooms_usd.usd.light.lights import Portal, define_portal
 from orusd_mitsuba.plugins.light_weights import light_weights
 from tests import small
 

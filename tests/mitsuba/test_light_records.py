@@ -8,7 +8,7 @@ from pxr import UsdGeom
 
 from openrooms_usd.render.lights import view_lights
 from openrooms_usd.render.scene.lights import LightRecord
-from openrooms_usd.usd.lights import Portal, define_mesh_light
+from openrooms_usd.usd.light.lights import Portal, define_mesh_light
 from openrooms_usd.usd.semantics import label
 from tests import small
 from tests.small import square

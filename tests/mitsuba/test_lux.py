@@ -10,7 +10,7 @@ from pxr import Gf, UsdGeom, UsdLux
 
 from openrooms_usd.render.scene.surroundings import surroundings
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.shading.surfaces import Texture
 from tests import small
 from tests.mitsuba.rendering import radiance, session_of
 

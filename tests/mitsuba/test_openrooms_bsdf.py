@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from orusd_mitsuba import MitsubaExporter
 from tests import small
 from tests.mitsuba.rendering import session_of, shown

@@ -282,7 +282,7 @@ def test_panes_are_read_and_move(shoot: Any, variant: str, closed: bool) -> None
 def test_a_pane_survives_usd() -> None:
     from pxr import UsdShade
 
-    from openrooms_usd.usd.materialreader import read_preview_surface
+    from openrooms_usd.usd.shading.materialreader import read_preview_surface
 
     made = small.Stage()
     path = made.material("/Glass", pane=TINT, ior=IOR, roughness=0.0)

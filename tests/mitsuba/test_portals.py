@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 from pxr import UsdLux
 
-from openrooms_usd.usd.lights import read_portals
+from openrooms_usd.usd.light.lights import read_portals
 from tests import small
 from tests.mitsuba.statistics import lambert
 from tests.small import square

@@ -9,8 +9,8 @@ from pxr import Gf, UsdGeom, UsdLux
 
 from openrooms_usd.render.scene.models import without_shaping
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.profiles import parse_profile
-from openrooms_usd.usd.shaping import define_shaping
+from openrooms_usd.usd.light.profiles import parse_profile
+from openrooms_usd.usd.light.shaping import define_shaping
 from orusd_mitsuba.plugins.light_weights import flux_of
 from tests import small
 from tests.mitsuba.rendering import passes, pictures, session_of

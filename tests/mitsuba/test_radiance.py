@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pxr import UsdGeom, UsdLux
 
-from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.light.lights import define_mesh_light
 from orusd_mitsuba.transport import sampling
 from orusd_mitsuba.transport.bands import Band
 from tests import small

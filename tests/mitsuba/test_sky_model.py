@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from openrooms_usd.library.sky import hosek_wilkie
+from openrooms_usd.library.surroundings.sky import hosek_wilkie
 from orusd_mitsuba import variants
 
 # What Mitsuba's plugin multiplies the authors' coefficients by, and what makes them nits.
@@ -55,8 +55,8 @@ def test_composing_a_sky_needs_no_renderer() -> None:
     import subprocess
 
     script = (
-        "import sys; from openrooms_usd.library.sky import Air, daylight\n"
-        "from openrooms_usd.library.sunlight import SunPosition\n"
+        "import sys; from openrooms_usd.library.surroundings.sky import Air, daylight\n"
+        "from openrooms_usd.library.surroundings.sunlight import SunPosition\n"
         "daylight(SunPosition(0, 40, 40, 1), Air(), height=16)\n"
         "assert not {'mitsuba', 'drjit'} & set(sys.modules)"
     )

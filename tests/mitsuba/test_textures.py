@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pxr import Gf
 
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from tests import small
 from tests.small import square
 

@@ -14,7 +14,7 @@ from openrooms_usd.render import render_stage
 from openrooms_usd.render.datasets import DatasetOptions
 from openrooms_usd.render.reading import read_render
 from openrooms_usd.render.scene.lights import LobeName
-from openrooms_usd.usd.lights import Portal, connect_portals, define_portal
+from openrooms_usd.usd.light.lights import Portal, connect_portals, define_portal
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.records import LOBES, lights_of
 

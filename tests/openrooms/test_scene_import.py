@@ -12,10 +12,10 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.description import load_room
 from openrooms_usd.importing import import_capture
 from openrooms_usd.usd.cameras import list_cameras, read_camera
-from openrooms_usd.usd.lights import MeshLight, read_lights
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import Texture, bound_material
-from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.light.lights import MeshLight, read_lights
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import Texture, bound_material
+from openrooms_usd.usd.shapes.meshes import read_meshes
 from orusd_openrooms.pickles import write_pickled
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import whole

@@ -18,8 +18,8 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.render import RenderRequest
 from openrooms_usd.render.given import EXACT
-from openrooms_usd.usd.materials import define_preview_surface
-from openrooms_usd.usd.surfaces import PreviewSurface
+from openrooms_usd.usd.shading.materials import define_preview_surface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface
 from orusd_preview import PreviewRenderer
 from orusd_preview.occlusion import openness
 from orusd_preview.shading import BACKGROUND, shade

@@ -14,8 +14,8 @@ from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.render import Legend, exr, render_stage
 from openrooms_usd.render.friction import FRICTION, FrictionMap, Material, derivable, read_materials
 from openrooms_usd.render.given import available
-from openrooms_usd.usd import physics
-from openrooms_usd.usd.physics import MaterialPhysics
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.physics import MaterialPhysics
 
 SIZE = (20, 30)
 

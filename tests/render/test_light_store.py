@@ -40,7 +40,7 @@ def file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def scene(file: Path) -> Scene:
-    from openrooms_usd.usd.layers import open_stage
+    from openrooms_usd.usd.files.layers import open_stage
 
     return translate(open_stage(file))
 
@@ -230,7 +230,7 @@ from pathlib import Path
 import numpy as np
 from openrooms_usd.render.light_store import content_key, load, save
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 key = content_key(translate(open_stage(Path(sys.argv[1]))), ("openrooms_usd.render.light_store",))
 folder, arrays = Path(sys.argv[2]), {"light": np.arange(9_000, dtype=np.float32)}
 for _ in range(15):

@@ -13,7 +13,7 @@ from openrooms_usd.render.contract import MovingSession, RenderRequest
 from openrooms_usd.render.scene import translate as translation
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.moving import MovingScene
-from openrooms_usd.usd.settled import Motion, author_motions
+from openrooms_usd.usd.places.settled import Motion, author_motions
 from tests.opening import open_with
 
 DESK, LAMP, CHAIR = (f"/World/Furniture/{name}" for name in ("desk", "table_lamp_0", "chair_0"))

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.cads import cad_files, folder_cads, merged
+from openrooms_usd.library.models.cads import cad_files, folder_cads, merged
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
 from openrooms_usd.scan.registration.alignment import symmetry_of
 from openrooms_usd.scan.registration.evidence import Evidence

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.furniture import CATEGORIES
-from openrooms_usd.library.cads import furniture_cads, merged
+from openrooms_usd.library.models.cads import furniture_cads, merged
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.alignment import align

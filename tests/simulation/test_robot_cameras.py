@@ -11,7 +11,7 @@ from openrooms_usd.geometry.pinhole import look_at
 from openrooms_usd.render import opening
 from openrooms_usd.simulation.robot_cameras import RobotCameras, robot_camera
 from openrooms_usd.simulation.robots import rover, with_robot
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 
 CHANNELS = ("depth", "semantic")

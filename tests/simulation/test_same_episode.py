@@ -17,10 +17,10 @@ from openrooms_usd.simulation.driving import Action, act
 from openrooms_usd.simulation.floors import with_friction
 from openrooms_usd.simulation.robot_cameras import RGB, RobotCameras
 from openrooms_usd.simulation.robots import rover
-from openrooms_usd.usd import layers
-from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
+from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
 from tests.engines import ENGINES
 
 

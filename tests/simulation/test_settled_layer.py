@@ -7,8 +7,8 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd.geometry.quaternions import pose_of
-from openrooms_usd.usd.frames import TIME, local_to_world, world_from_stage
-from openrooms_usd.usd.settled import Motion, author_motions
+from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
+from openrooms_usd.usd.places.settled import Motion, author_motions
 
 MOTION = pose_of([0.1, -0.02, 0.3], [0.1, -0.2, 0.3, 0.9])
 OTHER = pose_of([-0.3, 0.2, 0.05], [0.4, 0.1, -0.2, 0.8])

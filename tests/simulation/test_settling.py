@@ -12,9 +12,9 @@ from openrooms_usd import adapters
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.physics.world import World
 from openrooms_usd.simulation.settling import run, settle
-from openrooms_usd.usd import layers
-from openrooms_usd.usd.frames import TIME, local_to_world
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files import layers
+from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.usd.places.frames import TIME, local_to_world
 from openrooms_usd.usd.rigid.reading import read_world
 from tests.engines import ENGINES, needs_pybullet
 

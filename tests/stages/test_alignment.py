@@ -20,8 +20,8 @@ from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.runner import run
-from openrooms_usd.usd.meshes import define_mesh, read_meshes
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shapes.meshes import define_mesh, read_meshes
 
 HEIGHT = 2.4
 # A model that is nothing but a reference.

@@ -15,10 +15,10 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.beyond import author_beyond_lamps, decor
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.daylight import author_portals
-from openrooms_usd.usd.emitters import world_area
-from openrooms_usd.usd.layers import apply_metadata
-from openrooms_usd.usd.lights import MeshLight, read_lights
-from openrooms_usd.usd.meshes import read_meshes, world_triangles
+from openrooms_usd.usd.files.layers import apply_metadata
+from openrooms_usd.usd.light.emitters import world_area
+from openrooms_usd.usd.light.lights import MeshLight, read_lights
+from openrooms_usd.usd.shapes.meshes import read_meshes, world_triangles
 
 L_SHAPE = "[[0, 0], [6, 0], [6, 2.5], [2.5, 2.5], [2.5, 6], [0, 6]]"
 ROOM = """

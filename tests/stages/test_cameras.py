@@ -21,9 +21,9 @@ from openrooms_usd.stages.cameras import selection as stage_module
 from openrooms_usd.stages.cameras.selection import Selection
 from openrooms_usd.stages.cameras.stage import CamerasStage
 from openrooms_usd.usd.cameras import list_cameras, read_camera
-from openrooms_usd.usd.layers import apply_metadata
-from openrooms_usd.usd.meshes import define_mesh, read_meshes, world_triangles
+from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import label
+from openrooms_usd.usd.shapes.meshes import define_mesh, read_meshes, world_triangles
 
 Array = NDArray[np.float64]
 POLYGON = np.array([[0.0, 0], [5, 0], [5, 4], [0, 4]])

@@ -12,7 +12,7 @@ from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.usd.cameras import photograph, read_camera
-from openrooms_usd.usd.meshes import read_meshes, world_triangles
+from openrooms_usd.usd.shapes.meshes import read_meshes, world_triangles
 
 K = np.array([[610.0, 0, 345.5], [0, 610.0, 221.25], [0, 0, 1]])
 SIZE = (720, 480)

@@ -74,13 +74,13 @@ def fingerprints(room: Room, folder: Path) -> dict[str, str]:
     ("file", "changed"),
     [
         ("openrooms_usd/stages/runner.py", ALL),
-        ("openrooms_usd/usd/layers.py", ALL),
+        ("openrooms_usd/usd/files/layers.py", ALL),
         ("openrooms_usd/draws.py", ALL),
         ("openrooms_usd/library/textures/rough_stone/masonry.py", {"materials", "physics"}),
         ("openrooms_usd/library/textures/base/noise.py", {"materials", "physics"}),
         ("openrooms_usd/library/friction/table.npy", {"materials", "physics"}),
-        ("openrooms_usd/library/hosek_wilkie.npy", {"lights"}),
-        ("openrooms_usd/library/sunlight.py", {"lights"}),
+        ("openrooms_usd/library/surroundings/hosek_wilkie.npy", {"lights"}),
+        ("openrooms_usd/library/surroundings/sunlight.py", {"lights"}),
         ("openrooms_usd/physics/merging.py", {"physics"}),
         ("openrooms_usd/furniture/categories/sofa.py", set()),
         ("openrooms_usd/description/categories.py", set()),
@@ -420,7 +420,7 @@ def test_what_runs_in_a_stage_is_in_its_graph(tmp_path: Path) -> None:
         known = set(modules(*base.code_of(stage), *base.record_of(layer, stage.name)["counted"]))
         assert len(ran[stage.name]) >= 5, stage.name
         assert set(ran[stage.name]) <= known, stage.name
-    assert "openrooms_usd.library.sky" in ran["lights"]
+    assert "openrooms_usd.library.surroundings.sky" in ran["lights"]
     assert "openrooms_usd.physics.decomposition" in ran["physics"]
 
 

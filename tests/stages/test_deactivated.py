@@ -7,7 +7,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.compose import ComposeSummary, compose_room
-from openrooms_usd.usd.layers import is_deactivated
+from openrooms_usd.usd.files.layers import is_deactivated
 
 ROOM = """\
 seed: {seed}

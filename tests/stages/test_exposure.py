@@ -12,7 +12,7 @@ from openrooms_usd.compose import compose_room
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages.cameras.stage import room_exposure
 from openrooms_usd.usd.cameras import read_camera
-from openrooms_usd.usd.lights import define_dome
+from openrooms_usd.usd.light.lights import define_dome
 
 # A room of 4 m by 3 m by 2.5 m with a window of 1.5 m by 1 m to -Y.
 BOUNDS = 2 * (4 * 3 + 4 * 2.5 + 3 * 2.5)

@@ -15,9 +15,9 @@ from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.stage import LightsStage
 from openrooms_usd.stages.materials.stage import MaterialsStage
-from openrooms_usd.usd.lights import MeshLight, read_lights
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import bound_material
+from openrooms_usd.usd.light.lights import MeshLight, read_lights
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import bound_material
 
 LAMPS = {"bright": 2000.0, "faint": 100.0, "dark": 800.0}
 

@@ -10,7 +10,7 @@ from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
-from openrooms_usd.usd.layers import apply_metadata
+from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label
 
 L_SHAPE = [[0, 0], [5, 0], [5, 2], [2, 2], [2, 4], [0, 4]]

@@ -15,16 +15,16 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError, StageError
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.library.beams import beam_profile, profile_text
 from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.library.styles.beams import beam_profile, profile_text
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.stage import LightsStage
-from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights
-from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.light.lights import DomeLight, MeshLight, read_lights
+from openrooms_usd.usd.shading.textures import read_texture
+from openrooms_usd.usd.shapes.meshes import read_meshes
 
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 OBJECTS = [

@@ -13,7 +13,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.furniture import category
 from openrooms_usd.furniture.registry import records
-from openrooms_usd.library.finishes import (
+from openrooms_usd.library.styles.finishes import (
     ANY,
     FINISHES,
     GENERIC,
@@ -27,9 +27,9 @@ from openrooms_usd.stages.alignment.stage import AlignmentStage
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.materials.stage import MaterialsStage
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import Texture, bound_material
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import Texture, bound_material
 
 OBJECTS = [
     {"name": "table", "category": "table", "at": [2.0, 1.5]},
@@ -184,7 +184,7 @@ def test_overrides_reach_one_object_alone(tmp_path: Path) -> None:
 
 
 def test_given_colors_and_families_are_used(tmp_path: Path) -> None:
-    from openrooms_usd.usd.textures import read_texture
+    from openrooms_usd.usd.shading.textures import read_texture
 
     wall = {"family": "paint", "color": [0.3, 0.5, 0.7], "roughness": 0.8}
     stage = compose(tmp_path, room(walls=wall, floor="fabric", texture_size="50 cm"))

@@ -13,10 +13,10 @@ from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.pictures import write_png
 from openrooms_usd.stages.materials.stage import MaterialsStage
-from openrooms_usd.usd import physics
-from openrooms_usd.usd.materialreader import read_preview_surface as read
-from openrooms_usd.usd.materials import PreviewSurface, Texture, bound_material
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.materialreader import read_preview_surface as read
+from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, bound_material
+from openrooms_usd.usd.shading.textures import read_texture
 from tests.stages.dressed import compose
 
 THING = f"{names.FURNITURE}/thing/Geometry"

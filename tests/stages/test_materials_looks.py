@@ -7,8 +7,8 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import bound_material
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import bound_material
 from tests.stages.dressed import compose
 
 CHAIRS = [f"{names.FURNITURE}/chair_{x}" for x in "abc"]

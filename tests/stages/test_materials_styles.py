@@ -8,9 +8,9 @@ from pxr import Usd
 
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
-from openrooms_usd.library.interiors import INTERIORS
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import Texture, bound_material
+from openrooms_usd.library.styles.interiors import INTERIORS
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import Texture, bound_material
 from tests.stages.dressed import compose
 
 CATEGORIES = ("table", "chair", "cabinet", "desk", "bookshelf", "side_table", "floor_lamp", "sofa")

@@ -8,15 +8,15 @@ from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.description import parse_room
-from openrooms_usd.library.outside.ledges import NET, NET_PASSES, ledges
+from openrooms_usd.library.surroundings.outside.ledges import NET, NET_PASSES, ledges
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.daylight import portals
 from openrooms_usd.stages.lights.nearby import author_nearby, site_of
-from openrooms_usd.usd.layers import apply_metadata
-from openrooms_usd.usd.meshes import is_outside, read_meshes
+from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shapes.meshes import is_outside, read_meshes
 
 # One room of five has screens; this seed's is one, at storey 0.
 SCREENED = 3

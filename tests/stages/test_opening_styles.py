@@ -11,8 +11,8 @@ from openrooms_usd.errors import DescriptionError
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.daylight import author_portals
-from openrooms_usd.usd.frames import author_placement
-from openrooms_usd.usd.layers import apply_metadata
+from openrooms_usd.usd.files.layers import apply_metadata
+from openrooms_usd.usd.places.frames import author_placement
 
 OPENINGS = """
 layout:

@@ -14,8 +14,8 @@ from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.furniture import category
 from openrooms_usd.generate.expansion import expanded
 from openrooms_usd.stages.alignment.surroundings import surroundings
-from openrooms_usd.usd.lights import read_portals
-from openrooms_usd.usd.partitions import read_partitions
+from openrooms_usd.usd.light.lights import read_portals
+from openrooms_usd.usd.places.partitions import read_partitions
 from openrooms_usd.usd.semantics import read_label
 
 TEXT = """

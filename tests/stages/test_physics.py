@@ -19,13 +19,13 @@ from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.stages.physics.stage import PhysicsStage
-from openrooms_usd.usd import physics
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import bound_material
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
 from openrooms_usd.usd.rigid.reading import read_world
 from openrooms_usd.usd.semantics import read_label
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import bound_material
+from openrooms_usd.usd.shading.textures import read_texture
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 
 Kind = UsdPhysics.ObjectType
 ROOM = {

@@ -18,8 +18,8 @@ from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.materials.stage import MaterialsStage
 from openrooms_usd.stages.physics.stage import PhysicsStage
-from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.rigid.reading import read_world
+from openrooms_usd.usd.shapes.meshes import read_meshes
 
 CHAIR = {"category": "chair", "style": "slat"}
 NAMES = ("one", "two")

@@ -12,7 +12,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.diagnostics import composition_errors
+from openrooms_usd.usd.files.diagnostics import composition_errors
 
 
 class FakeLayout:

@@ -9,13 +9,13 @@ from pxr import Usd
 
 from openrooms_usd import names
 from openrooms_usd.description.room import Room
-from openrooms_usd.library.environments import horizontal_illuminance
+from openrooms_usd.library.surroundings.environments import horizontal_illuminance
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.stage import LightsStage
-from openrooms_usd.usd.lights import DomeLight, read_lights
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.light.lights import DomeLight, read_lights
+from openrooms_usd.usd.shading.textures import read_texture
 
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 MOMENT = {"from": "sky", "latitude": 48.1, "longitude": 11.6, "date": "2026-04-10", "time": "10:00"}

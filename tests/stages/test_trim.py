@@ -14,9 +14,9 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.mouldings import section
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
-from openrooms_usd.usd.layers import apply_metadata
-from openrooms_usd.usd.materials import bound_material
+from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label, read_number
+from openrooms_usd.usd.shading.materials import bound_material
 
 ROOM = """
 layout:

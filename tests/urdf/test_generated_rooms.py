@@ -11,7 +11,7 @@ import pytest
 from openrooms_usd.compose import compose_room
 from openrooms_usd.generate import generate, write
 from openrooms_usd.physics.world import World
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import MjcfExporter, UrdfExporter, UsdPhysicsExporter
 from orusd_urdf.loading import load_bullet

@@ -14,7 +14,7 @@ import pytest
 from pxr import Usd
 
 from openrooms_usd.physics.world import Joint, Link, World
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from orusd_urdf import MjcfExporter
 

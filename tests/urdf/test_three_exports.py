@@ -11,9 +11,9 @@ from pxr import Gf, Usd, UsdGeom
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.physics.world import World
-from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.meshes import read_meshes
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
+from openrooms_usd.usd.shapes.meshes import read_meshes
 from orusd_urdf import MjcfExporter, UrdfExporter
 from orusd_urdf.loading import load_bullet
 from tests.engines import NO_PYBULLET

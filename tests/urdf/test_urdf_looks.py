@@ -10,8 +10,8 @@ import pytest
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.physics.world import Body, Link, Visual, World
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.textures import read_texture
 from orusd_urdf.assets import Assets, picture_bytes
 from orusd_urdf.looks import Look, look_of
 from orusd_urdf.urdf import write_urdf

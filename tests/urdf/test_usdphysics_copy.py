@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils
 
 from openrooms_usd import names
 from openrooms_usd.convert import Report
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from openrooms_usd.validation.model import Rule, Subject
 from openrooms_usd.validation.physics_rules import articulations, nested_bodies
@@ -21,7 +21,7 @@ from tests.validators import nvidia_issues
 EXPORT = """
 import sys
 from pathlib import Path
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from orusd_urdf import UsdPhysicsExporter
 UsdPhysicsExporter().convert(open_stage(Path(sys.argv[1])), Path(sys.argv[2]), {})
 """

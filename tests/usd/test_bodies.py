@@ -11,7 +11,6 @@ from openrooms_usd import names
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.triangulation import TriangleMesh, triangulate
 from openrooms_usd.physics.mass import MassProperties
-from openrooms_usd.usd import physics
 from openrooms_usd.usd.bodies import (
     Motion,
     author_body,
@@ -21,8 +20,9 @@ from openrooms_usd.usd.bodies import (
     define_joint,
     frame_and_scale,
 )
-from openrooms_usd.usd.physics import MaterialPhysics
 from openrooms_usd.usd.rigid.reading import read_world
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.physics import MaterialPhysics
 from openrooms_usd.validation.model import Subject
 from openrooms_usd.validation.physx_rules import joint_frames
 

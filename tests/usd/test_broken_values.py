@@ -10,12 +10,12 @@ import pytest
 from pxr import Sdf, Usd
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.environments import read_panorama
 from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.usd import textures
-from openrooms_usd.usd.diagnostics import plain, quiet, reading
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.library.surroundings.environments import read_panorama
+from openrooms_usd.usd.files.diagnostics import plain, quiet, reading
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading import textures
 from openrooms_usd.validate import validate_stage
 from openrooms_usd.validation.licences import licences
 
@@ -206,7 +206,7 @@ def Mesh "World" {
 
 
 def test_values_of_types_that_usd_does_not_know(tmp_path: Path) -> None:
-    from openrooms_usd.library.meshfile import read_model
+    from openrooms_usd.library.models.meshfile import read_model
 
     path = tmp_path / "a.usda"
     path.write_text(UNKNOWN_TYPE)

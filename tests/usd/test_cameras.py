@@ -19,8 +19,8 @@ from openrooms_usd.usd.cameras import (
     read_camera,
     set_field_of_view,
 )
-from openrooms_usd.usd.frames import world_from_stage
-from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.places.frames import world_from_stage
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 from scipy.interpolate import BSpline, CubicHermiteSpline
 
-from openrooms_usd.usd.gprims import Surface, read_surface
-from openrooms_usd.usd.meshes import TriangleMesh, read_meshes
+from openrooms_usd.usd.shapes.gprims import Surface, read_surface
+from openrooms_usd.usd.shapes.meshes import TriangleMesh, read_meshes
 
 Array = NDArray[np.float64]
 BENT = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 2, 1), (1, 3, 0), (2, 3, 0)]

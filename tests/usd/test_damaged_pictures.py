@@ -12,11 +12,11 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.scene.pictures import load
-from openrooms_usd.usd import udim
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import Texture, define_preview_surface
-from openrooms_usd.usd.surfaces import PreviewSurface
-from openrooms_usd.usd.textures import picture_facts, read_codes, read_texture
+from openrooms_usd.usd.shading import udim
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import Texture, define_preview_surface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface
+from openrooms_usd.usd.shading.textures import picture_facts, read_codes, read_texture
 from orusd_scans.formats.depthpicture import picture_size
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-from openrooms_usd.usd.frames import (
+from openrooms_usd.usd.places.frames import (
     gf_matrix,
     local_to_world,
     matrix,

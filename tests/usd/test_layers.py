@@ -6,7 +6,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import layers
+from openrooms_usd.usd.files import layers
 
 
 def authored() -> Sdf.Layer:

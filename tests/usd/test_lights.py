@@ -7,7 +7,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.usd.emitters import (
+from openrooms_usd.usd.light.emitters import (
     CylinderLight,
     DiskLight,
     DistantLight,
@@ -19,8 +19,8 @@ from openrooms_usd.usd.emitters import (
     nits_from_lumen,
     world_area,
 )
-from openrooms_usd.usd.lights import define_dome, define_mesh_light, read_lights
-from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
+from openrooms_usd.usd.light.lights import define_dome, define_mesh_light, read_lights
+from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
 
 WEIGHTS = (0.2126, 0.7152, 0.0722)
 

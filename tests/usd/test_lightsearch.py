@@ -7,7 +7,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.lights import SphereLight, define_mesh_light, read_lights
+from openrooms_usd.usd.light.lights import SphereLight, define_mesh_light, read_lights
 
 
 @pytest.fixture

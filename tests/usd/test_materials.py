@@ -10,16 +10,16 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import textures
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import (
+from openrooms_usd.usd.shading import textures
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import (
     PreviewSurface,
     Texture,
     bound_material,
     bound_subsets,
     define_preview_surface,
 )
-from openrooms_usd.usd.surfaces import UvTransform, f0_of, ior_of
+from openrooms_usd.usd.shading.surfaces import UvTransform, f0_of, ior_of
 
 TYPES = Sdf.ValueTypeNames
 

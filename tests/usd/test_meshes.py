@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.usd.meshes import (
+from openrooms_usd.usd.shapes.meshes import (
     MeshReading,
     PlacedMesh,
     TriangleMesh,

@@ -11,9 +11,9 @@ from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdSkel, Vt
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.scene.translate import translate
 from openrooms_usd.usd.cameras import read_camera
-from openrooms_usd.usd.frames import TIME
-from openrooms_usd.usd.meshes import read_meshes
 from openrooms_usd.usd.moments import hold
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.shapes.meshes import read_meshes
 
 SQUARE = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)]
 

@@ -12,10 +12,10 @@ from pxr import Usd, UsdShade
 from openrooms_usd.convert import convert_stage
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.render import render_stage
-from openrooms_usd.usd.layers import open_stage
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.mtlxlayers import read_mtlx_layers
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 
 BOARD = """<?xml version="1.0"?>
 <materialx version="1.38" colorspace="lin_rec709" fileprefix="tex/">

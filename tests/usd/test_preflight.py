@@ -9,9 +9,9 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd import layers, preflight
-from openrooms_usd.usd.crate_reader import check_crate
-from openrooms_usd.usd.diagnostics import composition_errors
+from openrooms_usd.usd.files import layers, preflight
+from openrooms_usd.usd.files.crate_reader import check_crate
+from openrooms_usd.usd.files.diagnostics import composition_errors
 
 HEAD = "#usda 1.0\n"
 DEEP = 2000

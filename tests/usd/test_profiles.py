@@ -8,10 +8,10 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.beams import BEAMS, beam_profile, profile_text
-from openrooms_usd.usd.lights import read_lights
-from openrooms_usd.usd.profiles import Shaping, parse_profile, read_profile, shaping
-from openrooms_usd.usd.shaping import EVEN, Cone, define_shaping
+from openrooms_usd.library.styles.beams import BEAMS, beam_profile, profile_text
+from openrooms_usd.usd.light.lights import read_lights
+from openrooms_usd.usd.light.profiles import Shaping, parse_profile, read_profile, shaping
+from openrooms_usd.usd.light.shaping import EVEN, Cone, define_shaping
 
 
 def text(

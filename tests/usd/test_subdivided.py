@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, Vt
 from scipy.interpolate import BSpline
 
-from openrooms_usd.usd.gprims import Surface, read_surface
-from openrooms_usd.usd.subdivided import Topologies
+from openrooms_usd.usd.shapes.gprims import Surface, read_surface
+from openrooms_usd.usd.shapes.subdivided import Topologies
 
 Array = NDArray[np.float64]
 # Four squares about the origin, seen from above.

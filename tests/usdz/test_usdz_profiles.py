@@ -17,10 +17,10 @@ from openrooms_usd.convert import convert_stage
 from openrooms_usd.demo import copy_example
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.usd.cameras import list_cameras, read_camera
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import bound_material
-from openrooms_usd.usd.meshes import read_meshes
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import bound_material
+from openrooms_usd.usd.shading.surfaces import Texture
+from openrooms_usd.usd.shapes.meshes import read_meshes
 from orusd_usdz import UsdzExporter
 from orusd_usdz.profiles import PROFILES
 from tests.small import Stage

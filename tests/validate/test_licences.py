@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from pxr import Kind, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd.cli.validating import validate
-from openrooms_usd.usd.lights import define_dome
+from openrooms_usd.usd.light.lights import define_dome
 from openrooms_usd.validation.licences import Licence, licences
 
 Rows = set[tuple[str, str, str, int]]

@@ -12,7 +12,7 @@ from openrooms_usd.cli import orusd
 from openrooms_usd.description import load_room
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.layers import open_stage
+from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.corrections import Hints, corrections
 from tests.edits.test_arranging import box, is_a, objects
 from tests.end_to_end.test_scanned_room import AT, AWAY, HEADING, SCAN_FROM_ROOM, cloud

@@ -16,8 +16,8 @@ from openrooms_usd.render.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, SCALE
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.tone import fitted_tone
 from openrooms_usd.usd.cameras import list_cameras, read_camera
-from openrooms_usd.usd.meshes import read_meshes, world_triangles
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.shading.textures import read_texture
+from openrooms_usd.usd.shapes.meshes import read_meshes, world_triangles
 from openrooms_usd.view.room import room_app
 from tests.chromium import Page, needs_chromium
 from tests.view.conftest import PICTURE, ROOM, Shown, lit_picture, slide, turn

@@ -9,7 +9,7 @@ from pxr import Gf, Usd, UsdGeom
 
 import openrooms_usd as ou
 from openrooms_usd.edits.editing import editing
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.view.room import room_app
 from tests.chromium import Page, needs_chromium
 from tests.conftest import SMALL_ROOM

@@ -15,7 +15,7 @@ import drjit as dr
 import mitsuba as mi
 
 from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 from orusd_mitsuba.plugins.light_weights import Beam
 
 # How many of the samples go through the portals.

@@ -11,7 +11,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from openrooms_usd.usd.profiles import Shaping
+from openrooms_usd.usd.light.profiles import Shaping
 
 
 def shaped_area(inner: Any, shaping: Shaping) -> Any:

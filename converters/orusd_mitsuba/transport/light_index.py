@@ -18,7 +18,7 @@ from openrooms_usd.render.scene.arrays import Patch
 from openrooms_usd.render.scene.linked import counted, is_linked
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.sources import GRAZING_COS, Source
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 from orusd_mitsuba.transport.panes import Panes
 
 

@@ -22,7 +22,7 @@ from orusd_openrooms.scenes.roots import Named, named
 from orusd_openrooms.scenes.standins import material_name, substance_of
 
 if TYPE_CHECKING:
-    from openrooms_usd.usd.materials import PreviewSurface, Texture
+    from openrooms_usd.usd.shading.materials import PreviewSurface, Texture
 
 Find = Callable[[Named], Path | None]
 
@@ -69,11 +69,11 @@ def surface_of(bsdf: Bsdf, pictures: dict[str, str]) -> "PreviewSurface":
         bsdf: The material.
         pictures: Asset paths of its maps.
     """
-    from openrooms_usd.usd.materials import PreviewSurface
-    from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
+    from openrooms_usd.usd.shading.materials import PreviewSurface
+    from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE
 
     def texture(kind: str, **how: Any) -> "Texture | None":
-        from openrooms_usd.usd.materials import Texture
+        from openrooms_usd.usd.shading.materials import Texture
 
         if kind not in pictures:
             return None
@@ -117,7 +117,7 @@ def repeat_m(bsdf: Bsdf, repeats: float | None) -> float:
 
 
 def _scaled(bsdf: Bsdf, kind: str, path: Path) -> NDArray[np.uint8]:
-    from openrooms_usd.usd.textures import read_texture
+    from openrooms_usd.usd.shading.textures import read_texture
 
     stored = read_texture(str(path))
     stored = np.repeat(stored[..., :1], 3, axis=2) if stored.shape[2] < 3 else stored[..., :3]

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd import names, untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.pieces import Piece, prim_names
-from openrooms_usd.library.wavefront import read_obj
+from openrooms_usd.library.models.pieces import Piece, prim_names
+from openrooms_usd.library.models.wavefront import read_obj
 from orusd_openrooms.scenes.materials import Find, pictures_of, stand_in, surface_of
 from orusd_openrooms.scenes.records import Bsdf
 from orusd_openrooms.scenes.roots import Named
@@ -121,7 +121,7 @@ def extent_of_file(path: Path) -> Array:
     Raises:
         InputError: It is no such file.
     """
-    from openrooms_usd.library.usdfile import read_usd
+    from openrooms_usd.library.models.usdfile import read_usd
 
     pieces = read_usd(path).pieces
     if not pieces:
@@ -147,9 +147,9 @@ def _check(piece: Piece, file: Path) -> None:
 def _written(pieces: Mapping[str, Piece], surfaces: Mapping[str, object]) -> bytes:
     from pxr import Usd, UsdGeom, UsdShade
 
-    from openrooms_usd.usd.layers import export
-    from openrooms_usd.usd.materials import PreviewSurface, define_preview_surface
-    from openrooms_usd.usd.meshes import define_mesh
+    from openrooms_usd.usd.files.layers import export
+    from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
+    from openrooms_usd.usd.shapes.meshes import define_mesh
 
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)

@@ -14,8 +14,8 @@ from openrooms_usd.geometry.rotations import is_rotation
 from openrooms_usd.render.scene.arrays import Patch, Scene
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.triangles import Triangles
-from openrooms_usd.usd.emitters import world_from_prim
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.light.emitters import world_from_prim
+from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.semantics import read_label
 from orusd_openrooms.scenes.records import Color
 

@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.plainxml import read_xml
+from openrooms_usd.library.models.plainxml import read_xml
 from orusd_openrooms.scenes.records import Bsdf, Color, SceneFile, Shape, Step
 
 # The released scenes have some fifty shapes and a thousand elements.

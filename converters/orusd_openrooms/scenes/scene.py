@@ -13,7 +13,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, category
 from openrooms_usd.geometry.rotations import inverse, is_rotation, nearest_rotation, pose
 from openrooms_usd.geometry.triangulation import triangulate
-from openrooms_usd.library.wavefront import read_obj
+from openrooms_usd.library.models.wavefront import read_obj
 from orusd_openrooms.scenes.models import CadModel, extent_of_file, file_of
 from orusd_openrooms.scenes.reading import read_scene
 from orusd_openrooms.scenes.records import SceneFile, Shape, Step, whole

@@ -25,9 +25,9 @@ from pxr import Sdf, Tf
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling.archives import opened_archive
-from openrooms_usd.usd.crate_reader import check_crate, check_crate_reads
-from openrooms_usd.usd.diagnostics import quiet, reading, reason
-from openrooms_usd.usd.preflight import check_text
+from openrooms_usd.usd.files.crate_reader import check_crate, check_crate_reads
+from openrooms_usd.usd.files.diagnostics import quiet, reading, reason
+from openrooms_usd.usd.files.preflight import check_text
 from orusd_scans.roomplan.components import LISTS, Component, component
 from orusd_scans.roomplan.meshes import Hole
 from orusd_scans.roomplan.records import CapturedRoom, Record, Section

@@ -21,7 +21,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.render.folder import MANIFEST, preview_file
 from openrooms_usd.render.previews import preview
 from openrooms_usd.render.reading import read_render
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.shading.textures import read_texture
 
 LIGHT: Final = ("denoised", "radiance")
 """What people look at of a view, the best first."""

@@ -17,7 +17,7 @@ from openrooms_usd.generate.items import Item, placed
 from openrooms_usd.generate.placement import Arrangement
 from openrooms_usd.generate.shapes import Shape, Shapes
 from openrooms_usd.generate.shell import Shell
-from openrooms_usd.library.meshfile import read_model
+from openrooms_usd.library.models.meshfile import read_model
 
 _ROOM: Final = ("floor", "ceiling", "wall")
 AnyObject = LibraryObject | FileObject

@@ -17,7 +17,7 @@ from openrooms_usd.furniture.joinery.boards import Cutout, Fronts
 from openrooms_usd.furniture.joinery.fronts import HANDLE
 from openrooms_usd.generate.items import Group, Item, placed, wrapped, zone, zones
 from openrooms_usd.generate.kit import Kit
-from openrooms_usd.library.assignment.weights import drawn
+from openrooms_usd.library.styles.assignment.weights import drawn
 
 # Heights: of base units, and of the worktop's upper side; metres.
 BASE_M: Final = 0.872

@@ -12,7 +12,7 @@ from openrooms_usd.library.friction.mapping import Friction, Mapping
 from openrooms_usd.library.friction.references import SUBSTANCES, density, references, restitution
 
 if TYPE_CHECKING:
-    from openrooms_usd.usd.physics import MaterialPhysics
+    from openrooms_usd.usd.shading.physics import MaterialPhysics
 
 FILE: Final = Path(__file__).with_name("table.npy")
 # Nodes of each albedo component, dense where small differences show; nodes of roughness.
@@ -107,14 +107,14 @@ _DECIMALS = 3
 def physics_of(
     substance: Substance, albedo: tuple[float, float, float], roughness: float
 ) -> "MaterialPhysics":
-    """What `openrooms_usd.usd.physics.author` writes on a material.
+    """What `openrooms_usd.usd.shading.physics.author` writes on a material.
 
     Args:
         substance: What it is.
         albedo: Its linear base colour; the mean of its map where it has one.
         roughness: Its perceptual roughness; the mean of its map where it has one.
     """
-    from openrooms_usd.usd.physics import MaterialPhysics
+    from openrooms_usd.usd.shading.physics import MaterialPhysics
 
     static, dynamic, spread = (
         round(float(value), _DECIMALS) for value in friction_of(substance, albedo, roughness)

@@ -19,8 +19,8 @@ from openrooms_usd.library.ownmaterials.material import (
 )
 from openrooms_usd.library.ownmaterials.normalmaps import Green, Relief, read_relief
 from openrooms_usd.tables import read_table
-from openrooms_usd.usd.surfaces import Channel, PreviewSurface, Texture
-from openrooms_usd.usd.textures import picture_facts
+from openrooms_usd.usd.shading.surfaces import Channel, PreviewSurface, Texture
+from openrooms_usd.usd.shading.textures import picture_facts
 
 Map = Literal[
     "base_color",

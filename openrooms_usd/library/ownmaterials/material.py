@@ -11,8 +11,8 @@ from typing import Any, Final
 
 from openrooms_usd import atomic, removal, untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
-from openrooms_usd.usd.textures import picture_facts
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.textures import picture_facts
 
 # What stands where nobody has said under which terms a material may be used.
 UNKNOWN_LICENCE: Final = "unknown"

@@ -24,9 +24,9 @@ from openrooms_usd.library.ownmaterials.material import (
 )
 from openrooms_usd.library.ownmaterials.mtlxtext import included, located, outlines, read_outline
 from openrooms_usd.library.ownmaterials.normalmaps import read_relief
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.mtlxlayers import MATERIALS, layer_of
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.mtlxlayers import MATERIALS, layer_of
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 
 _SURFACES: Final = ("standard_surface", "open_pbr_surface", "gltf_pbr", "UsdPreviewSurface")
 # What a surface may say, and a material of rooms does not take.

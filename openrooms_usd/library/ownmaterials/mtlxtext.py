@@ -13,8 +13,8 @@ from xml.etree.ElementTree import Element
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.library.models.plainxml import read_xml
 from openrooms_usd.library.ownmaterials.material import licence_files
-from openrooms_usd.library.plainxml import read_xml
 
 _MOST_INCLUDES: Final = 256
 _INCLUDE: Final = "{http://www.w3.org/2001/XInclude}include"

@@ -13,8 +13,8 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
-from openrooms_usd.usd.textures import picture_facts, read_texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE
+from openrooms_usd.usd.shading.textures import picture_facts, read_texture
 
 Array = NDArray[np.float64]
 Green = Literal["up", "down"]

@@ -19,7 +19,7 @@ from openrooms_usd import names
 from openrooms_usd.render.bake.atlases import Atlases, Placement
 from openrooms_usd.render.bake.units import Member
 from openrooms_usd.render.scene.lights import LightRecord
-from openrooms_usd.usd import layers
+from openrooms_usd.usd.files import layers
 
 LIGHTMAPS: Final = "Lightmaps"
 SCALE_OFFSET: Final = "primvars:openrooms:lightmap:scaleOffset"

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
-from openrooms_usd.usd.lights import MeshLight, read_lights
-from openrooms_usd.usd.materialreader import read_preview_surface
-from openrooms_usd.usd.materials import bound_material, bound_subsets
-from openrooms_usd.usd.meshes import LEFT_OUTSIDE, PlacedMesh, is_outside, read_meshes
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.light.lights import MeshLight, read_lights
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shapes.meshes import LEFT_OUTSIDE, PlacedMesh, is_outside, read_meshes
 
 _EMITS: Final = "it emits light"
 _CLEAR: Final = "light passes straight through it"

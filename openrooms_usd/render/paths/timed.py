@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.cameras import FLIP
-from openrooms_usd.usd.frames import local_to_world, world_from_stage
+from openrooms_usd.usd.places.frames import local_to_world, world_from_stage
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.render.scene.pictures import Array, Value
 from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.render.scene.triangles import Floats, Triangles
-from openrooms_usd.usd.lights import Portal
-from openrooms_usd.usd.meshes import is_outside
-from openrooms_usd.usd.profiles import Shaping
+from openrooms_usd.usd.light.lights import Portal
+from openrooms_usd.usd.light.profiles import Shaping
+from openrooms_usd.usd.shapes.meshes import is_outside
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from typing import Final
 
 from pxr import Usd, UsdGeom
 
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_resolution
 
 DEFAULT_RESOLUTION: Final = (640, 480)

@@ -21,8 +21,8 @@ from openrooms_usd.render.scene.pictures import (
     placed,
 )
 from openrooms_usd.render.scene.wrapping import framed
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
-from openrooms_usd.usd.textures import read_codes
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.shading.textures import read_codes
 
 _OPAQUE_CODE: Final = 255
 

@@ -13,8 +13,8 @@ from openrooms_usd.render.scene.instances import Instances, joined
 from openrooms_usd.render.scene.pictures import Array, Value
 from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.render.scene.triangles import Floats, Ints, Triangles
-from openrooms_usd.usd.meshes import PlacedMesh, TriangleMesh
-from openrooms_usd.usd.profiles import Shaping
+from openrooms_usd.usd.light.profiles import Shaping
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 
 # Where instances save fewer triangles than these in all, they are expanded: plain triangles are
 # looked up faster, and in a room they cost little.

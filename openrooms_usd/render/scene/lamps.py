@@ -19,7 +19,7 @@ from openrooms_usd.render.scene.pictures import (
 )
 from openrooms_usd.render.scene.surfaces import Surface
 from openrooms_usd.render.scene.triangles import Floats, Triangles
-from openrooms_usd.usd.lights import (
+from openrooms_usd.usd.light.lights import (
     CylinderLight,
     DiskLight,
     DistantLight,
@@ -28,9 +28,9 @@ from openrooms_usd.usd.lights import (
     RectLight,
     SphereLight,
 )
-from openrooms_usd.usd.meshes import FARTHEST_M
-from openrooms_usd.usd.surfaces import Texture
-from openrooms_usd.usd.textures import color_space, read_texture
+from openrooms_usd.usd.shading.surfaces import Texture
+from openrooms_usd.usd.shading.textures import color_space, read_texture
+from openrooms_usd.usd.shapes.meshes import FARTHEST_M
 
 # Facets around a round light: even, so that its outline is symmetric.
 _FACETS_AROUND: Final = 48

@@ -11,7 +11,7 @@ from openrooms_usd.render.scene.first_hits import Hits
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.cameras import PinholeCamera
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 
 # What stands this near behind a rectangle belongs to the opening: its frame, its sill. Metres.
 _REVEAL_DEPTH: Final = 0.5

@@ -15,8 +15,8 @@ from openrooms_usd.render.scene.pictures import Array, Picture, evaluate
 from openrooms_usd.render.scene.sources import Source
 from openrooms_usd.render.scene.surroundings import Surroundings, panorama, passing, surroundings
 from openrooms_usd.render.scene.window_fit import fit
-from openrooms_usd.usd.emitters import world_from_prim
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.light.emitters import world_from_prim
+from openrooms_usd.usd.places.frames import TIME
 
 # Places on each triangle of a textured lamp whose mean is taken, to a side.
 _PLACES_A_SIDE: Final = 8

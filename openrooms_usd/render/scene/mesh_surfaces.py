@@ -12,15 +12,15 @@ from openrooms_usd.render.scene.painted import Paint, paint, paint_over
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.triangles import Floats
-from openrooms_usd.usd.materialreader import BARE, read_preview_surface
-from openrooms_usd.usd.materials import (
+from openrooms_usd.usd.shading.materialreader import BARE, read_preview_surface
+from openrooms_usd.usd.shading.materials import (
     Part,
     bound_materials,
     material_key,
     parts_by_material,
 )
-from openrooms_usd.usd.meshes import PlacedMesh, TriangleMesh
-from openrooms_usd.usd.surfaces import PreviewSurface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 
 Parts = list[Part]
 

@@ -8,7 +8,7 @@ import numpy as np
 from openrooms_usd.render.scene.arrays import Patch, Scene
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.surfaces import Surface
-from openrooms_usd.usd.surfaces import f0_of
+from openrooms_usd.usd.shading.surfaces import f0_of
 
 Model = Literal["auto", "openrooms", "preview"]
 """How surfaces reflect: as each material says, all by OpenRooms' microfacet model, or all as

@@ -12,8 +12,8 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.render.scene.pictures import Picture, Value
 from openrooms_usd.render.scene.surfaces import CLEAR, Surface
 from openrooms_usd.usd.arrays import array_of, flattened
-from openrooms_usd.usd.meshes import PlacedMesh
-from openrooms_usd.usd.surfaces import PreviewSurface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface
+from openrooms_usd.usd.shapes.meshes import PlacedMesh
 
 # So many blocks of two texels by two are as many as fit into a picture of 4096 by 4096.
 _MOST_TRIANGLES: Final = 2048**2

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.scene.wrapping import framed
-from openrooms_usd.usd.surfaces import Texture
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.shading.surfaces import Texture
+from openrooms_usd.usd.shading.textures import read_texture
 
 Array = NDArray[np.float64]
 Limits = tuple[float, float]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 
 ELSEWHERE: Final = "elsewhere"
 GRAZING_COS: Final = 1e-6

@@ -14,8 +14,8 @@ from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.render.scene.codes import Known, load_picture
 from openrooms_usd.render.scene.pictures import MAX_SIDE, Array, Limits, Picture, Value
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture, ior_of
-from openrooms_usd.usd.textures import texture_size
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, ior_of
+from openrooms_usd.usd.shading.textures import texture_size
 
 _UNIT_RANGE: Final = (0.0, 1.0)
 _POSITIVE_RANGE: Final = (0.0, math.inf)

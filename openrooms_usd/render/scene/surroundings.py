@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.render.scene.arrays import Environment, Scene, Sun
 from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 
 # Rows that a constant picture is made of, and what stands out from a picture: its sun.
 _ROWS_OF_CONSTANT: Final = 32

@@ -20,9 +20,8 @@ from openrooms_usd.render.scene.pictures import Value
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.render.scene.surroundings import summed
 from openrooms_usd.render.scene.unseen import report_unseen
-from openrooms_usd.usd.frames import odd_frame
-from openrooms_usd.usd.lightreader import LightLinks
-from openrooms_usd.usd.lights import (
+from openrooms_usd.usd.light.lightreader import LightLinks
+from openrooms_usd.usd.light.lights import (
     CylinderLight,
     DiskLight,
     DistantLight,
@@ -35,9 +34,10 @@ from openrooms_usd.usd.lights import (
     read_lights,
     read_portals,
 )
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
-from openrooms_usd.usd.profiles import Shaping
+from openrooms_usd.usd.light.profiles import Shaping
+from openrooms_usd.usd.places.frames import odd_frame
 from openrooms_usd.usd.rendersettings import asked_purposes
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 
 _BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
 # A lamp by itself; one that stands for the pixels of a screen has a body behind it.

@@ -7,7 +7,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.convert import Report
 from openrooms_usd.usd import mapping
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
 
 _PURPOSE: Final = "its purpose is"

@@ -17,7 +17,7 @@ from openrooms_usd.render.scene.lights import Gaussian
 from openrooms_usd.render.scene.pictures import Array
 from openrooms_usd.render.scene.surroundings import Surroundings, cells_of, sums_by
 from openrooms_usd.render.scene.window_lobes import Lit, fitted
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 
 # The fit looks at pictures with this many rows.
 _FITTED_ROWS: Final = 32

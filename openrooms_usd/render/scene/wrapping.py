@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.shading.surfaces import Texture
 
 _ENDING: Final = frozenset({"clamp", "black"})
 _GOING_ON: Final = frozenset({"repeat", "mirror"})

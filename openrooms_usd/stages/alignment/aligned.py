@@ -20,7 +20,7 @@ from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
 from openrooms_usd.stages.alignment.poses import author_pose
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.frames import gf_matrix
+from openrooms_usd.usd.places.frames import gf_matrix
 
 Array: TypeAlias = NDArray[np.float64]
 

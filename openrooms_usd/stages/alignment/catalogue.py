@@ -21,8 +21,8 @@ from openrooms_usd.furniture import (
     styles,
 )
 from openrooms_usd.library.assets import Asset, Model, model_of, read_asset
-from openrooms_usd.library.meshfile import read_model
-from openrooms_usd.library.posture import Usual
+from openrooms_usd.library.models.meshfile import read_model
+from openrooms_usd.library.models.posture import Usual
 from openrooms_usd.stages.base import StageContext, file_digest
 
 # What every piece of furniture runs, beside its category's module.

@@ -8,7 +8,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
 from openrooms_usd.geometry.rotations import about_z, pose, tilted
-from openrooms_usd.usd.frames import TIME, matrix
+from openrooms_usd.usd.places.frames import TIME, matrix
 
 Array: TypeAlias = NDArray[np.float64]
 

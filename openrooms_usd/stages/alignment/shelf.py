@@ -16,7 +16,7 @@ from openrooms_usd.furniture.record import UNLABELED
 from openrooms_usd.furniture.registry import records
 from openrooms_usd.furniture.words import category_of, library_words, named_in, plain
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.library.cads import Cad, folder_cads, furniture_cads, merged
+from openrooms_usd.library.models.cads import Cad, folder_cads, furniture_cads, merged
 from openrooms_usd.names import SHELL
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.models.cad import CadModel, Up

@@ -34,7 +34,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, Order, Size, category, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.library.assets import Asset, publish
-from openrooms_usd.library.meshfile import dependencies
+from openrooms_usd.library.models.meshfile import dependencies
 from openrooms_usd.stages.alignment.aligned import (
     apply_schema,
     author_aligned,
@@ -66,7 +66,7 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.threads import mapped
 from openrooms_usd.untrusted import check_path
-from openrooms_usd.usd.layers import is_off
+from openrooms_usd.usd.files.layers import is_off
 
 ASSETS: Final = "assets"
 _TYPES: Final = Sdf.ValueTypeNames

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.usd.frames import TIME, local_to_world, matrix
-from openrooms_usd.usd.partitions import read_partitions
+from openrooms_usd.usd.places.frames import TIME, local_to_world, matrix
+from openrooms_usd.usd.places.partitions import read_partitions
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -20,9 +20,9 @@ from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.viewpoints import photographers_views
 from openrooms_usd.geometry.views import sample_views, select_views
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.frames import TIME, local_to_world
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes, world_triangles
+from openrooms_usd.usd.places.frames import TIME, local_to_world
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes, world_triangles
 
 Array = NDArray[np.float64]
 

@@ -42,10 +42,10 @@ from openrooms_usd.stages.cameras.photographs import (
 from openrooms_usd.stages.cameras.selection import Selection
 from openrooms_usd.stages.captures import capture_inputs, captured_section
 from openrooms_usd.usd.cameras import define_camera, exposure_of_ev100
-from openrooms_usd.usd.emitters import flux_share, world_area
-from openrooms_usd.usd.frames import Z_UP_FROM_Y_UP
-from openrooms_usd.usd.lights import DomeLight, MeshLight, read_lights, read_portals
-from openrooms_usd.usd.textures import read_texture
+from openrooms_usd.usd.light.emitters import flux_share, world_area
+from openrooms_usd.usd.light.lights import DomeLight, MeshLight, read_lights, read_portals
+from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP
+from openrooms_usd.usd.shading.textures import read_texture
 
 Array = NDArray[np.float64]
 

@@ -23,9 +23,9 @@ from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.joinery import author_mesh
 from openrooms_usd.stages.layout.openings import Cut
-from openrooms_usd.usd.emitters import nits_from_lumen, world_area
-from openrooms_usd.usd.frames import author_placement
-from openrooms_usd.usd.lights import define_mesh_light
+from openrooms_usd.usd.light.emitters import nits_from_lumen, world_area
+from openrooms_usd.usd.light.lights import define_mesh_light
+from openrooms_usd.usd.places.frames import author_placement
 from openrooms_usd.usd.semantics import label
 
 Array = NDArray[np.float64]

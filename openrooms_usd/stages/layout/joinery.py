@@ -18,10 +18,10 @@ from openrooms_usd.geometry.windows import BOARD, EMBED, NOSE, Window, bar, wind
 from openrooms_usd.library.timber import follow_grain
 from openrooms_usd.stages.layout.openings import Cut
 from openrooms_usd.stages.layout.trim import REVEAL_M, Finish, has_board
-from openrooms_usd.usd.frames import author_placement
-from openrooms_usd.usd.meshes import define_mesh
-from openrooms_usd.usd.physics import author_joint
+from openrooms_usd.usd.places.frames import author_placement
 from openrooms_usd.usd.semantics import label, label_part
+from openrooms_usd.usd.shading.physics import author_joint
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 # How far a sill board reaches beyond casings, metres.
 _BESIDE_CASING_M: Final = 0.02

@@ -29,7 +29,7 @@ from openrooms_usd.stages.layout.joinery import author_mesh, author_opening, set
 from openrooms_usd.stages.layout.openings import Cut, captured_cuts, described_cuts
 from openrooms_usd.stages.layout.trim import Built, Finish, trim_meshes
 from openrooms_usd.stages.reports import keep_overlay, keep_report
-from openrooms_usd.usd.frames import gf_matrix
+from openrooms_usd.usd.places.frames import gf_matrix
 
 _TYPES = Sdf.ValueTypeNames
 Array = NDArray[np.float64]

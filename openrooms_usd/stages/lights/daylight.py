@@ -11,18 +11,18 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.codedigest import code_digest, library_versions
 from openrooms_usd.description.lights import OutsideEnvironment, SkyEnvironment
-from openrooms_usd.library.environments import horizontal_illuminance
-from openrooms_usd.library.outside import outside_panorama
-from openrooms_usd.library.outside.site import Site
 from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.library.sky import Air, daylight
-from openrooms_usd.library.skycache import cached_picture
-from openrooms_usd.library.sunlight import sun_position
+from openrooms_usd.library.surroundings.environments import horizontal_illuminance
+from openrooms_usd.library.surroundings.outside import outside_panorama
+from openrooms_usd.library.surroundings.outside.site import Site
+from openrooms_usd.library.surroundings.sky import Air, daylight
+from openrooms_usd.library.surroundings.skycache import cached_picture
+from openrooms_usd.library.surroundings.sunlight import sun_position
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.lights.nearby import author_nearby, site_of
-from openrooms_usd.usd.frames import TIME, local_to_world
-from openrooms_usd.usd.lights import Portal, connect_portals, define_dome, define_portal
-from openrooms_usd.usd.partitions import is_partition
+from openrooms_usd.usd.light.lights import Portal, connect_portals, define_dome, define_portal
+from openrooms_usd.usd.places.frames import TIME, local_to_world
+from openrooms_usd.usd.places.partitions import is_partition
 from openrooms_usd.usd.semantics import read_label
 
 # A leaf that is open by less than this is closed, and lets no light through.

@@ -25,20 +25,26 @@ from openrooms_usd.codedigest import code_digest
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.lights import OutsideEnvironment
 from openrooms_usd.draws import generator
-from openrooms_usd.library.outside.foliage import PLANTS, Grown, lobe
-from openrooms_usd.library.outside.ledges import LOOKS, NET, NET_PASSES, flower_places, ledges
-from openrooms_usd.library.outside.near import Window
-from openrooms_usd.library.outside.panorama import HEIGHT
-from openrooms_usd.library.outside.site import Site
-from openrooms_usd.library.outside.solid import WOOD, Look, Part, Placed, Solid
 from openrooms_usd.library.pictures import write_png
+from openrooms_usd.library.surroundings.outside.foliage import PLANTS, Grown, lobe
+from openrooms_usd.library.surroundings.outside.ledges import (
+    LOOKS,
+    NET,
+    NET_PASSES,
+    flower_places,
+    ledges,
+)
+from openrooms_usd.library.surroundings.outside.near import Window
+from openrooms_usd.library.surroundings.outside.panorama import HEIGHT
+from openrooms_usd.library.surroundings.outside.site import Site
+from openrooms_usd.library.surroundings.outside.solid import WOOD, Look, Part, Placed, Solid
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.frames import author_matrix
-from openrooms_usd.usd.lights import Portal
-from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
-from openrooms_usd.usd.meshes import define_mesh
+from openrooms_usd.usd.light.lights import Portal
+from openrooms_usd.usd.places.frames import author_matrix
 from openrooms_usd.usd.semantics import label
+from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, define_preview_surface
+from openrooms_usd.usd.shapes.meshes import define_mesh
 
 # How often there are flowers at the windows of a room in an upper storey, and screens at any.
 _FLOWERS_SHARE, _SCREENS_SHARE = 0.3, 0.2

@@ -13,12 +13,12 @@ from openrooms_usd.description.lights import Screen
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.library.displays import picture
+from openrooms_usd.library.styles.displays import picture
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.frames import author_matrix
-from openrooms_usd.usd.layers import is_deactivated
-from openrooms_usd.usd.meshes import PlacedMesh, read_meshes
+from openrooms_usd.usd.files.layers import is_deactivated
+from openrooms_usd.usd.places.frames import author_matrix
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 
 Array = NDArray[np.float64]
 

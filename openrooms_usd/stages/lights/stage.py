@@ -31,24 +31,29 @@ from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.furniture import CATEGORIES
-from openrooms_usd.library.beams import BEAMS, beam_profile, lamp_kelvin, profile_text
-from openrooms_usd.library.environments import read_panorama, scaled_to_nits
 from openrooms_usd.library.pictures import write_exr
+from openrooms_usd.library.styles.beams import BEAMS, beam_profile, lamp_kelvin, profile_text
+from openrooms_usd.library.surroundings.environments import read_panorama, scaled_to_nits
 from openrooms_usd.stages.base import StageContext, file_digest
 from openrooms_usd.stages.layout.beyond import author_beyond_lamps
 from openrooms_usd.stages.lights.daylight import author_portals, author_sky
 from openrooms_usd.stages.lights.screens import author_screens
 from openrooms_usd.untrusted import read_text
-from openrooms_usd.usd.emitters import flux_share, nits_from_lumen, world_area, world_from_prim
-from openrooms_usd.usd.frames import TIME, UPRIGHT, is_upright
-from openrooms_usd.usd.layers import is_deactivated
-from openrooms_usd.usd.lightreader import read_light
-from openrooms_usd.usd.lights import define_dome, define_mesh_light
-from openrooms_usd.usd.materialreader import preview_shader
-from openrooms_usd.usd.materials import bound_material
-from openrooms_usd.usd.profiles import Profile, parse_profile, shaping
+from openrooms_usd.usd.files.layers import is_deactivated
+from openrooms_usd.usd.light.emitters import (
+    flux_share,
+    nits_from_lumen,
+    world_area,
+    world_from_prim,
+)
+from openrooms_usd.usd.light.lightreader import read_light
+from openrooms_usd.usd.light.lights import define_dome, define_mesh_light
+from openrooms_usd.usd.light.profiles import Profile, parse_profile, shaping
+from openrooms_usd.usd.light.shaping import define_shaping
+from openrooms_usd.usd.places.frames import TIME, UPRIGHT, is_upright
 from openrooms_usd.usd.semantics import read_label
-from openrooms_usd.usd.shaping import define_shaping
+from openrooms_usd.usd.shading.materialreader import preview_shader
+from openrooms_usd.usd.shading.materials import bound_material
 
 # Of a lamp of an unknown category.
 _DEFAULT_LUMEN: Final = 800.0

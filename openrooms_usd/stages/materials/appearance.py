@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import linear_from_srgb
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture
-from openrooms_usd.usd.textures import read_codes, read_texture
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.textures import read_codes, read_texture
 
 Color = tuple[float, float, float]
 Field = NDArray[np.floating]

@@ -15,11 +15,11 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library import textures
-from openrooms_usd.library.assignment.annotations import Annotation, read_annotation
-from openrooms_usd.library.assignment.rooms import Place, surface_of
-from openrooms_usd.library.assignment.weights import Weights, drawn
-from openrooms_usd.library.ensembles import Ensemble, ensemble_of
-from openrooms_usd.library.finishes import (
+from openrooms_usd.library.styles.assignment.annotations import Annotation, read_annotation
+from openrooms_usd.library.styles.assignment.rooms import Place, surface_of
+from openrooms_usd.library.styles.assignment.weights import Weights, drawn
+from openrooms_usd.library.styles.ensembles import Ensemble, ensemble_of
+from openrooms_usd.library.styles.finishes import (
     FINISHES,
     GENERIC,
     Finish,
@@ -27,11 +27,11 @@ from openrooms_usd.library.finishes import (
     furniture_families,
     suite_of,
 )
-from openrooms_usd.library.interiors import INTERIORS
+from openrooms_usd.library.styles.interiors import INTERIORS
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.looks import Dressed, Part, parts_of
 from openrooms_usd.stages.materials.palette import Swatch
-from openrooms_usd.usd.layers import is_deactivated
+from openrooms_usd.usd.files.layers import is_deactivated
 from openrooms_usd.usd.semantics import read_label
 
 ALL: Final = "all"

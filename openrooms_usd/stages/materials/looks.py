@@ -23,12 +23,12 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.library.assignment.kinds import kind_of
+from openrooms_usd.library.styles.assignment.kinds import kind_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette, Swatch
-from openrooms_usd.usd.layers import apply_metadata, export
-from openrooms_usd.usd.materials import bound_material, bound_subsets
+from openrooms_usd.usd.files.layers import apply_metadata, export
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
 
 LOOKS: Final = "looks"
 VARIANT_SET: Final = names.LOOK

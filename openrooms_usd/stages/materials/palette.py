@@ -18,9 +18,9 @@ from openrooms_usd.library.ownmaterials import OwnMaterial, publish, read_materi
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.appearance import Appearance, Color, appearance_of
 from openrooms_usd.threads import mapped
-from openrooms_usd.usd import physics
-from openrooms_usd.usd.materials import PreviewSurface, Texture, define_preview_surface
-from openrooms_usd.usd.surfaces import NORMAL_BIAS, NORMAL_SCALE
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, define_preview_surface
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE
 
 # Soda-lime glass (M. Rubin, Solar Energy Materials 12, 1985).
 _GLASS_IOR: Final = 1.52

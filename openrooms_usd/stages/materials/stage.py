@@ -17,10 +17,10 @@ from openrooms_usd.description.materials import Look
 from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.library.assignment.annotations import files_of as annotation_files
-from openrooms_usd.library.assignment.rooms import Place, families_of
-from openrooms_usd.library.finishes import UNKNOWN, furniture_families
 from openrooms_usd.library.ownmaterials import files_of as material_files
+from openrooms_usd.library.styles.assignment.annotations import files_of as annotation_files
+from openrooms_usd.library.styles.assignment.rooms import Place, families_of
+from openrooms_usd.library.styles.finishes import UNKNOWN, furniture_families
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.dressing import Chooser, Dresser, check_names, read_annotations
 from openrooms_usd.stages.materials.looks import (
@@ -31,9 +31,9 @@ from openrooms_usd.stages.materials.looks import (
     variant,
 )
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette, Swatch
-from openrooms_usd.usd.layers import is_deactivated
-from openrooms_usd.usd.materials import bound_material
+from openrooms_usd.usd.files.layers import is_deactivated
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materials import bound_material
 
 _BINDING_API: Final = "MaterialBindingAPI"
 # The material of each surface, by its path.

@@ -12,7 +12,6 @@ from openrooms_usd.stages.materials.looks import VARIANT_SET
 from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.colliders import AssetColliders, LinkColliders
 from openrooms_usd.stages.physics.parts import Solid, Substance
-from openrooms_usd.usd import physics
 from openrooms_usd.usd.bodies import (
     Motion,
     author_articulation,
@@ -24,7 +23,8 @@ from openrooms_usd.usd.bodies import (
     define_joint,
     keep_apart,
 )
-from openrooms_usd.usd.physics import MaterialPhysics
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.physics import MaterialPhysics
 
 SCOPE: Final = "Physics"
 COLLIDERS: Final = "Colliders"

@@ -32,7 +32,7 @@ from openrooms_usd.stages.physics.colliders import AssetColliders, colliders_of
 from openrooms_usd.stages.physics.parts import looks_of, read_links
 from openrooms_usd.threads import mapped
 from openrooms_usd.usd.bodies import frame_and_scale
-from openrooms_usd.usd.frames import TIME
+from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.semantics import read_label
 
 Array = NDArray[np.float64]

@@ -11,12 +11,12 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.stages.materials.looks import VARIANT_SET
-from openrooms_usd.usd import physics
-from openrooms_usd.usd.frames import TIME, matrix
-from openrooms_usd.usd.gprims import read_surface
-from openrooms_usd.usd.materials import bound_material
-from openrooms_usd.usd.physics import MaterialPhysics
+from openrooms_usd.usd.places.frames import TIME, matrix
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.materials import bound_material
+from openrooms_usd.usd.shading.physics import MaterialPhysics
+from openrooms_usd.usd.shapes.gprims import read_surface
 
 Array = NDArray[np.float64]
 

@@ -23,9 +23,9 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.furniture import registry
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.library.assignment.kinds import kind_of
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.library.friction.references import SUBSTANCES
+from openrooms_usd.library.styles.assignment.kinds import kind_of
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.panels import panel_pieces, slab_hull
 from openrooms_usd.stages.base import StageContext
@@ -43,9 +43,9 @@ from openrooms_usd.stages.physics.colliders import (
 from openrooms_usd.stages.physics.objects import Objects, search_colliders
 from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
 from openrooms_usd.usd.bodies import define_scene
-from openrooms_usd.usd.layers import apply_metadata, export, is_deactivated, split_arrays
-from openrooms_usd.usd.materialreader import read_preview_surface
+from openrooms_usd.usd.files.layers import apply_metadata, export, is_deactivated, split_arrays
 from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
 
 BODIES: Final = "bodies"
 # A floor and a ceiling are treated as convex: no seam stops sliding objects, and nothing is beyond.

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd.physics.world import STANDARD_GRAVITY
 from openrooms_usd.usd.bodies import frame_and_scale
-from openrooms_usd.usd.frames import TIME, matrix, meters_per_unit, world_from_stage
+from openrooms_usd.usd.places.frames import TIME, matrix, meters_per_unit, world_from_stage
 
 Array = NDArray[np.float64]
 

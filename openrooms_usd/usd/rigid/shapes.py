@@ -17,11 +17,11 @@ from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.decomposition import collision_shapes
 from openrooms_usd.physics.hulls import MOST_VERTICES, convex_hull, half_spaces
 from openrooms_usd.physics.world import Contact, Shape, Visual
-from openrooms_usd.usd import physics
-from openrooms_usd.usd.gprims import read_surface
-from openrooms_usd.usd.materials import bound_material, bound_subsets
-from openrooms_usd.usd.meshes import PlacedMesh
 from openrooms_usd.usd.rigid.frames import Frames
+from openrooms_usd.usd.shading import physics
+from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
+from openrooms_usd.usd.shapes.gprims import read_surface
+from openrooms_usd.usd.shapes.meshes import PlacedMesh
 
 Array = NDArray[np.float64]
 Loss = tuple[str, Literal["approximated", "skipped"], str]

@@ -16,7 +16,7 @@ from openrooms_usd.render.scene import surfaces
 from openrooms_usd.render.scene.codes import load_picture
 from openrooms_usd.render.scene.pictures import Picture, load
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.surfaces import Texture
+from openrooms_usd.usd.shading.surfaces import Texture
 from tests import small
 from tests.small import square
 

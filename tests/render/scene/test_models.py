@@ -6,8 +6,8 @@ from pxr import Gf, Usd, UsdGeom, UsdShade
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import MODELS, Model, with_model
 from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.usd.materials import define_preview_surface
-from openrooms_usd.usd.surfaces import PreviewSurface, ior_of
+from openrooms_usd.usd.shading.materials import define_preview_surface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, ior_of
 
 LOOKS = {
     "Ours": PreviewSurface(f0=0.05, ior=ior_of(0.05)),

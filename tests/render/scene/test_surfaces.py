@@ -9,7 +9,7 @@ import pytest
 
 from openrooms_usd.render.scene.pictures import Picture
 from openrooms_usd.render.scene.surfaces import Surface, SurfaceReader
-from openrooms_usd.usd.surfaces import PreviewSurface, Texture, f0_of
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, f0_of
 
 
 def read(**inputs: Any) -> Surface:

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from openrooms_usd.library.sky import Air, daylight, sun_direction
-from openrooms_usd.library.sunlight import SunPosition
+from openrooms_usd.library.surroundings.sky import Air, daylight, sun_direction
+from openrooms_usd.library.surroundings.sunlight import SunPosition
 from openrooms_usd.render.scene.lights import Gaussian
-from openrooms_usd.usd.lights import Portal
+from openrooms_usd.usd.light.lights import Portal
 
 Array = NDArray[np.float64]
 # The picture's upper edge is the world's up, its middle looks along -Y.

@@ -1,0 +1,182 @@
+"""Pieces of foreign models: what a reader gives, and how it is mended."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.normals import face_vectors, with_normals
+from openrooms_usd.geometry.triangulation import triangulate
+from openrooms_usd.geometry.vectors import UP, unit
+
+if TYPE_CHECKING:
+    from openrooms_usd.usd.shading.materials import PreviewSurface
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One named part of a foreign model, in the file's own frame and unit.
+
+    Attributes:
+        title: Its name in the file.
+        mesh: Its polygons.
+        surface: The material that the file gives it.
+        link: The moving part that it belongs to; empty for what does not move.
+        material: What the file calls its material; empty where it does not.
+    """
+
+    title: str
+    mesh: Mesh
+    surface: "PreviewSurface | None" = None
+    link: str = ""
+    material: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class ForeignJoint:
+    """How a part of a foreign model moves, in the file's own frame.
+
+    Attributes:
+        link: The part.
+        kind: ``hinge`` turns about the axis, ``rail`` slides along it.
+        origin: (3,) a point of the axis.
+        axis: (3,) unit vector; hinges turn counter-clockwise about it.
+        limits: The range from how it is built: degrees, or the file's unit.
+    """
+
+    link: str
+    kind: Literal["hinge", "rail"]
+    origin: NDArray[np.float64]
+    axis: NDArray[np.float64]
+    limits: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What a reader found in a file.
+
+    Attributes:
+        pieces: The parts, in the file's own frame and unit.
+        notes: What was left out, one sentence each.
+        up: The up axis that the file states, or that its format has.
+        unit: Metres for one unit, likewise.
+        licence: The terms that the file states; empty where it states none.
+        front: Where its front looks once the up axis is turned to Z, as its format has it.
+        joints: How parts of it move.
+    """
+
+    pieces: Sequence[Piece]
+    notes: Sequence[str] = ()
+    up: Literal["Y", "Z"] = "Y"
+    unit: float = 1.0
+    licence: str = ""
+    front: Literal["+X", "-X", "+Y", "-Y"] = "-Y"
+    joints: Sequence[ForeignJoint] = ()
+
+
+def is_textured(surface: "PreviewSurface | None") -> bool:
+    """Whether a surface looks up texture coordinates."""
+    from openrooms_usd.usd.shading.materials import Texture
+
+    return surface is not None and any(isinstance(v, Texture) for v in vars(surface).values())
+
+
+def mended(mesh: Mesh) -> Mesh | None:
+    """A mesh that is fit for use: triangles with an area, shared points, outward unit normals.
+
+    Points at the same place become one; faces whose normals all look the other way are turned
+    round; normals that are missing, zero or on the wrong side of their face are computed.
+
+    Returns:
+        The mended mesh; None when no face has an area.
+    """
+    corners, _ = triangulate(mesh.points, mesh.counts, mesh.indices)
+    if not len(corners):
+        return None
+    flat = corners.reshape(-1)
+    used, index = np.unique(mesh.points[mesh.indices[flat]], axis=0, return_inverse=True)
+    triangles = Mesh(
+        points=used,
+        counts=np.full(len(corners), 3, dtype=np.int32),
+        indices=index.reshape(-1).astype(np.int32),
+        normals=None if mesh.normals is None else mesh.normals[flat],
+        st=None if mesh.st is None else mesh.st[flat],
+    )
+    return _with_sound_normals(_without_repeats(triangles))
+
+
+def _without_repeats(mesh: Mesh) -> Mesh:
+    """Drop triangles that lost a corner to welding, repeat another or have no area."""
+    triangles = mesh.indices.reshape(-1, 3)
+    distinct = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    distinct &= np.linalg.norm(face_vectors(mesh), axis=1) > 0.0
+    _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    once = np.zeros(len(triangles), dtype=np.bool_)
+    once[first] = True
+    return _kept(mesh, distinct & once)
+
+
+def _kept(mesh: Mesh, faces: NDArray[np.bool_]) -> Mesh:
+    """The chosen triangles and the points that they use."""
+    corners = np.repeat(faces, 3)
+    used, indices = np.unique(mesh.indices[corners], return_inverse=True)
+    return Mesh(
+        points=mesh.points[used],
+        counts=mesh.counts[faces],
+        indices=indices.reshape(-1).astype(np.int32),
+        normals=None if mesh.normals is None else mesh.normals[corners],
+        st=None if mesh.st is None else mesh.st[corners],
+    )
+
+
+def _with_sound_normals(mesh: Mesh) -> Mesh | None:
+    if not len(mesh.counts):
+        return None
+    if mesh.normals is None:
+        return with_normals(mesh)
+    facing = _facing(mesh, mesh.normals)
+    turned = (facing.reshape(-1, 3) < 0.0).all(axis=1)
+    rows = np.arange(len(mesh.indices)).reshape(-1, 3)
+    rows[turned] = rows[turned][:, ::-1]
+    order = rows.reshape(-1)
+    mesh = replace(
+        mesh,
+        indices=mesh.indices[order],
+        normals=mesh.normals[order],
+        st=None if mesh.st is None else mesh.st[order],
+    )
+    assert mesh.normals is not None
+    computed = with_normals(mesh).normals
+    assert computed is not None
+    sound = _facing(mesh, mesh.normals) > 0.0
+    length = np.linalg.norm(mesh.normals, axis=1)
+    sound &= np.isfinite(length) & (length > 0.0)
+    normals = np.where(sound[:, None], mesh.normals, computed)
+    return replace(mesh, normals=unit(normals.astype(np.float64), UP).astype(np.float32))
+
+
+def _facing(mesh: Mesh, normals: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(K,) positive where a corner's normal is on the outer side of its face."""
+    vectors = np.repeat(face_vectors(mesh), mesh.counts, axis=0)
+    facing = np.einsum("ij,ij->i", vectors, np.nan_to_num(normals.astype(np.float64)))
+    return np.asarray(facing, dtype=np.float64)
+
+
+def prim_names(titles: Sequence[str]) -> list[str]:
+    """A valid, unique prim name for every title, in order; numbers come after the name."""
+    names: list[str] = []
+    used: set[str] = set()
+    for title in titles:
+        plain = "".join(c if c.isascii() and c.isalnum() else "_" for c in title).strip("_")[:64]
+        name = plain or "part"
+        name = f"_{name}" if name[0].isdigit() else name
+        number, unique = 0, name
+        while unique in used:
+            number += 1
+            unique = f"{name}_{number}"
+        used.add(unique)
+        names.append(unique)
+    return names

@@ -1,0 +1,248 @@
+"""Reads OBJ files: groups and materials as pieces, polygons kept, MTL constants and pictures."""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd import untrusted
+from openrooms_usd.errors import InputError
+from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.library.models.pieces import Piece, Reading
+
+if TYPE_CHECKING:
+    from openrooms_usd.usd.shading.materials import PreviewSurface, Texture
+
+Corner = tuple[int, int | None, int | None]
+
+# Folders beside a model's own that may hold its pictures.
+_PICTURE_FOLDERS: Final = ("images", "textures", "texture")
+
+
+@dataclass
+class _Obj:
+    """A file that is being read: vertices so far, and corners by (group, material)."""
+
+    path: Path
+    v: list[list[float]] = field(default_factory=list)
+    vt: list[list[float]] = field(default_factory=list)
+    vn: list[list[float]] = field(default_factory=list)
+    faces: dict[tuple[str, str], list[list[Corner]]] = field(default_factory=dict)
+    libraries: list[str] = field(default_factory=list)
+    group: str = ""
+    material: str = ""
+
+
+def read_obj(path: Path) -> Reading:
+    """Read an OBJ file.
+
+    Args:
+        path: The file. Material libraries and pictures are only looked for below its folder.
+
+    Returns:
+        One piece for each group and material.
+
+    Raises:
+        InputError: It is no OBJ file, or a face names a vertex that does not exist.
+    """
+    obj = _Obj(path)
+    for number, words in _lines(path):
+        try:
+            _statement(obj, words)
+        except (ValueError, IndexError) as error:
+            raise InputError(
+                f"not a valid OBJ statement: {' '.join(words)[:60]!r} ({error})",
+                place=f"{path}:{number}",
+                remedy="export the mesh again",
+            ) from error
+    notes: list[str] = []
+    surfaces = _read_libraries(obj, notes)
+    groups = Counter(group for group, _ in obj.faces)
+    pieces = [
+        Piece(
+            f"{group}_{material}" if groups[group] > 1 and material else group or path.stem,
+            _mesh(obj, corners),
+            surfaces.get(material),
+            material=material,
+        )
+        for (group, material), corners in obj.faces.items()
+    ]
+    return Reading(pieces, notes)
+
+
+def libraries_of(path: Path) -> Iterator[Path]:
+    """The material libraries of an OBJ file and their pictures, as far as they are read."""
+    text = untrusted.read_text(path, "model")
+    for line in re.findall(r"^[ \t]*mtllib[ \t]+([^#\n]+)", text, re.MULTILINE):
+        library = beside(path, " ".join(line.split()), [])
+        if library is not None:
+            yield library
+            pictures = (words[-1] for _, words in _lines(library) if words[0] == "map_Kd")
+            yield from filter(None, (beside(library, name, []) for name in pictures))
+
+
+def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Statements with their line numbers; comments dropped, continued lines joined."""
+    pending = ""
+    text = untrusted.read_text(path, "model")
+    for number, line in enumerate(text.split("\n"), start=1):
+        joined = pending + line.partition("#")[0].strip()
+        if joined.endswith("\\"):
+            pending = joined[:-1] + " "
+            continue
+        pending = ""
+        if joined:
+            yield number, joined.split()
+
+
+def _statement(obj: _Obj, words: list[str]) -> None:
+    match words[0]:
+        case "v":
+            x, y, z = (float(word) for word in words[1:4])
+            obj.v.append([x, y, z])
+        case "vt":
+            obj.vt.append([float(word) for word in [*words[1:3], "0"][:2]])
+        case "vn":
+            x, y, z = (float(word) for word in words[1:4])
+            obj.vn.append([x, y, z])
+        case "f":
+            face = [_corner(obj, word) for word in words[1:]]
+            if len(face) < 3:
+                raise ValueError("a face needs three corners")
+            obj.faces.setdefault((obj.group, obj.material), []).append(face)
+        case "g" | "o":
+            obj.group = " ".join(words[1:])
+        case "usemtl":
+            obj.material = " ".join(words[1:])
+        case "mtllib":
+            obj.libraries.append(" ".join(words[1:]))
+
+
+def _corner(obj: _Obj, word: str) -> Corner:
+    fields = [*word.split("/"), "", ""]
+    v = _index(fields[0], len(obj.v))
+    if v is None:
+        raise ValueError("a corner without a vertex")
+    return v, _index(fields[1], len(obj.vt)), _index(fields[2], len(obj.vn))
+
+
+def _index(text: str, count: int) -> int | None:
+    """OBJ counts from 1, and backwards from the last with negative numbers."""
+    if not text:
+        return None
+    number = int(text)
+    index = number - 1 if number > 0 else count + number
+    if number == 0 or not 0 <= index < count:
+        raise ValueError(f"index {number} of {count}")
+    return index
+
+
+def _mesh(obj: _Obj, faces: list[list[Corner]]) -> Mesh:
+    corners = [corner for face in faces for corner in face]
+    v = np.array([corner[0] for corner in corners])
+    used, indices = np.unique(v, return_inverse=True)
+    st = [corner[1] for corner in corners]
+    normals = [corner[2] for corner in corners]
+    return Mesh(
+        points=np.array([obj.v[i] for i in used.tolist()], dtype=np.float64),
+        counts=np.array([len(face) for face in faces], dtype=np.int32),
+        indices=indices.astype(np.int32),
+        normals=_gathered(obj.vn, normals),
+        st=_gathered(obj.vt, st),
+    )
+
+
+def _gathered(rows: list[list[float]], indices: list[int | None]) -> NDArray[np.float32] | None:
+    found = [index for index in indices if index is not None]
+    if len(found) < len(indices):
+        return None
+    return np.array([rows[index] for index in found], dtype=np.float32)
+
+
+def _read_libraries(obj: _Obj, notes: list[str]) -> "dict[str, PreviewSurface]":
+    surfaces: dict[str, PreviewSurface] = {}
+    for name in dict.fromkeys(obj.libraries):
+        path = beside(obj.path, name, notes)
+        if path is not None:
+            surfaces |= _read_mtl(path, notes)
+    return surfaces
+
+
+def beside(model: Path, name: str, notes: list[str]) -> Path | None:
+    """A file that a model names, if it lies in or below the model's folder, or one for pictures.
+
+    ShapeNet and PartNet keep the pictures of ``models/model_normalized.obj`` and
+    ``objs/original-1.obj`` in the folder ``images`` beside theirs.
+    """
+    folder = model.parent.resolve()
+    path = folder / name.replace("\\", "/")
+    try:
+        untrusted.check_path(path)
+        path = path.resolve()
+    except (InputError, OSError, RuntimeError):  # links in a circle
+        notes.append(f"{name[:60]!r} cannot be the path of a file and is ignored")
+        return None
+    allowed = [folder, *(folder.parent / beside for beside in _PICTURE_FOLDERS)]
+    if not any(path.is_relative_to(one) for one in allowed):
+        notes.append(f"{name!r} lies outside the model's folder and is ignored")
+        return None
+    if not path.is_file():
+        notes.append(f"{name!r} does not exist")
+        return None
+    return path
+
+
+def _read_mtl(path: Path, notes: list[str]) -> "dict[str, PreviewSurface]":
+    blocks: dict[str, dict[str, list[str]]] = {}
+    block: dict[str, list[str]] = {}
+    for _, words in _lines(path):
+        if words[0] == "newmtl":
+            block = blocks.setdefault(" ".join(words[1:]), {})
+        else:
+            block[words[0]] = words[1:]
+    surfaces = {}
+    for name, values in blocks.items():
+        try:
+            surfaces[name] = _surface(path, values, notes)
+        except (ValueError, IndexError):
+            notes.append(f"the material {name!r} in {path.name} is not valid and is ignored")
+    return surfaces
+
+
+def _surface(path: Path, values: dict[str, list[str]], notes: list[str]) -> "PreviewSurface":
+    """Constants and the diffuse picture; the gloss exponent as GGX roughness.
+
+    Roughness from the Blinn-Phong exponent n: alpha = sqrt(2 / (n + 2)) (Walter et al. 2007),
+    perceptual roughness is its root.
+    """
+    from openrooms_usd.usd.shading.materials import PreviewSurface
+
+    r, g, b = (_clipped(v, 1.0) for v in values.get("Kd", ["0.8"] * 3)[:3])
+    exponent = _clipped(values.get("Ns", ["10"])[0], 1e6)
+    opacity = _clipped(values["d"][-1], 1.0) if "d" in values else 1.0
+    picture = _picture(path, values["map_Kd"][-1], notes) if "map_Kd" in values else None
+    return PreviewSurface(
+        base_color=picture or (r, g, b),
+        roughness=round((2.0 / (exponent + 2.0)) ** 0.25, 4),
+        opacity=opacity,
+    )
+
+
+def _clipped(word: str, most: float) -> float:
+    number = float(word)
+    if not math.isfinite(number):
+        raise ValueError(f"{word} is no number")
+    return min(max(number, 0.0), most)
+
+
+def _picture(path: Path, name: str, notes: list[str]) -> "Texture | None":
+    from openrooms_usd.usd.shading.materials import Texture
+
+    file = beside(path, name, notes)
+    return Texture(str(file), color_space="sRGB") if file else None

@@ -1,0 +1,4 @@
+"""Styles of rooms: finishes, lamps, screens, and which material things are made of.
+
+Modules: `interiors`, `ensembles`, `finishes`, `beams`, `displays`, `assignment`.
+"""
