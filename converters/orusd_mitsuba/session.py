@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.description.rendering import CACHE, REFERENCE, Method
 from openrooms_usd.render import Image, RenderRequest
 from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
-from openrooms_usd.render.contract import GUIDES, ViewProgress
+from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
 from openrooms_usd.render.probes import ProbeRequest
 from openrooms_usd.render.scene.arrays import Scene
 from openrooms_usd.render.scene.models import report_simplified, with_model

@@ -1,7 +1,7 @@
 """How good views are as photographs of a room: its main things whole, deep, nothing in the way.
 
 Each rule is a share between 0 and 1 that a look at the view gives; the score is their product, so
-that one bad fault is enough to come last.
+that one bad fault is enough to come last. `focus_distance` says where such a picture is sharp.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.looks import Look, Rating
+from openrooms_usd.geometry.looks import Look, Rating, Views, look_of
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
 
@@ -68,6 +68,12 @@ _DEEP_SHARE: Final = 0.3
 # A camera stands where people can when at most so much stands on the floor below it, metres.
 _FOOTING_M: Final = 0.2
 _NO_FOOTING_WORTH: Final = 0.4
+
+_RESOLUTION: Final = (80, 60)
+# The middle of a picture, out of its width and height.
+_MIDDLE_SHARE: Final = 0.25
+# Less than this of a picture is nobody's subject.
+_LEAST_SUBJECT_SHARE: Final = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,3 +221,42 @@ def _has_footing(caster: RayCaster, look: Look, floor: float) -> NDArray[np.bool
     eyes = look.views.eyes
     below = caster.first_hit(eyes, np.tile([0.0, 0.0, -1.0], (len(eyes), 1)))
     return np.asarray(~below.hit | (eyes[:, 2] - below.distance < floor + _FOOTING_M))
+
+
+def focus_distance(
+    caster: RayCaster,
+    eye: Array,
+    forward: Array,
+    fov_degrees: float,
+    subjects: Subjects | None = None,
+) -> float:
+    """Metres along the optical axis to what a photographer would focus on; 0 where nothing is.
+
+    Args:
+        caster: The scene.
+        eye: (3,) where the camera stands, metres.
+        forward: (3,) unit viewing direction.
+        fov_degrees: Horizontal field of view.
+        subjects: What the scene is photographed for; the middle of the picture where it shows none.
+    """
+    look = look_of(caster, Views(eye[None], forward[None]), fov_degrees, *_RESOLUTION)
+    depth, seen = look.depth[0], look.seen[0]
+    rows, columns = (
+        slice(round(n * (0.5 - _MIDDLE_SHARE / 2)), round(n * (0.5 + _MIDDLE_SHARE / 2)))
+        for n in depth.shape
+    )
+    middle = np.zeros_like(seen)
+    middle[rows, columns] = True
+    choices = (_of_subject(subjects, look), middle, seen)
+    at = next((seen & choice for choice in choices if (seen & choice).any()), seen)
+    return float(np.median(depth[at])) if at.any() else 0.0
+
+
+def _of_subject(subjects: Subjects | None, look: Look) -> NDArray[np.bool_]:
+    """(H, W) where the picture shows the subject that fills most of it, by its weight."""
+    if subjects is None or not len(subjects.weights):
+        return np.zeros_like(look.seen[0])
+    subject = np.where(look.seen[0], subjects.of_triangle[look.triangles[0]], NO_SUBJECT)
+    share = np.array([(subject == row).mean() for row in range(len(subjects.weights))])
+    worth = np.where(share < _LEAST_SUBJECT_SHARE, 0.0, share * subjects.weights)
+    return np.asarray((subject == worth.argmax()) & (worth.max() > 0.0))

@@ -1,4 +1,4 @@
-"""Subdivision surfaces: polygons refined by Catmull and Clark, by Loop, or bilinearly.
+"""Subdivision surfaces: polygons refined by Catmull and Clark, by Loop, or bilinearly; normals.
 
 Weights are sparse matrices from points to points, so that whatever is carried by points goes the
 same way. Edges and points are sharp by a number, as DeRose, Kass and Truong ("Subdivision Surfaces
@@ -11,7 +11,8 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array, eye_array, vstack
+from scipy.sparse import coo_array, csr_array, diags_array, eye_array, vstack
+from scipy.sparse.csgraph import connected_components
 
 from openrooms_usd.geometry.cages import Cage, Weights, matrix
 
@@ -205,3 +206,35 @@ def _scaled(factors: Array, weights: Weights) -> Weights:
 
 def _rows_sum(weights: Weights) -> Array:
     return np.asarray(weights.sum(axis=1), np.float64).reshape(-1)
+
+
+def smooth_normals(cage: Cage, points: Array) -> Array:
+    """Means of the faces around each point, weighed by area.
+
+    Args:
+        cage: The polygons; edges of any sharpness are sharp.
+        points: (N, 3) their points.
+
+    Returns:
+        (K, 3) unit normals at the corners.
+    """
+    at = points[cage.indices]
+    sides = at[cage.after] - at, at[cage.before] - at
+    own = np.cross(*sides)
+    # Corners that share a point belong together where an edge between them is smooth.
+    smooth = np.flatnonzero(cage.sharpness == 0.0)
+    order = np.argsort(cage.edges, kind="stable")
+    first = np.searchsorted(cage.edges[order], smooth)
+    one, other = order[first], order[first + 1]
+    # The two sides of an edge run against each other in a surface that has one outside.
+    turned = cage.indices[one] == cage.indices[other]
+    ends = np.where(turned, other, cage.after[other]), np.where(turned, cage.after[other], other)
+    rows = np.concatenate([one, cage.after[one]])
+    columns = np.concatenate(ends)
+    count = len(cage.indices)
+    joined = coo_array((np.ones(len(rows)), (rows, columns)), (count, count))
+    _, group = connected_components(joined, directed=False)
+    sums = np.stack([np.bincount(group, own[:, k]) for k in range(3)], axis=1)[group]
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    flat = np.divide(own, np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-300))
+    return np.asarray(np.where(lengths > 0.0, sums / np.maximum(lengths, 1e-300), flat))

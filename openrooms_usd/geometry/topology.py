@@ -1,12 +1,14 @@
-"""How the faces of a mesh hang together: by places, by points and by edges."""
+"""How the faces of a mesh hang together: by places, by points and by edges; equal rows."""
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.rows import distinct_rows
 
 Ints = NDArray[np.int64]
+Indices = NDArray[np.int64]
 
 
 def weld(points: NDArray[np.float64], tolerance: float) -> tuple[Ints, Ints]:
@@ -88,3 +90,23 @@ def is_closed(mesh: Mesh) -> bool:
     forward = np.sort(edges[:, 0] * width + edges[:, 1])
     backward = np.sort(edges[:, 1] * width + edges[:, 0])
     return bool((np.diff(forward) > 0).all() and np.array_equal(forward, backward))
+
+
+def distinct_rows(rows: NDArray[Any]) -> tuple[Indices, Indices]:
+    """The distinct rows of an array in lexicographic order, as `numpy.unique` has them, but faster.
+
+    Args:
+        rows: (N, K), K at least 1.
+
+    Returns:
+        (M,) where each distinct row comes first, and (N,) which of these each row is.
+    """
+    order = np.lexsort(rows.T[::-1])
+    ordered = rows[order]
+    new = np.ones(len(rows), dtype=np.bool_)
+    new[1:] = ordered[1:, 0] != ordered[:-1, 0]
+    for column in ordered.T[1:]:
+        new[1:] |= column[1:] != column[:-1]
+    which = np.empty(len(rows), dtype=np.int64)
+    which[order] = np.cumsum(new) - 1
+    return order[new], which

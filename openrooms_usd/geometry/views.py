@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.floorplan import inside, room_centre
-from openrooms_usd.geometry.looks import Look, Rating, Views, rated
+from openrooms_usd.geometry.looks import Look, Rating, Sights, Views, rated, sights_of, visible
 from openrooms_usd.geometry.raycast import Caster
-from openrooms_usd.geometry.sights import Sights, sights_of, visible
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry import topology
-from openrooms_usd.geometry.rows import distinct_rows
+from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
 from openrooms_usd.geometry.vectors import crossed, doubled_areas
 from openrooms_usd.physics.borders import lids

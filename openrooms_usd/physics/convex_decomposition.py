@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.rows import distinct_rows
+from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import WELD_M, Component
 from openrooms_usd.physics.cutting import cut

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.rows import distinct_rows
+from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
 from openrooms_usd.geometry.vectors import doubled_areas
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.rows import distinct_rows
+from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.vectors import crossed, doubled_areas, unit
 

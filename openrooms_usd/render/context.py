@@ -1,7 +1,7 @@
 """A stage that is open for a renderer: light is its part, all else the core's."""
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import replace
 from functools import cache, cached_property
@@ -192,18 +192,17 @@ class RenderContext:
         """What files of the views list: the channels that they have in the end."""
         return self.request(channels=self.plan.written)
 
-    def entry(self, channels: Sequence[str] | None = None) -> dict[str, Any]:
+    def entry(self, request: RenderRequest | None = None) -> dict[str, Any]:
         """What the manifest says of all views.
 
         Args:
-            channels: Those that are listed; by default all that views have.
+            request: What they were asked for, and which channels are listed; by default `listed`.
         """
-        listed = self.listed
-        asked = listed if channels is None else replace(listed, channels=tuple(channels))
-        entry = manifest.run_entry(self, asked)
-        if self.plan.denoiser:
-            entry["denoiser"] = self.plan.denoiser.entry()
-        return entry | ({"friction": self.friction.entry()} if FRICTION in self.plan.asked else {})
+        asked = request or self.listed
+        shared = self.path, self.settings, self.session, asked, self.lights, self.legend
+        made = {"denoiser": self.plan.denoiser, "friction": self._friction}
+        told = {name: one.entry() for name, one in made.items() if one is not None}
+        return manifest.run_entry(*shared) | told
 
     def photograph(self, name: str) -> Mapping[str, str] | None:
         """What a view stands for in a capture, if anything."""
@@ -248,8 +247,7 @@ class RenderContext:
         width, height = size or self.resolution
         asked = self.request(name, width=width, height=height)
         view = self.picture(camera, asked, progress)
-        friction = self.friction if FRICTION in self.plan.asked else None
-        view = self.plan.complete(view, len(self._sources), friction)
+        view = self.plan.complete(view, len(self._sources), self._friction)
         if not self.plan.flow or after is None:
             return view
         flow = flow_images(self.scene, self.tracer, camera, after, (width, height))
@@ -388,6 +386,10 @@ class RenderContext:
             known = ", ".join(self.cameras) or "none; without --camera the scene is framed"
             raise RenderError("there is no such camera", place=path, remedy=known)
         return read_camera(self.stage.GetPrimAtPath(path), width, height)
+
+    @property
+    def _friction(self) -> FrictionMap | None:
+        return self.friction if FRICTION in self.plan.asked else None
 
     @cached_property
     def _caster(self) -> CastingTracer:

@@ -3,7 +3,7 @@
 import math
 
 from openrooms_usd.errors import RenderError
-from openrooms_usd.geometry.focus import focus_distance
+from openrooms_usd.geometry.composition import focus_distance
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera, with_lens
 

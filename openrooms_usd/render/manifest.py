@@ -10,14 +10,15 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, names
 from openrooms_usd.channels import CHANNELS, definition, numbered
-from openrooms_usd.render.contract import Image, RenderRequest, View
+from openrooms_usd.description.rendering import RenderSettings
+from openrooms_usd.render.contract import Image, RenderRequest, RenderSession, View
 from openrooms_usd.render.exr import exr_channels
 from openrooms_usd.render.folder import (
     ERRORS_FILE,
@@ -31,9 +32,6 @@ from openrooms_usd.render.scene.legend import Legend
 from openrooms_usd.render.scene.lights import LightRecord
 from openrooms_usd.render.storage import Storing
 from openrooms_usd.version import __version__
-
-if TYPE_CHECKING:
-    from openrooms_usd.render.context import RenderContext
 
 FORMAT: Final = 1
 CONVENTIONS: Final = {
@@ -76,20 +74,30 @@ CONVENTIONS: Final = {
 Plain = dict[str, Any]
 
 
-def run_entry(context: "RenderContext", request: RenderRequest) -> Plain:
+def run_entry(
+    stage: Path,
+    settings: RenderSettings,
+    session: RenderSession,
+    request: RenderRequest,
+    lights: Sequence[LightRecord],
+    legend: Legend,
+) -> Plain:
     """What all views of a run share.
 
     Args:
-        context: The opened stage; of its file only the name is kept.
+        stage: The rendered file; only its name is kept.
+        settings: What is asked for.
+        session: What renders.
         request: What every view was asked for, and which channels are listed.
+        lights: Those of the scene, by their numbers.
+        legend: What the label numbers mean.
     """
-    session, settings = context.session, context.settings
     asked = {"samples": request.samples, "error": request.error, "seconds": request.seconds}
     when = {} if settings.time_code is None else {"time_code": settings.time_code}
     return {
         "format": FORMAT,
         "generator": f"{names.CREATOR} {__version__}",
-        "stage": context.path.name,
+        "stage": stage.name,
         **when,
         "renderer": {"name": settings.renderer, "backend": session.backend, **session.settings},
         "seed": request.seed,
@@ -99,8 +107,8 @@ def run_entry(context: "RenderContext", request: RenderRequest) -> Plain:
         "stop": {name: value for name, value in asked.items() if value is not None},
         "conventions": {**CONVENTIONS, **session.conventions},
         "channels": {name: _definition(name) for name in request.channels},
-        "lights": [_light(light, request) for light in context.lights],
-        "legend": {part.name: dict(getattr(context.legend, part.name)) for part in fields(Legend)},
+        "lights": [_light(light, request) for light in lights],
+        "legend": {part.name: dict(getattr(legend, part.name)) for part in fields(Legend)},
     }
 
 

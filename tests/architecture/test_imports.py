@@ -45,6 +45,7 @@ RANKS = (
     ("usd",),
     (
         "description",
+        "building",
         "geometry",
         "adapters",
         "atomic",

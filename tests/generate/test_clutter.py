@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from openrooms_usd.building.windows import BOARD, reveal_depth, window
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.furniture.placements import DRAPED_WALL_M
 from openrooms_usd.generate import generate, write
@@ -24,7 +25,6 @@ from openrooms_usd.generate.shell import Gap, Shell
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box
-from openrooms_usd.geometry.windows import BOARD, reveal_depth, window
 
 SIZE = (0.4, 0.18, 1.05)
 

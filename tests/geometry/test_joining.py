@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import shapely
 
+from openrooms_usd.building.partitions import Partition, misplaced, partition_walls
 from openrooms_usd.geometry.joining import joined_floors, walls_between
-from openrooms_usd.geometry.partitions import Partition, misplaced, partition_walls
 
 
 def box(x0: float, y0: float, x1: float, y1: float) -> np.ndarray:

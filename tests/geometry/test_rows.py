@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.geometry.rows import distinct_rows
+from openrooms_usd.geometry.topology import distinct_rows
 
 
 @pytest.mark.parametrize("columns", [1, 2, 3])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.geometry.shelves import shelved
+from openrooms_usd.geometry.unwrap import shelved
 
 
 @pytest.mark.parametrize("width", [None, 40])

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from openrooms_usd.geometry.cages import Cage
-from openrooms_usd.geometry.smooth_normals import smooth_normals
-from openrooms_usd.geometry.subdivision import limit, refine
+from openrooms_usd.geometry.subdivision import limit, refine, smooth_normals
 
 Array = NDArray[np.float64]
 

@@ -6,10 +6,9 @@ import shapely
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.looks import Views
+from openrooms_usd.geometry.looks import NOTHING, Sights, Views, parts_of, sights_of, visible
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import is_rotation
-from openrooms_usd.geometry.sights import NOTHING, Sights, parts_of, sights_of, visible
 from openrooms_usd.geometry.views import (
     CLEARANCE,
     PITCH,

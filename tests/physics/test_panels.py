@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from openrooms_usd.building.shell import Hole, slab, wall_solid
+from openrooms_usd.building.walls import walls_of
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.shell import Hole, slab, wall_solid
 from openrooms_usd.geometry.solids import box, sphere
 from openrooms_usd.geometry.triangulation import TriangleMesh, triangulate
-from openrooms_usd.geometry.walls import walls_of
 from openrooms_usd.physics.hulls import half_spaces
 from openrooms_usd.physics.panels import panel_pieces, slab_hull
 

@@ -8,8 +8,8 @@ import shapely
 from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
+from openrooms_usd.building.hallways import Hallway, door_space, hallway
 from openrooms_usd.description import parse_room
-from openrooms_usd.geometry.hallways import Hallway, door_space, hallway
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.beyond import author_beyond_lamps, decor

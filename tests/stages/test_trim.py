@@ -7,11 +7,11 @@ import pytest
 import shapely
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.building.mouldings import section
 from openrooms_usd.compose import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.mouldings import section
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.usd.files.layers import apply_metadata

@@ -12,8 +12,8 @@ from pxr import Usd
 
 from openrooms_usd import atomic, imagefile
 from openrooms_usd.convert import Report
-from openrooms_usd.description.rendering import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
 from openrooms_usd.render.scene.instances import Instances

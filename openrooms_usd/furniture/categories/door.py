@@ -5,6 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.building import leaves
+from openrooms_usd.building.doors import door
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
 from openrooms_usd.furniture.record import (
@@ -17,8 +19,6 @@ from openrooms_usd.furniture.record import (
     scheme,
     solid,
 )
-from openrooms_usd.geometry import leaves
-from openrooms_usd.geometry.doors import door
 
 # What stands around the opening: casings beside and above it, handles before and casings behind it.
 _BESIDE, _ABOVE, _BEFORE, _BEHIND = 0.12, 0.06, 0.063, 0.015

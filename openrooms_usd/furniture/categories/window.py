@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.building import windows
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Joint, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes, scheme
-from openrooms_usd.geometry import windows
 
 # The sill board stands out on both sides and into the room.
 _BESIDE, _BEFORE = 0.08, 0.04

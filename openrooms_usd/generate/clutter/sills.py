@@ -5,11 +5,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.building.windows import BOARD, NOSE, reveal_depth
 from openrooms_usd.generate.clutter.levels import CELL_M, Level
 from openrooms_usd.generate.clutter.spots import Spot
 from openrooms_usd.generate.items import Item
 from openrooms_usd.generate.shell import Gap, Shell
-from openrooms_usd.geometry.windows import BOARD, NOSE, reveal_depth
 
 CARRIER: Final = "floor"
 """What carries things on sills by their description: the room, at a height that is said."""

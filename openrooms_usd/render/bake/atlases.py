@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.shelves import shelved
-from openrooms_usd.geometry.unwrap import Layout, laid_out
+from openrooms_usd.geometry.unwrap import Layout, laid_out, shelved
 from openrooms_usd.render.bake.units import Unit
 
 PADDING_TEXELS: Final = 2

@@ -151,7 +151,7 @@ def render_path(
                 told.append(_told(frame))
                 spent.append(frame.seconds)
                 progress(camera_path.name, (number + 1) / len(camera_path))
-            shared = manifest.run_entry(opened, replace(request, channels=()))
+            shared = opened.entry(replace(request, channels=()))
             entry = shared | _entry(camera_path, request, shown_by, denoiser, told)
             entry["bias"] = bias
             timing = {step: float(np.mean([s[step] for s in spent])) for step in spent[0]}

@@ -11,8 +11,13 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.description.cameras import SelectedCameras
 from openrooms_usd.furniture.registry import record
-from openrooms_usd.geometry.composition import BARE, NO_SUBJECT, Subjects, photographic_rating
-from openrooms_usd.geometry.focus import focus_distance
+from openrooms_usd.geometry.composition import (
+    BARE,
+    NO_SUBJECT,
+    Subjects,
+    focus_distance,
+    photographic_rating,
+)
 from openrooms_usd.geometry.framing import framing_view
 from openrooms_usd.geometry.looks import Rating, Views
 from openrooms_usd.geometry.raycast import RayCaster

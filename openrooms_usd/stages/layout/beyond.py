@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.building.hallways import SHEET_M, Hallway, door_space, hallway
+from openrooms_usd.building.walls import Wall
 from openrooms_usd.furniture import Size, make, part_of, styles
-from openrooms_usd.geometry.hallways import SHEET_M, Hallway, door_space, hallway
-from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.joinery import author_mesh
 from openrooms_usd.stages.layout.openings import Cut

@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.building.doors import door, free_angle
+from openrooms_usd.building.mouldings import moulding, section
+from openrooms_usd.building.shell import cut_apart
+from openrooms_usd.building.walls import Wall
+from openrooms_usd.building.windows import BOARD, EMBED, NOSE, Window, bar, window
 from openrooms_usd.description.trim import Casing
-from openrooms_usd.geometry.doors import door, free_angle
 from openrooms_usd.geometry.mesh import Mesh, joined
-from openrooms_usd.geometry.mouldings import moulding, section
-from openrooms_usd.geometry.shell import cut_apart
-from openrooms_usd.geometry.walls import Wall
-from openrooms_usd.geometry.windows import BOARD, EMBED, NOSE, Window, bar, window
 from openrooms_usd.library.timber import follow_grain
 from openrooms_usd.stages.layout.openings import Cut
 from openrooms_usd.stages.layout.trim import REVEAL_M, Finish, has_board

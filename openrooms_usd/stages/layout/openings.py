@@ -7,13 +7,13 @@ from typing import Final, Literal
 
 import numpy as np
 
+from openrooms_usd.building.openings import around, clamped, free_span, misfit, too_close
+from openrooms_usd.building.shell import Hole
+from openrooms_usd.building.walls import Wall
 from openrooms_usd.capture import CapturedOpening
 from openrooms_usd.description.layout import USUAL_OPENINGS, Opening, named_openings
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.geometry.openings import around, clamped, free_span, misfit, too_close
-from openrooms_usd.geometry.shell import Hole
-from openrooms_usd.geometry.walls import Wall
 
 Kind = Literal["window", "door", "opening"]
 

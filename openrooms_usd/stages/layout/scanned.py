@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pxr import Usd
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.building.walls import walls_of
 from openrooms_usd.capture import (
     Capture,
     CapturedFrame,
@@ -26,7 +27,6 @@ from openrooms_usd.description.layout import CapturedLayout, Opening, ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.polygons import counter_clockwise
-from openrooms_usd.geometry.walls import walls_of
 from openrooms_usd.names import SCANNED_HEIGHT
 from openrooms_usd.scan.artefact import FoundScan, digest_of, read_found, write_found
 from openrooms_usd.scan.reconstruction import FoundLayout, find_rooms, without_rooms

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.building.partitions import Partition, misplaced, partition_walls
+from openrooms_usd.building.shell import slab, wall_solid
+from openrooms_usd.building.walls import Wall, walls_of
 from openrooms_usd.capture import Capture, CapturedPartition
 from openrooms_usd.description import layout
 from openrooms_usd.description.layout import CapturedLayout, PolygonLayout, ScanLayout
@@ -17,11 +20,8 @@ from openrooms_usd.description.naming import captured_names
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.curves import signed_area
-from openrooms_usd.geometry.partitions import Partition, misplaced, partition_walls
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
-from openrooms_usd.geometry.shell import slab, wall_solid
 from openrooms_usd.geometry.uv import centred
-from openrooms_usd.geometry.walls import Wall, walls_of
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of, capture_path
 from openrooms_usd.stages.layout.beyond import author_beyond

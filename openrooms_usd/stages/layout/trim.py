@@ -14,17 +14,16 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.building.ceilings import across, bars
+from openrooms_usd.building.claddings import cladding
+from openrooms_usd.building.mouldings import moulding, panelling, section
+from openrooms_usd.building.shell import Hole
+from openrooms_usd.building.wallruns import Run, free_rings, runs
+from openrooms_usd.building.walls import Wall
+from openrooms_usd.building.windows import EMBED
 from openrooms_usd.description.naming import unique_names
 from openrooms_usd.description.trim import Ceiling, Cladding, Trim
-from openrooms_usd.geometry.ceilings import across, bars
-from openrooms_usd.geometry.claddings import cladding
 from openrooms_usd.geometry.mesh import Mesh, joined
-from openrooms_usd.geometry.mouldings import moulding, section
-from openrooms_usd.geometry.panelling import panelling
-from openrooms_usd.geometry.shell import Hole
-from openrooms_usd.geometry.wallruns import Run, free_rings, runs
-from openrooms_usd.geometry.walls import Wall
-from openrooms_usd.geometry.windows import EMBED
 from openrooms_usd.stages.layout.openings import Cut
 
 Array: TypeAlias = NDArray[np.float64]

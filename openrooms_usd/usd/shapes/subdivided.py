@@ -13,8 +13,7 @@ from pxr import UsdGeom
 from scipy.sparse import csr_array
 
 from openrooms_usd.geometry.cages import Cage, Weights
-from openrooms_usd.geometry.smooth_normals import smooth_normals
-from openrooms_usd.geometry.subdivision import Refinement, limit, refine
+from openrooms_usd.geometry.subdivision import Refinement, limit, refine, smooth_normals
 from openrooms_usd.geometry.triangulation import TriangleMesh, has_area
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.usd.arrays import array_of, integers

@@ -9,11 +9,11 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from openrooms_usd.building.openings import clamped
+from openrooms_usd.building.shell import Hole
 from openrooms_usd.description.layout import Opening, Partition, named_partitions
 from openrooms_usd.description.naming import unique_names
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.openings import clamped
-from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.names import PARTITION_THICKNESS
 from openrooms_usd.view.plan.drawing import Drawing, Point
 

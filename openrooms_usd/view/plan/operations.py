@@ -5,9 +5,9 @@ from typing import Any, Final, Literal, NamedTuple
 
 from pydantic import Field
 
+from openrooms_usd.building.shell import Hole
 from openrooms_usd.description.layout import named_partitions
 from openrooms_usd.description.model import Model, Number, Switch, Whole
-from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.view.plan import corners, fittings
 from openrooms_usd.view.plan.drawing import Drawing
 

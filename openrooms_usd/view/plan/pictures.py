@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import imagefile
-from openrooms_usd.geometry.walls import Wall
+from openrooms_usd.building.walls import Wall
 
 Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.building.walls import Wall
 from openrooms_usd.capture import Capture, read_capture
 from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.layout import (
@@ -20,7 +21,6 @@ from openrooms_usd.description.layout import (
 )
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError, SparseScanError
-from openrooms_usd.geometry.walls import Wall
 from openrooms_usd.names import ROOM_HEIGHT, SCANNED_HEIGHT
 from openrooms_usd.stages.base import input_file
 from openrooms_usd.stages.layout.openings import Cut

@@ -10,10 +10,10 @@ from pxr import Usd
 
 import openrooms_usd as ou
 from openrooms_usd import names
+from openrooms_usd.building.shell import Hole
 from openrooms_usd.cli import orusd
 from openrooms_usd.description import load_room
 from openrooms_usd.errors import DescriptionError, InputError, OrusdError, OutputError
-from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.view.app import Nothing
 from openrooms_usd.view.plan.corners import move_corner, move_wall, split_wall
 from openrooms_usd.view.plan.document import Document

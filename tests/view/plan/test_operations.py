@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from openrooms_usd.building.shell import Hole
 from openrooms_usd.description.layout import Opening
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.view.plan.corners import (
     move_corner,
     move_wall,

@@ -11,9 +11,9 @@ from pxr import Usd
 
 import openrooms_usd as ou
 from openrooms_usd import names
+from openrooms_usd.building.shell import Hole
 from openrooms_usd.description import load_room
 from openrooms_usd.description.layout import Partition
-from openrooms_usd.geometry.shell import Hole
 from openrooms_usd.importing import import_capture
 from openrooms_usd.view.plan.corners import move_wall
 from openrooms_usd.view.plan.document import Document

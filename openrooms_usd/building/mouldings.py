@@ -1,4 +1,4 @@
-"""Mouldings: a section swept along a path in a plane, mitred at its corners.
+"""Mouldings and wainscot: a section swept along a path in a plane, mitred at its corners.
 
 Everything is in a frame of the path: u and v in its plane, w out of it. The section's first
 coordinate points to the left of the path, its second along w.
@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.building.wallruns import Run
 from openrooms_usd.geometry.curves import signed_area
-from openrooms_usd.geometry.mesh import Mesh
+from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
 
 Array = NDArray[np.float64]
@@ -23,6 +24,12 @@ EMBED_M: Final = 0.002
 # Edges are eased by so much, metres: what paint and sandpaper leave of them.
 _EASE_M: Final = 0.0015
 _STEPS: Final = 5
+
+_BACK_M: Final = 0.003  # of the boards between the frames
+_RAIL_M: Final = 0.09  # width of the frames
+_FOOT_M: Final = 0.14  # width of the lowest rail, behind the skirting
+_CAP_M: Final = 0.03  # height of the rail on top
+_PANEL_M: Final = 0.6  # usual width of a panel
 
 
 def moulding(path: Array, section: Array, *, closed: bool = False) -> Mesh:
@@ -195,3 +202,46 @@ def section(profile: str, depth: float, height: float) -> Array:
 
 def _apart(points: Array) -> NDArray[np.bool_]:
     return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6)
+
+
+def panelling(run: Run, height: float, depth: float) -> Mesh:
+    """Panels along a run of walls.
+
+    Args:
+        run: Where.
+        height: Of the whole, metres.
+        depth: How far the frames stand out, metres.
+    """
+    rows = [
+        ("square", _BACK_M, 0.0, height - 0.5 * _CAP_M),
+        ("square", depth, 0.0, _FOOT_M),
+        ("square", depth, height - _CAP_M - _RAIL_M, height - 0.5 * _CAP_M),
+        ("torus", depth + 0.002, height - _CAP_M, height),
+    ]
+    made = [
+        moulding(run.path, section(name, out, high - low), closed=run.closed).moved((0, 0, low))
+        for name, out, low, high in rows
+    ]
+    ends = np.roll(run.path, -1, axis=0) if run.closed else run.path[1:]
+    for a, b in zip(run.path[: len(ends)], ends, strict=True):
+        made += _stiles(a, b, height, depth)
+    return joined(made)
+
+
+def _stiles(a: Array, b: Array, height: float, depth: float) -> list[Mesh]:
+    """Upright boards between the rails, one at each end of a wall."""
+    length = float(np.linalg.norm(b - a))
+    if length < 3.0 * _RAIL_M:
+        return []
+    along = (b - a) / length
+    count = max(1, round((length - _RAIL_M) / _PANEL_M))
+    low, high = _FOOT_M - EMBED_M, height - _CAP_M - _RAIL_M + EMBED_M
+    # Upwards along each: the wall is on its right, so the board is swept on its left.
+    shape = section("square", depth - 0.0005, _RAIL_M)[:, ::-1] - [0.5 * _RAIL_M, 0.0]
+    upright = np.array([[0.0, low], [0.0, high]])
+    turn = np.column_stack(
+        [[-along[0], -along[1], 0.0], [0.0, 0.0, 1.0], [-along[1], along[0], 0.0]]
+    )
+    places = np.linspace(0.5 * _RAIL_M, length - 0.5 * _RAIL_M, count + 1).tolist()
+    board = moulding(upright, shape)
+    return [board.transformed(np.column_stack([turn, [*(a + at * along), 0.0]])) for at in places]

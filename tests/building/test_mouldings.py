@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 import shapely
 
-from openrooms_usd.geometry.ceilings import bars
-from openrooms_usd.geometry.claddings import cladding
-from openrooms_usd.geometry.mouldings import EMBED_M, PROFILES, moulding, section
-from openrooms_usd.geometry.panelling import panelling
-from openrooms_usd.geometry.shell import Hole
+from openrooms_usd.building.ceilings import bars
+from openrooms_usd.building.claddings import cladding
+from openrooms_usd.building.mouldings import EMBED_M, PROFILES, moulding, panelling, section
+from openrooms_usd.building.shell import Hole
+from openrooms_usd.building.wallruns import free_rings, runs
+from openrooms_usd.building.walls import walls_of
 from openrooms_usd.geometry.topology import is_closed
-from openrooms_usd.geometry.wallruns import free_rings, runs
-from openrooms_usd.geometry.walls import walls_of
 
 L_SHAPE = np.array([[0, 0], [5, 0], [5, 2], [2, 2], [2, 4], [0, 4.0]])
 

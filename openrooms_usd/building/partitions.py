@@ -13,8 +13,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.building.walls import MITRE_LIMIT, Wall, half_plane
 from openrooms_usd.geometry.floorplan import inside, wall_distance
-from openrooms_usd.geometry.walls import MITRE_LIMIT, Wall, half_plane
 
 Array = NDArray[np.float64]
 

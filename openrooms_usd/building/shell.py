@@ -11,10 +11,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.faces import Face, level, polyhedron, prism, upright
+from openrooms_usd.building.faces import Face, level, polyhedron, prism, upright
+from openrooms_usd.building.walls import MITRE_LIMIT, Wall
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.polygons import grown, triangulated
-from openrooms_usd.geometry.walls import MITRE_LIMIT, Wall
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.building.windows import EMBED, Span, bar, pane
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, rounded_box
-from openrooms_usd.geometry.windows import EMBED, Span, bar, pane
 
 Array = NDArray[np.float64]
 

@@ -6,12 +6,12 @@ from itertools import product
 import numpy as np
 import pytest
 
+from openrooms_usd.building import leaves, windows
+from openrooms_usd.building.doors import TWO_LEAVES_M, door, free_angle
+from openrooms_usd.building.windows import Sash, window
 from openrooms_usd.description.layout import DoorStyle, WindowStyle
-from openrooms_usd.geometry import leaves, windows
-from openrooms_usd.geometry.doors import TWO_LEAVES_M, door, free_angle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.geometry.windows import Sash, window
 
 
 def _caster(mesh: Mesh) -> RayCaster:

@@ -12,7 +12,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from openrooms_usd.geometry.faces import prism
+from openrooms_usd.building.faces import prism
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, rounded_box
 

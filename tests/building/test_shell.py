@@ -8,10 +8,10 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from openrooms_usd.building.shell import Hole, slab, wall_solid
+from openrooms_usd.building.walls import Wall, walls_of
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
-from openrooms_usd.geometry.shell import Hole, slab, wall_solid
-from openrooms_usd.geometry.walls import Wall, walls_of
 
 HEIGHT, THICKNESS = 2.6, 0.2
 

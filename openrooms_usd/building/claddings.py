@@ -7,11 +7,11 @@ from typing import Final, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.faces import Face, polyhedron
+from openrooms_usd.building.faces import Face, polyhedron
+from openrooms_usd.building.mouldings import EMBED_M
+from openrooms_usd.building.shell import Hole
+from openrooms_usd.building.walls import Wall
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.mouldings import EMBED_M
-from openrooms_usd.geometry.shell import Hole
-from openrooms_usd.geometry.walls import Wall
 
 Array: TypeAlias = NDArray[np.float64]
 

@@ -12,10 +12,10 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.leaves import GAP, LEAF, PIVOT, STYLES, glass_of, handle, swept
+from openrooms_usd.building.leaves import GAP, LEAF, PIVOT, STYLES, glass_of, handle, swept
+from openrooms_usd.building.windows import EMBED, Span, bar
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import in_plan
-from openrooms_usd.geometry.windows import EMBED, Span, bar
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.faces import Face, level, polyhedron, upright
+from openrooms_usd.building.faces import Face, level, polyhedron, upright
+from openrooms_usd.building.mouldings import EMBED_M
 from openrooms_usd.geometry.mesh import Mesh, joined
-from openrooms_usd.geometry.mouldings import EMBED_M
 from openrooms_usd.geometry.polygons import counter_clockwise, triangulated
 
 Array: TypeAlias = NDArray[np.float64]

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import shapely
 
-from openrooms_usd.geometry.partitions import Partition, misplaced, partition_walls
+from openrooms_usd.building.partitions import Partition, misplaced, partition_walls
+from openrooms_usd.building.shell import Hole, wall_solid
 from openrooms_usd.geometry.polygons import counter_clockwise
-from openrooms_usd.geometry.shell import Hole, wall_solid
 
 ROOM, _ = counter_clockwise([(0, 0), (6, 0), (6, 4), (0, 4)])
 L_ROOM, _ = counter_clockwise([(0, 0), (6, 0), (6, 2), (3, 2), (3, 4), (0, 4)])

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import shapely
 
-from openrooms_usd.geometry.doors import Door, door, free_angle
+from openrooms_usd.building.doors import Door, door, free_angle
+from openrooms_usd.building.shell import Hole, cut_apart, wall_solid
+from openrooms_usd.building.walls import Wall, footprint
+from openrooms_usd.building.windows import STYLES as WINDOW_STYLES
+from openrooms_usd.building.windows import window
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.geometry.shell import Hole, cut_apart, wall_solid
-from openrooms_usd.geometry.walls import Wall, footprint
-from openrooms_usd.geometry.windows import STYLES as WINDOW_STYLES
-from openrooms_usd.geometry.windows import window
 
 WIDTH, HEIGHT, THICKNESS = 0.9, 2.05, 0.2
 SIDES = list(product(("left", "right"), ("in", "out")))

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from openrooms_usd.geometry.shell import Hole
-from openrooms_usd.geometry.walls import Wall
+from openrooms_usd.building.shell import Hole
+from openrooms_usd.building.walls import Wall
 
 # What must stay of a wall beside and above a hole, and between two holes, metres.
 MARGIN = 0.02

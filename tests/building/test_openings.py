@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.geometry.openings import (
+from openrooms_usd.building.openings import (
     MARGIN,
     around,
     clamped,
@@ -9,9 +9,9 @@ from openrooms_usd.geometry.openings import (
     misfit,
     too_close,
 )
+from openrooms_usd.building.shell import Hole
+from openrooms_usd.building.walls import walls_of
 from openrooms_usd.geometry.polygons import counter_clockwise
-from openrooms_usd.geometry.shell import Hole
-from openrooms_usd.geometry.walls import walls_of
 
 # The edges at the inner corner (2, 2) are shorter outside than inside.
 CONCAVE = [(0, 0), (5, 0), (5, 2), (2, 2), (2, 4), (0, 4)]
