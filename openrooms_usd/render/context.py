@@ -315,8 +315,6 @@ class RenderContext:
     ) -> Mapping[str, NDArray[np.float32]]:
         """What a denoiser is guided by: means over whole pixels (`contract.GUIDES`).
 
-        A pixel's centre sees one thread of a cloth or another by chance.
-
         Args:
             camera: For the request's size.
             request: Its size.

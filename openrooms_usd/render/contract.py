@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
 from openrooms_usd.description.rendering import CACHE as CACHE
-from openrooms_usd.description.rendering import DEFAULT_BOUNCES, DEFAULT_GRID, REFERENCE, Method
+from openrooms_usd.description.rendering import DEFAULT_BOUNCES as DEFAULT_BOUNCES
+from openrooms_usd.description.rendering import DEFAULT_GRID as DEFAULT_GRID
 from openrooms_usd.description.rendering import DEFAULT_SAMPLES as DEFAULT_SAMPLES
+from openrooms_usd.description.rendering import REFERENCE as REFERENCE
+from openrooms_usd.description.rendering import Method as Method
 from openrooms_usd.render.bias import Bias
 from openrooms_usd.render.halves import KeptHalves
 
