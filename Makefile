@@ -7,7 +7,7 @@ PYTHON ?= $(shell for python in python3.11 python3.12 python3.13 python3.14 pyth
 BIN := .venv/bin
 # One worker a core, one room a worker; what takes longer than 3 s of processor time is listed.
 PYTEST = $(BIN)/pytest -n auto --maxprocesses 4 --dist loadgroup --cpu-limit 3 $(PYTEST_ARGS)
-RENDERING_TESTS = $(addprefix tests/,mitsuba preview render end_to_end comparison view api \
+RENDERING_TESTS = $(addprefix tests/,mitsuba preview rendering end_to_end comparison view api \
 	cli/test_rendering.py cli/test_lighting.py cli/test_libraries.py cli/test_materials_commands.py)
 export PIP_ROOT_USER_ACTION := ignore
 export PIP_DISABLE_PIP_VERSION_CHECK := 1

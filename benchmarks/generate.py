@@ -1,7 +1,7 @@
 """Generated rooms: are they sound, what are they like, and how many are made in a minute.
 
 Every room is generated, its layout and its furniture are composed, and the meshes of the composed
-stage are checked by independent code (`tests.generate.checks`): nothing penetrates by more than
+stage are checked by independent code (`tests.generation.checks`): nothing penetrates by more than
 5 mm, floats, stands outside or blocks a door. Some rooms are composed to the end and timed.
 """
 
@@ -17,14 +17,14 @@ from typing import Any
 import click
 
 from benchmarks.report import publish, table
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.furniture import category
-from openrooms_usd.generate import generate, write
-from openrooms_usd.generate.programs import PROGRAMS
-from openrooms_usd.generate.rooms import USUAL_CLUTTER
-from openrooms_usd.generate.shapes import Shapes
-from openrooms_usd.generate.statistics import RoomNumbers, numbers, summary
+from openrooms_usd.generation import generate, write
+from openrooms_usd.generation.programs import PROGRAMS
+from openrooms_usd.generation.rooms import USUAL_CLUTTER
+from openrooms_usd.generation.shapes import Shapes
+from openrooms_usd.generation.statistics import RoomNumbers, numbers, summary
 
 
 @dataclass
@@ -69,8 +69,8 @@ def _rooms(count: int, seed: int) -> list[tuple[str, int]]:
 
 def check(tally: Tally, room_type: str, seed: int, clutter: int, folder: Path) -> None:
     """Generate, compose and check one room."""
-    from tests.generate import checks
-    from tests.generate.assembled import assembled
+    from tests.generation import checks
+    from tests.generation.assembled import assembled
 
     began = time.perf_counter()
     shapes = Shapes(seed)

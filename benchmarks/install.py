@@ -20,7 +20,7 @@ import click
 import numpy as np
 
 from benchmarks.report import publish, table
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering.reading import read_render
 from orusd_mitsuba.llvm import PACKAGES, VARIABLE
 
 ROOT: Final = Path(__file__).parents[1]

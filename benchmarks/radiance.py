@@ -31,10 +31,10 @@ from benchmarks.report import publish, table
 from benchmarks.scenes import demo_stage
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render import RenderRequest, View, render_stage
-from openrooms_usd.render.denoise import load_denoiser
-from openrooms_usd.render.estimates import relative_mse, robust_error
-from openrooms_usd.render.opening import open_for_rendering
+from openrooms_usd.rendering import RenderRequest, View, render_stage
+from openrooms_usd.rendering.denoise import load_denoiser
+from openrooms_usd.rendering.estimates import relative_mse, robust_error
+from openrooms_usd.rendering.opening import open_for_rendering
 
 VARIANTS: Final = ("cuda", "llvm", "scalar")
 SAMPLES: Final = (4, 16, 64, 256, 1024)

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from openrooms_usd.render.manifest import machine_entry, write_json
+from openrooms_usd.rendering.manifest import machine_entry, write_json
 
 RESULTS = Path(__file__).parent / "results"
 

@@ -35,11 +35,11 @@ def told(**found):
 _OURS: Final = """
 from pxr import Usd, UsdGeom
 import openrooms_usd.usd.shapes.subdivided
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render.channel_plan import ChannelPlan
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.channel_plan import ChannelPlan
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers

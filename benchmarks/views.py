@@ -15,7 +15,7 @@ import numpy as np
 import openrooms_usd as ou
 from benchmarks.report import publish, table
 from benchmarks.scenes import demo_stage
-from openrooms_usd.render.opening import open_for_rendering
+from openrooms_usd.rendering.opening import open_for_rendering
 
 CHANNELS: Final = ("radiance", "depth")
 _TURN_M: Final = 0.02

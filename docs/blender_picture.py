@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from benchmarks.scenes import demo_stage, orusd
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.render.color import fitted_exposure
-from openrooms_usd.render.previews import preview
+from openrooms_usd.rendering.color import fitted_exposure
+from openrooms_usd.rendering.previews import preview
 
 Radiance = NDArray[np.float32]
 

@@ -23,7 +23,7 @@ from openrooms_usd import removal
 from openrooms_usd.channels import CHANNELS, numbered
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.render.sheet import write_sheet
+from openrooms_usd.rendering.sheet import write_sheet
 
 # Lights of the example whose channels are shown.
 LIGHTS = ("pendant", "window_east")

@@ -14,7 +14,7 @@ import openrooms_usd as ou
 from docs.plan_picture import scanned_room
 from openrooms_usd.building.shell import Hole
 from openrooms_usd.description.layout import Opening
-from openrooms_usd.render.paths.video import Encoder, writing
+from openrooms_usd.rendering.paths.video import Encoder, writing
 from openrooms_usd.view.plan.corners import move_corner, move_wall
 from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.drawing import Drawing

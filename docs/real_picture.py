@@ -21,7 +21,7 @@ from benchmarks.real.plans import PlanScore, hole_of, plan_score
 from benchmarks.real.running import outcome_of
 from benchmarks.real.truth import Hole
 from benchmarks.scenes import ORUSD
-from openrooms_usd.render.sheet import Tile, write_sheet
+from openrooms_usd.rendering.sheet import Tile, write_sheet
 from openrooms_usd.scan.report.canvas import Canvas
 from openrooms_usd.usd.shading.textures import read_codes
 

@@ -8,8 +8,6 @@ use, so that importing the package costs nothing: ``pxr``, ``numpy`` and rendere
 the functions that need them.
 """
 
-import sys
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 from openrooms_usd.lazy import homes, loader
@@ -30,7 +28,7 @@ if TYPE_CHECKING:
     from openrooms_usd.api.light import relight as relight
     from openrooms_usd.api.rendered import Render as Render
     from openrooms_usd.api.rendered import View as View
-    from openrooms_usd.api.rendered import read_render as read_render
+    from openrooms_usd.api.rendered import open_render as open_render
     from openrooms_usd.api.renderer import OpenRenderer as OpenRenderer
     from openrooms_usd.api.renderer import Picture as Picture
     from openrooms_usd.api.renderer import open_renderer as open_renderer
@@ -58,7 +56,7 @@ _OFFERED = {
     "api.datasets": ("plan_dataset", "run_dataset", "write_dataset"),
     "api.films": ("render_path",),
     "api.light": ("Lightmaps", "Probe", "Probes", "bake", "probe", "relight"),
-    "api.rendered": ("Render", "View", "read_render"),
+    "api.rendered": ("Render", "View", "open_render"),
     "api.renderer": ("OpenRenderer", "Picture", "open_renderer"),
     "api.renders": ("compare", "render"),
     "api.room": ("Room",),
@@ -80,18 +78,3 @@ if not TYPE_CHECKING:  # To type checkers there is nothing but the names above.
 def __dir__() -> list[str]:
     """What people are offered; modules are imported by their own names."""
     return __all__
-
-
-class _Package(ModuleType):
-    """This package: importing its part ``render`` does not hide its function ``render``.
-
-    The import system sets every module as an attribute of its package. Some of ours have the name
-    of what they are for, and so have the functions of the front door.
-    """
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if name not in _HOME or not isinstance(value, ModuleType):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -211,7 +211,7 @@ def assert_valid() -> Callable[..., None]:
     A layer that is not the whole scene yet may name the rules that others will fulfil:
     ``assert_valid(path, without=("material",))``.
     """
-    from openrooms_usd.validate import validate_stage
+    from openrooms_usd.rules import validate_stage
     from openrooms_usd.validation.room_rules import ROOM_RULES
     from tests.validators import nvidia_issues
 
@@ -233,7 +233,7 @@ def assert_valid() -> Callable[..., None]:
 @pytest.fixture(scope="session")
 def composed_demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The ``scene.usda`` of `SMALL_ROOM`; read it, and copy its folder to change it."""
-    from openrooms_usd.compose import compose_room
+    from openrooms_usd.composing import compose_room
 
     folder = tmp_path_factory.mktemp("small")
     (folder / "room.yaml").write_text(SMALL_ROOM)
@@ -243,7 +243,7 @@ def composed_demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def composed_bodies(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The ``scene.usda`` of `SMALL_ROOM` with physics; copy its folder to change it."""
-    from openrooms_usd.compose import compose_room
+    from openrooms_usd.composing import compose_room
 
     folder = tmp_path_factory.mktemp("bodies")
     (folder / "room.yaml").write_text(f"{SMALL_ROOM}physics: {{}}\n")

@@ -7,9 +7,9 @@ from typing import Any
 from pxr import Usd
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.contract import NO_OPTIONS, Renderer
-from openrooms_usd.render.opening import open_for_rendering
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.contract import NO_OPTIONS, Renderer
+from openrooms_usd.rendering.opening import open_for_rendering
 
 
 def open_with(

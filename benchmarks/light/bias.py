@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.render.estimates import robust_error
+from openrooms_usd.rendering.estimates import robust_error
 
 Array = NDArray[np.float64]
 Pair = tuple[NDArray[Any], NDArray[Any]]

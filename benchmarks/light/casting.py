@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.light.rooms import Room, stopwatch
 from openrooms_usd.geometry.hemisphere import HEMISPHERE
-from openrooms_usd.render.scene.first_hits import first_hits
+from openrooms_usd.rendering.scene.first_hits import first_hits
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
 from orusd_mitsuba.tracer import MitsubaTracer

@@ -11,7 +11,7 @@ from benchmarks.light.rooms import ROOMS, Room
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import OpenedRoom, methods_of
 from openrooms_usd.channels import CHANNELS, RENDERED, each
-from openrooms_usd.render import Image
+from openrooms_usd.rendering import Image
 
 # Those that are light by colour: a part of it has no error of its own.
 LIT: Final = tuple(

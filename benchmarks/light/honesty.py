@@ -16,8 +16,8 @@ from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import OpenedRoom
 from benchmarks.light.targets import Target
 from openrooms_usd.channels import each
-from openrooms_usd.render import Image
-from openrooms_usd.render.estimates import estimate, relative_mse, robust_error
+from openrooms_usd.rendering import Image
+from openrooms_usd.rendering.estimates import estimate, relative_mse, robust_error
 
 _FIGURES: Final = {"relative MSE": relative_mse, "robust": robust_error}
 _SAMPLES: Final = (4, 16, 64)

@@ -11,8 +11,8 @@ from benchmarks.light.bias import Pair, bias_of, mse_of, robust_of
 from benchmarks.light.rooms import REFERENCE_SEED, ROOMS, Room, stopwatch
 from benchmarks.light.section import Section, Setting, section
 from benchmarks.light.sessions import Cost, OpenedRoom, Shot, methods_of
-from openrooms_usd.render.denoise import is_usable, load_denoiser
-from openrooms_usd.render.estimates import robust_error
+from openrooms_usd.rendering.denoise import is_usable, load_denoiser
+from openrooms_usd.rendering.estimates import robust_error
 
 _ASKED: Final = ("radiance",)
 _VIEWS: Final = 20

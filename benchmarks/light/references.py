@@ -12,8 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.digest import light_digest
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.digest import light_digest
 
 Images = dict[str, NDArray[np.float32]]
 """By the name of the channel."""

@@ -89,8 +89,8 @@ class Room:
 
         mi.set_variant(chosen)
         mi.set_log_level(mi.LogLevel.Error)
-        from openrooms_usd.render.scene.sources import sources_of
-        from openrooms_usd.render.scene.translate import translate
+        from openrooms_usd.rendering.scene.sources import sources_of
+        from openrooms_usd.rendering.scene.translate import translate
         from orusd_mitsuba.plugins.build import Builder
         from orusd_mitsuba.transport.light_index import LightIndex
 

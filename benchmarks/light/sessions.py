@@ -15,9 +15,9 @@ from benchmarks.light.references import Images
 from benchmarks.light.rooms import Room
 from openrooms_usd import adapters
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
-from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.channel_plan import ChannelPlan
-from openrooms_usd.render.context import RenderContext
+from openrooms_usd.rendering import Image, RenderRequest
+from openrooms_usd.rendering.channel_plan import ChannelPlan
+from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usercache import VARIABLE
 

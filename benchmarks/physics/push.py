@@ -59,9 +59,9 @@ def speed(quick: bool, folder: Path) -> tuple[list[dict[str, Any]], str]:
 
 
 def _rooms(folder: Path, quick: bool) -> list[tuple[str, World]]:
-    from openrooms_usd.compose import compose_room
+    from openrooms_usd.composing import compose_room
     from openrooms_usd.demo import copy_example
-    from openrooms_usd.generate import generate, write
+    from openrooms_usd.generation import generate, write
     from openrooms_usd.usd.files.layers import open_stage
     from openrooms_usd.usd.rigid.reading import read_world
 

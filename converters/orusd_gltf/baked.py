@@ -14,9 +14,9 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance, srgb_from_linear
 from openrooms_usd.errors import StageError
-from openrooms_usd.render.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
-from openrooms_usd.render.scene.pictures import evaluate
-from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.rendering.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
+from openrooms_usd.rendering.scene.pictures import evaluate
+from openrooms_usd.rendering.scene.surfaces import Surface
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.shading.textures import read_texture
 from openrooms_usd.usd.shapes.meshes import PlacedMesh

@@ -13,7 +13,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import pose
-from openrooms_usd.render.scene.cameras import stage_resolution
+from openrooms_usd.rendering.scene.cameras import stage_resolution
 from openrooms_usd.usd.cameras import FLIP, ORTHOGRAPHIC, PinholeCamera, list_cameras, read_camera
 from openrooms_usd.usd.light.lightreader import ellipse_perimeter, ellipsoid_area
 from openrooms_usd.usd.light.lights import (

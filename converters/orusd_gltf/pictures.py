@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from openrooms_usd import imagefile, untrusted
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.scene.pictures import MAX_SIDE, Picture, load
+from openrooms_usd.rendering.scene.pictures import MAX_SIDE, Picture, load
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from openrooms_usd.usd.shading.textures import PictureFacts, local_file, picture_facts
 from orusd_gltf.document import Document, Object

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdPhysics
 
-from openrooms_usd.convert import Report
-from openrooms_usd.render.scene.unseen import report_unseen
+from openrooms_usd.exporters import Report
+from openrooms_usd.rendering.scene.unseen import report_unseen
 from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.light.lights import Light, MeshLight, read_lights, read_portals
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.colorimetry import linear_from_srgb
-from openrooms_usd.render.scene.surfaces import SurfaceReader, mean_luminance
+from openrooms_usd.rendering.scene.surfaces import SurfaceReader, mean_luminance
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.baked import BakedLight

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.reading import RenderedView
 
 Array = NDArray[np.float64]
 

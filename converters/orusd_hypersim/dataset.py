@@ -10,13 +10,13 @@ import numpy as np
 from openrooms_usd import atomic
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.datasets import (
+from openrooms_usd.rendering.datasets import (
     DatasetOptions,
     DatasetSummary,
     FinishedRoom,
     replacing_all,
 )
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_hypersim import tables
 from orusd_hypersim.cameras import orientations, positions
 from orusd_hypersim.frames import write_frame
@@ -42,7 +42,7 @@ class HypersimDataset:
         options: DatasetOptions,
         progress: Progress = silent,
     ) -> DatasetSummary:
-        """Write a scene for each variant of each room; see `render.datasets.RoomsWriter`."""
+        """Write a scene for each variant of each room; see `rendering.datasets.RoomsWriter`."""
         splits: list[tuple[object, ...]] = []
         lenses: list[tuple[object, ...]] = []
         frames: dict[str, list[int]] = {}

@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.reading import RenderedView
 from orusd_hypersim.cameras import OPENGL
 from orusd_hypersim.hdf5 import write_array
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from openrooms_usd import atomic
-from openrooms_usd.render.reading import RenderedScene, RenderedView
+from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 from orusd_hypersim.cameras import projection, rays
 
 SPLIT_FILE: Final = "analysis/metadata_images_split_scene_v1.csv"

@@ -3,7 +3,7 @@
 ``adapter`` is what is registered. From there on, in the order of a render:
 
 - ``variants`` finds the backend that works on this machine, ``llvm`` the libraries to try for it,
-- ``session`` opens a translated scene (`openrooms_usd.render.scene`) and renders its cameras;
+- ``session`` opens a translated scene (`openrooms_usd.rendering.scene`) and renders its cameras;
   ``limits`` says what a backend cannot have of it,
 - ``plugins`` makes Mitsuba's objects of it, ``tracer`` finds triangles in these,
 - ``render_passes`` says which pictures give which channels of light, ``pictures`` keeps these,

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd.channels import CHANNELS, RENDERED
-from openrooms_usd.convert import Report
-from openrooms_usd.render.contract import NO_OPTIONS
+from openrooms_usd.exporters import Report
+from openrooms_usd.rendering.contract import NO_OPTIONS
 from orusd_mitsuba import variants
 
 if TYPE_CHECKING:
     from pxr import Usd
 
-    from openrooms_usd.render.scene.arrays import Scene
+    from openrooms_usd.rendering.scene.arrays import Scene
     from orusd_mitsuba.session import MitsubaSession
 
 

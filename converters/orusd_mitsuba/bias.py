@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
-from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.bias import Bias, SparsePixels, measure
+from openrooms_usd.rendering import Image, RenderRequest
+from openrooms_usd.rendering.bias import Bias, SparsePixels, measure
 from orusd_mitsuba.pictures import BLOCK_PIXELS, Changes
 from orusd_mitsuba.render_passes import RenderPass, run_pass
 from orusd_mitsuba.transport.integrator import SparseIntegrator

@@ -6,10 +6,10 @@ from typing import Final
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError, RenderError
-from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.instances import Instances
-from openrooms_usd.render.scene.models import MODELS, Model
+from openrooms_usd.rendering import RenderRequest
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.instances import Instances
+from openrooms_usd.rendering.scene.models import MODELS, Model
 from orusd_mitsuba.variants import Backend, vectorized_remedy
 
 _MANY_EXPANDED_TRIANGLES: Final = 4_000_000
@@ -21,7 +21,7 @@ def affordable_model(name: str, backend: Backend) -> Model:
     """A reflectance model as a backend can have it.
 
     Args:
-        name: One of `openrooms_usd.render.scene.models.MODELS`.
+        name: One of `openrooms_usd.rendering.scene.models.MODELS`.
         backend: A scalar one would call Python for every scattering of ``auto``.
 
     Raises:

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS, definition, numbered
-from openrooms_usd.render import Image
-from openrooms_usd.render.estimates import ErrorEstimate
-from openrooms_usd.render.halves import HalvedPicture
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering import Image
+from openrooms_usd.rendering.estimates import ErrorEstimate
+from openrooms_usd.rendering.halves import HalvedPicture
+from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.sampling import Halves
 
 Images = dict[str, Image]

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.bake.request import Irradiance, IrradianceRequest
-from openrooms_usd.render.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
-from openrooms_usd.render.probes import ProbeRequest
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.models import report_simplified, with_model
-from openrooms_usd.render.scene.sources import sources_of
+from openrooms_usd.rendering import Image, RenderRequest
+from openrooms_usd.rendering.bake.request import Irradiance, IrradianceRequest
+from openrooms_usd.rendering.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
+from openrooms_usd.rendering.probes import ProbeRequest
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.models import report_simplified, with_model
+from openrooms_usd.rendering.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bias import measurable, with_bias
 from orusd_mitsuba.cache.room_light import LEAST_BOUNCES, RoomLight
@@ -76,7 +76,7 @@ class MitsubaSession:
     Args:
         scene: The translated stage.
         backend: What `orusd_mitsuba.variants.choose` found.
-        bsdf: How surfaces shall reflect, one of `openrooms_usd.render.scene.models.MODELS`.
+        bsdf: How surfaces shall reflect, one of `openrooms_usd.rendering.scene.models.MODELS`.
 
     Attributes:
         backend: What computes, for the record.

@@ -8,9 +8,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.rays import RayTracer, Rows
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.rendering.scene.rays import RayTracer, Rows
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
@@ -38,7 +38,7 @@ class MitsubaTracer(RayTracer):
         self._variant = str(mi.variant())
 
     def pixels(self, camera: PinholeCamera, width: int, height: int) -> Rows:
-        """See `openrooms_usd.render.scene.rays.RayTracer.pixels`."""
+        """See `openrooms_usd.rendering.scene.rays.RayTracer.pixels`."""
         mi.set_variant(self._variant)
         if not self._scene.offsets[-1]:
             return np.full((height, width), -1)

@@ -18,8 +18,8 @@ from openrooms_usd import atomic
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
-from openrooms_usd.render.manifest import write_json
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.manifest import write_json
+from openrooms_usd.rendering.reading import RenderedView
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from openrooms_usd import atomic, claims
 from openrooms_usd.errors import InputError, OutputError, writing
 from openrooms_usd.ledger import Ledger
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
-from openrooms_usd.render.manifest import write_json
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.rendering.manifest import write_json
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_nerf.cameras import Array, Camera, Lens, camera_of, write_matrices
 from orusd_nerf.pictures import (
     DEPTH_STEP_M,

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from openrooms_usd import atomic, imagefile
 from openrooms_usd.colorimetry import srgb_from_linear
-from openrooms_usd.render import color
-from openrooms_usd.render.exr import Pixels
-from openrooms_usd.render.reading import RenderedScene, RenderedView
+from openrooms_usd.rendering import color
+from openrooms_usd.rendering.exr import Pixels
+from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 
 IMAGES: Final = "images"
 DEPTHS: Final = "depths"

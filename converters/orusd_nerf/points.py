@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.pinhole import pixel_directions
-from openrooms_usd.render.exr import Pixels
+from openrooms_usd.rendering.exr import Pixels
 from orusd_nerf.cameras import Array, Camera
 
 # Of one view, and of all.

@@ -6,7 +6,7 @@ from typing import Final
 
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.reading import RenderedScene, RenderedView
+from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 from orusd_openrooms.layout import suffix_of
 from orusd_openrooms.records import Light, lights_of
 

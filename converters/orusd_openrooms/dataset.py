@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.errors import InputError, OrusdError, OutputError, writing
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
-from openrooms_usd.render.manifest import write_json
-from openrooms_usd.render.reading import RenderedScene, RenderedView
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.rendering.manifest import write_json
+from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 from openrooms_usd.untrusted import read_bytes
 from orusd_openrooms import cameras, layout, readers
 from orusd_openrooms.crowding import CROWDED, too_many_of, without

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.folder import LIGHTS_FILE
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.folder import LIGHTS_FILE
+from openrooms_usd.rendering.reading import RenderedView
 from orusd_openrooms.environments import Order
 from orusd_openrooms.records import Light
 

@@ -11,7 +11,7 @@ from openrooms_usd import atomic
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.errors import writing
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.reading import RenderedView
 from orusd_openrooms import images, lights
 from orusd_openrooms.frame import Frame, Pixels
 from orusd_openrooms.layout import Place

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.render.manifest import write_json
+from openrooms_usd.rendering.manifest import write_json
 
 _RECONSTRUCT: Final = b"cnumpy.core.multiarray\n_reconstruct\n"
 _NDARRAY: Final = b"cnumpy\nndarray\n"

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.reading import RenderedScene
-from openrooms_usd.render.scene.lights import Gaussian, LightKind, LightRecord, LobeName
+from openrooms_usd.rendering.reading import RenderedScene
+from openrooms_usd.rendering.scene.lights import Gaussian, LightKind, LightRecord, LobeName
 
 Array = NDArray[np.float64]
 

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.contract import NO_OPTIONS
+from openrooms_usd.rendering.contract import NO_OPTIONS
 
 if TYPE_CHECKING:
-    from openrooms_usd.render.scene.arrays import Scene
+    from openrooms_usd.rendering.scene.arrays import Scene
     from orusd_preview.session import PreviewSession
 
 _REACH_METRES: Final = "0.6"

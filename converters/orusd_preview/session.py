@@ -9,11 +9,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.contract import Image, RenderRequest, ViewProgress
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.first_hits import first_hits
-from openrooms_usd.render.scene.ground_truth import GroundTruth
-from openrooms_usd.render.scene.rays import CastingTracer
+from openrooms_usd.rendering.contract import Image, RenderRequest, ViewProgress
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.first_hits import first_hits
+from openrooms_usd.rendering.scene.ground_truth import GroundTruth
+from openrooms_usd.rendering.scene.rays import CastingTracer
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_preview.occlusion import openness
 from orusd_preview.shading import BACKGROUND, shade

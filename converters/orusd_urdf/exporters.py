@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError
+from openrooms_usd.exporters import Report
 
 if TYPE_CHECKING:
     from pxr import Usd

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from openrooms_usd import atomic
+from openrooms_usd.engines import DEFAULT_FRICTION, DEFAULT_TIMESTEP, Friction
 from openrooms_usd.physics.world import World
-from openrooms_usd.simulate import DEFAULT_FRICTION, DEFAULT_TIMESTEP, Friction
 from orusd_urdf.assets import Assets
 from orusd_urdf.checking import check_world
 from orusd_urdf.frames import text

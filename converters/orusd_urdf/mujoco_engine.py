@@ -14,11 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.errors import StageError
-from openrooms_usd.geometry.quaternions import pose_of, quaternion
-from openrooms_usd.physics import pair
-from openrooms_usd.physics.world import Body, World
-from openrooms_usd.simulate import (
+from openrooms_usd.engines import (
     DEFAULT_FRICTION,
     DEFAULT_TIMESTEP,
     Energy,
@@ -27,6 +23,10 @@ from openrooms_usd.simulate import (
     Touch,
     Velocity,
 )
+from openrooms_usd.errors import StageError
+from openrooms_usd.geometry.quaternions import pose_of, quaternion
+from openrooms_usd.physics import pair
+from openrooms_usd.physics.world import Body, World
 from orusd_urdf.packages import needed
 
 Array = NDArray[np.float64]

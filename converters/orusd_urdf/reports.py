@@ -5,7 +5,7 @@ from typing import Final
 
 from pxr import Usd, UsdGeom, UsdLux
 
-from openrooms_usd.convert import Report
+from openrooms_usd.exporters import Report
 from openrooms_usd.physics.world import World
 from orusd_urdf.looks import Loss
 

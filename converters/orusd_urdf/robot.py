@@ -9,9 +9,9 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.engines import Friction
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import Body, Contact, Joint, Link, Shape, Visual
-from openrooms_usd.simulate import Friction
 from orusd_urdf.assets import Assets
 from orusd_urdf.boxes import as_box
 from orusd_urdf.checking import sturdy_inertia

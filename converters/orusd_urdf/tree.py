@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.engines import Friction
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Joint, Link, Shape, Visual
-from openrooms_usd.simulate import Friction
 from orusd_urdf.assets import Assets
 from orusd_urdf.boxes import as_box
 from orusd_urdf.checking import moving_links, sturdy_inertia

@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 
 from openrooms_usd import atomic, names
+from openrooms_usd.engines import DEFAULT_FRICTION, Friction
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.world import Body, World
-from openrooms_usd.simulate import DEFAULT_FRICTION, Friction
 from orusd_urdf.assets import Assets
 from orusd_urdf.checking import check_world
 from orusd_urdf.looks import Look, Loss

@@ -13,8 +13,8 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import atomic, imagefile, names, untrusted
 from openrooms_usd.colorimetry import srgb_from_linear
-from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError
+from openrooms_usd.exporters import Report
 from openrooms_usd.package import package
 from openrooms_usd.usd.arrays import flattened
 from openrooms_usd.usd.files import layers

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from pxr import Sdf, Usd, UsdLux
 
-from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.exporters import Report
 from orusd_usdz.profiles import DEFAULT, PROFILES, Profile
 
 if TYPE_CHECKING:

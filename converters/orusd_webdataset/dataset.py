@@ -15,14 +15,14 @@ from typing import Any, Final
 from openrooms_usd import atomic, untrusted
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.datasets import (
+from openrooms_usd.rendering.datasets import (
     DatasetOptions,
     DatasetSummary,
     FinishedRoom,
     replacing_all,
 )
-from openrooms_usd.render.folder import load_manifest
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.folder import load_manifest
+from openrooms_usd.rendering.reading import RenderedView
 from openrooms_usd.untrusted import is_plain_name
 
 BLOCK: Final = 512
@@ -131,7 +131,7 @@ class WebDataset:
         options: DatasetOptions,
         progress: Progress = silent,
     ) -> DatasetSummary:
-        """Write ``train/train-000000.tar`` and so on; see `render.datasets.RoomsWriter`.
+        """Write ``train/train-000000.tar`` and so on; see `rendering.datasets.RoomsWriter`.
 
         Of the options it knows ``shard_mb`` and ``files``.
         """

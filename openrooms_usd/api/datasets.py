@@ -10,7 +10,7 @@ from openrooms_usd.progress import Progress, silent
 if TYPE_CHECKING:
     from openrooms_usd.dataset.plan import Job
     from openrooms_usd.dataset.run import RunSummary
-    from openrooms_usd.render.datasets import Crowded, DatasetSummary, Layout, Order, Subset
+    from openrooms_usd.rendering.datasets import Crowded, DatasetSummary, Layout, Order, Subset
 
 
 def run_dataset(
@@ -112,7 +112,7 @@ def write_dataset(
         InputError: There is no such dataset, or the renders or options do not fit each other.
         OutputError: A file cannot be written.
     """
-    from openrooms_usd.render import datasets as forms
+    from openrooms_usd.rendering import datasets as forms
 
     chosen = {"subset": subset, "layout": layout, "order": order, "crowded": crowded}
     for what, value in chosen.items():

@@ -8,7 +8,7 @@ from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
     from openrooms_usd.description.rendering import RenderSettings
-    from openrooms_usd.render.paths.rendering import PathSummary
+    from openrooms_usd.rendering.paths.rendering import PathSummary
 
 _PATHS: Final = "paths"
 
@@ -50,8 +50,8 @@ def render_path(
         OutputError: The folder cannot be written.
         RenderError: There is no room for a walk, or the renderer cannot do it.
     """
-    from openrooms_usd.render.contract import DEFAULT_RATE
-    from openrooms_usd.render.paths import rendering
+    from openrooms_usd.rendering.contract import DEFAULT_RATE
+    from openrooms_usd.rendering.paths import rendering
     from openrooms_usd.usd.files.diagnostics import quiet
 
     file = usd_file(scene)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from openrooms_usd.description.rendering import RenderSettings
-    from openrooms_usd.render.relight import Relit
+    from openrooms_usd.rendering.relight import Relit
 
 _PROBES: Final = "probes"
 _LIGHTMAPS: Final = "baked"
@@ -46,7 +46,7 @@ def relight(
         InputError: It is no view, has no light channels, or a light cannot be as wanted.
         OutputError: The folder cannot be written, or a render lies there.
     """
-    from openrooms_usd.render import relight as relighting
+    from openrooms_usd.rendering import relight as relighting
 
     wanted = relighting.Relighting(dict(lights or {}), dict(kelvin or {}))
     picture = relighting.relit_view(path_of(view, "a view of a render"), wanted)
@@ -85,7 +85,7 @@ class Probe:
         Raises:
             InputError: The file is missing or damaged.
         """
-        from openrooms_usd.render.exr import read_picture
+        from openrooms_usd.rendering.exr import read_picture
 
         return read_picture(self.folder / self.entry["panorama"])
 
@@ -178,7 +178,7 @@ def probe(
         OutputError: The folder cannot be written.
         RenderError: The renderer makes no probes.
     """
-    from openrooms_usd.render.probes import probe_stage
+    from openrooms_usd.rendering.probes import probe_stage
     from openrooms_usd.usd.files.diagnostics import quiet
 
     file = usd_file(scene)
@@ -235,7 +235,7 @@ class Lightmaps(os.PathLike[str]):
             InputError: The file is missing or damaged.
             UnknownNameError: There is no such light or atlas.
         """
-        from openrooms_usd.render.exr import read_picture
+        from openrooms_usd.rendering.exr import read_picture
 
         rows = self.manifest["atlases"]
         if not 0 <= atlas < len(rows):
@@ -280,7 +280,7 @@ def bake(
         OutputError: The folder cannot be written.
         RenderError: The renderer lights no texels.
     """
-    from openrooms_usd.render.bake.baking import MOST_TEXELS, AtlasLayout, bake_stage
+    from openrooms_usd.rendering.bake.baking import MOST_TEXELS, AtlasLayout, bake_stage
     from openrooms_usd.usd.files.diagnostics import quiet
 
     file = usd_file(scene)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from openrooms_usd.render.reading import RenderedScene, RenderedView
+    from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 
 _MASKS: Final = ("valid", "mask_i")
 
@@ -135,7 +135,7 @@ class Render(Mapping[str, View], os.PathLike[str]):
         return self.rendered.legend(channel)
 
 
-def read_render(folder: AnyPath) -> Render:
+def open_render(folder: AnyPath) -> Render:
     """Open a finished render.
 
     Args:
@@ -144,7 +144,7 @@ def read_render(folder: AnyPath) -> Render:
     Raises:
         InputError: It is no render, has no finished view, or its manifest is not sound.
     """
-    from openrooms_usd.render.reading import read_render as read
+    from openrooms_usd.rendering.reading import read_render as read
 
     return Render(read(path_of(folder, "a render's folder")))
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, Self
 
 from openrooms_usd.api.camera import Camera, matrix_of
 from openrooms_usd.api.given import AnyPath, path_of, unknown_name, usd_file
-from openrooms_usd.api.rendered import Render, form_of, read_render
+from openrooms_usd.api.rendered import Render, form_of, open_render
 from openrooms_usd.api.settings import ALL, settings_of, takes_settings
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from openrooms_usd.description.rendering import RenderSettings
-    from openrooms_usd.render.context import RenderContext
-    from openrooms_usd.render.contract import View as RenderedImages
+    from openrooms_usd.rendering.context import RenderContext
+    from openrooms_usd.rendering.contract import View as RenderedImages
 
 PICTURE: Final = (
     "channels",
@@ -205,8 +205,8 @@ class OpenRenderer:
             RenderError: The renderer cannot do it.
         """
         from openrooms_usd import claims, ledger
-        from openrooms_usd.render import folder
-        from openrooms_usd.render.driver import write_views
+        from openrooms_usd.rendering import folder
+        from openrooms_usd.rendering.driver import write_views
 
         context, target = self._with(None, fields), path_of(out)
         chosen = self.cameras if cameras is None else cameras
@@ -220,7 +220,7 @@ class OpenRenderer:
         folder.check_writable(target)
         with claims.claimed(target, ledger.RENDER_FILE) as kept:
             write_views(context, target, kept, views, progress)
-        return read_render(target)
+        return open_render(target)
 
     def move(self, motions: Mapping[str, "ArrayLike"]) -> None:
         """Show from now on what stands elsewhere; the files of the scene stay as they are.
@@ -259,7 +259,7 @@ class OpenRenderer:
             size = camera.resolution
             pinhole = context.prepared(camera.pinhole(), size[0], camera.name)
             return partial(context.shoot, pinhole, camera.name, size=size)
-        from openrooms_usd.render.plan import choose_cameras
+        from openrooms_usd.rendering.plan import choose_cameras
 
         if camera in context.views:
             return partial(context.view, camera)
@@ -291,7 +291,7 @@ def open_renderer(
         MissingPackageError: The renderer or the denoiser needs a package that is not installed.
         RenderError: The renderer's backend is not available.
     """
-    from openrooms_usd.render.opening import open_for_rendering
+    from openrooms_usd.rendering.opening import open_for_rendering
     from openrooms_usd.usd.files.diagnostics import quiet
 
     file, wanted = usd_file(scene), settings_of(settings, fields)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd.api.given import AnyPath, path_of, usd_file
-from openrooms_usd.api.rendered import Render, read_render
+from openrooms_usd.api.rendered import Render, open_render
 from openrooms_usd.api.settings import ALL, BAKE, settings_of, takes_settings
 from openrooms_usd.progress import Progress, silent
 
@@ -46,7 +46,7 @@ def render(
         OutputError: The folder cannot be written.
         RenderError: The renderer cannot do it.
     """
-    from openrooms_usd.render.driver import render_stage
+    from openrooms_usd.rendering.driver import render_stage
     from openrooms_usd.usd.files.diagnostics import quiet
     from openrooms_usd.usd.files.layers import open_stage
     from openrooms_usd.usd.places.metrics import find_misfits
@@ -61,7 +61,7 @@ def render(
         summary = render_stage(file, folder, wanted, cameras=names, progress=progress)
     for path in summary.stay:
         _LOG.warning("%s stays: it is no view of this run, and holds what no run wrote", path)
-    return read_render(folder)
+    return open_render(folder)
 
 
 @takes_settings(*BAKE, samples="Samples a pixel; 32 by default.")

@@ -10,10 +10,10 @@ from openrooms_usd.api.given import AnyPath, usd_file
 from openrooms_usd.lazy import homes, loader
 
 if TYPE_CHECKING:
+    from openrooms_usd.engines import Engine as Engine
+    from openrooms_usd.engines import Simulation as Simulation
     from openrooms_usd.geometry.pinhole import look_at as look_at
     from openrooms_usd.physics.world import World as World
-    from openrooms_usd.simulate import Engine as Engine
-    from openrooms_usd.simulate import Simulation as Simulation
     from openrooms_usd.simulation import pushing as pushing
     from openrooms_usd.simulation.driving import Action as Action
     from openrooms_usd.simulation.driving import act as act
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _OFFERED = {
     "geometry.pinhole": ("look_at",),
     "physics.world": ("World",),
-    "simulate": ("Engine", "Simulation"),
+    "engines": ("Engine", "Simulation"),
     "simulation": ("pushing",),
     "simulation.driving": ("Action", "act", "towards"),
     "simulation.floors": ("mean_friction", "with_friction"),

@@ -83,8 +83,8 @@ def generate(
     from openrooms_usd.api.room import Room
     from openrooms_usd.description import parse_room
     from openrooms_usd.errors import InputError
-    from openrooms_usd.generate import generate as make
-    from openrooms_usd.generate import write
+    from openrooms_usd.generation import generate as make
+    from openrooms_usd.generation import write
 
     if not isinstance(seed, Integral) or not 0 <= seed < 2**63:
         remedy = "give a whole number of at least 0"

@@ -16,7 +16,7 @@ from openrooms_usd.progress import Progress, silent
 if TYPE_CHECKING:
     from pxr import Usd
 
-    from openrooms_usd.compose import ComposeSummary, StageSummary
+    from openrooms_usd.composing import ComposeSummary, StageSummary
     from openrooms_usd.description.room import Room
     from openrooms_usd.edits.objects import SceneObject
     from openrooms_usd.edits.orphans import Orphan
@@ -226,7 +226,7 @@ class Scene(os.PathLike[str]):
             InputError: It was opened, so that its description is not known: use ``ou.compose``.
             OrusdError: As `compose`.
         """
-        from openrooms_usd.compose import compose_room
+        from openrooms_usd.composing import compose_room
         from openrooms_usd.usd.files.diagnostics import quiet
 
         if self.description is None:

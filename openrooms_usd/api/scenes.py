@@ -8,9 +8,9 @@ from openrooms_usd.api.scene import Scene
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
-    from openrooms_usd.convert import Report
     from openrooms_usd.description.room import Room
-    from openrooms_usd.simulate import Friction
+    from openrooms_usd.engines import Friction
+    from openrooms_usd.exporters import Report
     from openrooms_usd.simulation.settling import Settled
     from openrooms_usd.validation.model import Finding
 
@@ -50,7 +50,7 @@ def compose(
         StageError: The composed stage has errors, or another program has saved over the scene.
         OutputError: ``out`` cannot be written.
     """
-    from openrooms_usd.compose import compose_room
+    from openrooms_usd.composing import compose_room
     from openrooms_usd.usd.files.diagnostics import quiet
 
     described, folder = room_of(room), path_of(out)
@@ -118,7 +118,7 @@ def simulate(
         StageError: The stage has no physics, or the simulation explodes.
         OutputError: The layer cannot be written.
     """
-    from openrooms_usd.simulate import DEFAULT_TIMESTEP, Friction
+    from openrooms_usd.engines import DEFAULT_TIMESTEP, Friction
     from openrooms_usd.simulation.settling import settle
     from openrooms_usd.usd.files.diagnostics import quiet
 
@@ -165,7 +165,7 @@ def convert(
         StageError: It needs pictures outside its folder, or is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
-    from openrooms_usd.convert import convert_stage
+    from openrooms_usd.exporters import convert_stage
     from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
@@ -192,6 +192,6 @@ def validate(scene: AnyPath, *, strict: bool = False) -> "Sequence[Finding]":
     Raises:
         InputError: The file is missing, is not USD, or holds what cannot be read at all.
     """
-    from openrooms_usd.validate import validate_stage
+    from openrooms_usd.rules import validate_stage
 
     return validate_stage(usd_file(scene), strict=strict)

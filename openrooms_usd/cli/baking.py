@@ -44,7 +44,7 @@ def bake(
     OUT receives lightmaps.usda, a layer with a second set of texture coordinates; baked.usda, the
     stage under that layer; lightmaps.json; and for each light an irradiance texture, and their sum.
     """
-    from openrooms_usd.render.bake.baking import AtlasLayout, bake_stage
+    from openrooms_usd.rendering.bake.baking import AtlasLayout, bake_stage
     from openrooms_usd.usd.files.diagnostics import quiet
 
     layout = AtlasLayout(texel, side, max_texels)

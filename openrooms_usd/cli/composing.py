@@ -12,7 +12,7 @@ from openrooms_usd import names
 from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
-    from openrooms_usd.compose import ComposeSummary
+    from openrooms_usd.composing import ComposeSummary
 
 
 @click.command()
@@ -41,7 +41,7 @@ def compose(
     Stages whose inputs have not changed are skipped. OUT/layers/edits.usda is yours: it is the
     strongest layer and is never written again.
     """
-    from openrooms_usd.compose import compose_room
+    from openrooms_usd.composing import compose_room
     from openrooms_usd.usd.files.diagnostics import quiet
 
     started = time.perf_counter()
@@ -115,7 +115,7 @@ def demo(ctx: click.Context, out: Path, spp: int, as_json: bool) -> None:
     """
     from openrooms_usd.cli.rendering import render
     from openrooms_usd.demo import copy_example
-    from openrooms_usd.render.denoise import is_usable
+    from openrooms_usd.rendering.denoise import is_usable
 
     room, clean = copy_example(out / "source"), is_usable()
     # With --json the story of the two commands is told beside the document.

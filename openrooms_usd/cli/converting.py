@@ -49,7 +49,7 @@ def convert(
     short for --option profile=NAME. What could not be translated whole is listed with the reason;
     nothing is lost in silence.
     """
-    from openrooms_usd.convert import convert_stage, exporter_of
+    from openrooms_usd.exporters import convert_stage, exporter_of
     from openrooms_usd.usd.files.diagnostics import quiet
 
     check_report(report_file, stage, out)

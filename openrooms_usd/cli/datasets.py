@@ -11,7 +11,7 @@ from openrooms_usd.cli.settings import pairs_of
 
 if TYPE_CHECKING:
     from openrooms_usd.dataset.scratch import Root
-    from openrooms_usd.render.datasets import DatasetSummary
+    from openrooms_usd.rendering.datasets import DatasetSummary
 
 # A person mends these first; the rest is in --json.
 _MOST_SHOWN: Final = 20
@@ -260,7 +260,7 @@ def write(
 
     Several renders are the variants of one scene: the same views with other materials or lights.
     """
-    from openrooms_usd.render.datasets import DatasetOptions, write_dataset
+    from openrooms_usd.rendering.datasets import DatasetOptions, write_dataset
 
     options = DatasetOptions(scene, splits, subset, layout, order, first, crowded, stages)
     with progress_bar(hidden=as_json, first="reading") as progress:

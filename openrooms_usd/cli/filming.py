@@ -15,12 +15,12 @@ def film(
     Args:
         stage: The USD file.
         out: The folder.
-        spec: The path, as `openrooms_usd.render.paths.rendering.render_path` takes it.
+        spec: The path, as `openrooms_usd.rendering.paths.rendering.render_path` takes it.
         settings: What is asked for.
         as_json: Whether to print JSON.
         how: What else it takes.
     """
-    from openrooms_usd.render.paths.rendering import render_path
+    from openrooms_usd.rendering.paths.rendering import render_path
     from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:

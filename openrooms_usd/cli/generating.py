@@ -45,7 +45,7 @@ def generate(
     Equal types, seeds, areas, styles and clutter give equal files. With --count the seeds run on
     from --seed.
     """
-    from openrooms_usd.generate.folders import generate_rooms
+    from openrooms_usd.generation.folders import generate_rooms
 
     made = generate_rooms(
         room_type, seed, out, count=count, area=area, style=style, clutter=clutter

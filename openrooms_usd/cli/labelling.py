@@ -32,7 +32,7 @@ def labels(
     Many renders make one COCO file; boxes are of one. A render needs the channel instance, and
     semantic, semantic_nyu40, semantic_ade20k or semantic_coco for those classes.
     """
-    from openrooms_usd.render.labelling import write_labels
+    from openrooms_usd.rendering.labelling import write_labels
 
     summary = write_labels(renders, out, form=form, taxonomy=taxonomy, stage=stage)
     if as_json:

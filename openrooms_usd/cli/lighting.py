@@ -59,8 +59,8 @@ def relight(
     VIEW is the folder of a view that was rendered with --channels radiance_i. OUT receives
     radiance.exr, radiance.png and manifest.json.
     """
-    from openrooms_usd.render.relight import Relighting
-    from openrooms_usd.render.relight import relight as turn
+    from openrooms_usd.rendering.relight import Relighting
+    from openrooms_usd.rendering.relight import relight as turn
 
     manifest = turn(view, out, Relighting(scales, kelvin))
     if as_json:
@@ -103,7 +103,7 @@ def probe(
     OUT receives probes.json (spherical harmonics of radiance and irradiance) and for every probe a
     latitude-longitude EXR.
     """
-    from openrooms_usd.render.probes import probe_stage
+    from openrooms_usd.rendering.probes import probe_stage
     from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar(hidden=as_json, first="translating") as progress:

@@ -11,12 +11,12 @@ from openrooms_usd.cli.console import echo, json_option, print_json, progress_ba
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings, flag_of
-from openrooms_usd.render.contract import DEFAULT_RATE
+from openrooms_usd.rendering.contract import DEFAULT_RATE
 
 if TYPE_CHECKING:
     from pxr import Usd
 
-    from openrooms_usd.render import RenderSummary
+    from openrooms_usd.rendering import RenderSummary
 
 # Of a channel's sum, and beyond so many standard errors: a render has some sixty channels, and
 # light that few paths find has heavy tails.
@@ -121,9 +121,9 @@ def render(
     from openrooms_usd import adapters
     from openrooms_usd.cli.datasets import print_dataset
     from openrooms_usd.cli.filming import film
-    from openrooms_usd.render import render_stage
-    from openrooms_usd.render.datasets import DatasetOptions, DatasetWriter
-    from openrooms_usd.render.reading import read_render
+    from openrooms_usd.rendering import render_stage
+    from openrooms_usd.rendering.datasets import DatasetOptions, DatasetWriter
+    from openrooms_usd.rendering.reading import read_render
     from openrooms_usd.usd.files.diagnostics import quiet
 
     # Held until the end, so that its files are read once.
@@ -198,7 +198,7 @@ def _renders(
     out: Path, time_code: float | None, frames: str | None, dataset: Path | None
 ) -> dict[Path, float | None]:
     """The folders to write, each with the time code it shows."""
-    from openrooms_usd.render.frames import frame_folders, frames_of
+    from openrooms_usd.rendering.frames import frame_folders, frames_of
 
     if frames is None:
         return {out: time_code}
@@ -226,7 +226,7 @@ def _warn_of_units(stage: Path) -> "Usd.Stage":
 
 def _tell_what_goes(out: Path) -> None:
     """Say before the picture that the views of an earlier render will go."""
-    from openrooms_usd.render.folder import listed_views
+    from openrooms_usd.rendering.folder import listed_views
 
     if earlier := sorted(listed_views(out)):
         some = ", ".join(earlier[:4]) + (" ..." if len(earlier) > 4 else "")
@@ -255,7 +255,7 @@ def _print_summary(summary: "RenderSummary") -> None:
 
 def _losses(report: Mapping[str, Any]) -> str:
     """What a picture lacks; collision shapes and the like, which are never seen, do not count."""
-    from openrooms_usd.render.scene.unseen import is_aside
+    from openrooms_usd.rendering.scene.unseen import is_aside
 
     told = Counter(row["outcome"] for row in report["losses"] if not is_aside(row["reason"]))
     return f"{told['approximated']} prims approximated, {told['skipped']} skipped" if told else ""

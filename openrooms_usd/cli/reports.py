@@ -10,7 +10,7 @@ from openrooms_usd import atomic
 from openrooms_usd.errors import OutputError
 
 if TYPE_CHECKING:
-    from openrooms_usd.convert import Report
+    from openrooms_usd.exporters import Report
 
 report_option: Final = click.option(
     "--report", "report_file", type=click.Path(path_type=Path), metavar="FILE.json",
@@ -29,7 +29,7 @@ def check_report(file: Path | None, stage: Path, out: Path) -> None:
     Raises:
         OutputError: It cannot be written there, or it would take the place of something else.
     """
-    from openrooms_usd.render.folder import check_writable
+    from openrooms_usd.rendering.folder import check_writable
 
     if file is None:
         return

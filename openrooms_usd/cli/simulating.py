@@ -8,7 +8,7 @@ import click
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
-    from openrooms_usd.simulate import Friction
+    from openrooms_usd.engines import Friction
     from openrooms_usd.simulation.settling import Settled
 
 # Shown: those that have moved by more millimetres than this, and never more lines than that.

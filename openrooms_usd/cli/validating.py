@@ -29,9 +29,9 @@ def validate(stage: Path, strict: bool, as_json: bool) -> None:
     Our own rules are warnings for stages that other tools wrote. The licences of all assets and
     textures are listed too; those that nobody states are unknown.
     """
+    from openrooms_usd.rules import check
     from openrooms_usd.usd.files.diagnostics import quiet
     from openrooms_usd.usd.files.layers import open_stage
-    from openrooms_usd.validate import check
     from openrooms_usd.validation.licences import licences
 
     with quiet():

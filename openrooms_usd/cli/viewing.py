@@ -59,7 +59,7 @@ def _page(what: Path, render: Path | None = None, importer: str = "scan", **more
 def _stage_of(render: Path) -> Path:
     """The stage of a render, where it lies beside it or one folder above."""
     from openrooms_usd import untrusted
-    from openrooms_usd.render.manifest_schema import read_manifest
+    from openrooms_usd.rendering.manifest_schema import read_manifest
 
     name = Path(read_manifest(render).stage or "scene.usda").name
     for folder in (render.absolute().parent, render.absolute().parent / "out"):

@@ -24,11 +24,11 @@ from openrooms_usd.comparison.scandepth import DepthError, depth_error, scan_dep
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, part, silent
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.denoise import DENOISED, is_usable
-from openrooms_usd.render.opening import check_settings, open_for_rendering
-from openrooms_usd.render.previews import preview
-from openrooms_usd.render.sheet import MOST_VIEWS, Tile, reduced, write_sheet
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.denoise import DENOISED, is_usable
+from openrooms_usd.rendering.opening import check_settings, open_for_rendering
+from openrooms_usd.rendering.previews import preview
+from openrooms_usd.rendering.sheet import MOST_VIEWS, Tile, reduced, write_sheet
 from openrooms_usd.stages.cameras.photographs import intrinsics_for
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.files.layers import open_stage

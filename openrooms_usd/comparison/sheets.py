@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.comparison.edges import EdgeMap, EdgeMatch
 from openrooms_usd.comparison.scandepth import DepthError
-from openrooms_usd.render.color import quantize
+from openrooms_usd.rendering.color import quantize
 
 Array = NDArray[np.float64]
 Bytes = NDArray[np.uint8]

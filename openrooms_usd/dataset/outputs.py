@@ -1,7 +1,7 @@
 """The forms in which finished rooms are written besides EXR and manifest.
 
-What a form is written of, it says itself (`openrooms_usd.render.datasets`). Each writing leaves a
-key of all that went into it, and is not repeated until that is other.
+What a form is written of, it says itself (`openrooms_usd.rendering.datasets`). Each writing leaves
+a key of all that went into it, and is not repeated until that is other.
 """
 
 import hashlib
@@ -24,14 +24,14 @@ from openrooms_usd.description.dataset import Output
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.names import SCENE
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.datasets import (
+from openrooms_usd.rendering.datasets import (
     DatasetOptions,
     DatasetSummary,
     DatasetWriter,
     FinishedRoom,
     RoomsWriter,
 )
-from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.rendering.reading import RenderedScene, read_render
 from openrooms_usd.untrusted import read_text
 
 OUTPUTS: Final = "outputs"

@@ -33,7 +33,7 @@ from openrooms_usd.names import STAGES
 from openrooms_usd.untrusted import check_path, opened
 
 # What makes the views of a job, but for what is loaded by name.
-_MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generate")
+_MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generation")
 _STAGES: Final = "openrooms_usd.stages"
 # The fractional part of the golden ratio: multiples of it fill 0 to 1 evenly, however many.
 _GOLDEN: Final = 0.6180339887498949

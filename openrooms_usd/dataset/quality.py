@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.render.contract import View
+from openrooms_usd.rendering.contract import View
 
 # A picture of which nine tenths are darker, nits: people see no colours there.
 _DARK_NITS: Final = 0.05

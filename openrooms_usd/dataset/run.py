@@ -20,8 +20,8 @@ from openrooms_usd.dataset.store import Store, write_json, write_lines
 from openrooms_usd.description import Dataset, load_dataset
 from openrooms_usd.errors import OrusdError, OutputError
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.datasets import check_needs
-from openrooms_usd.render.folder import MANIFEST
+from openrooms_usd.rendering.datasets import check_needs
+from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.untrusted import read_bytes
 from openrooms_usd.urls import shown
 
@@ -105,8 +105,8 @@ def check_wishes(dataset: Dataset) -> None:
     Raises:
         InputError: A channel, a renderer or a form of files is unknown.
     """
-    from openrooms_usd.render.opening import check_settings
-    from openrooms_usd.render.sensors.recording import check_sensor
+    from openrooms_usd.rendering.opening import check_settings
+    from openrooms_usd.rendering.sensors.recording import check_sensor
 
     plan = check_settings(dataset.settings())
     if dataset.sensor:

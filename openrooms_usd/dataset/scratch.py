@@ -22,7 +22,7 @@ from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.dataset.store import FILE, KNOWN, PLAN, Store
 from openrooms_usd.errors import InputError, OrusdError, OutputError
-from openrooms_usd.render.folder import check_writable
+from openrooms_usd.rendering.folder import check_writable
 from openrooms_usd.urls import is_url, shown
 
 LEASE: Final = ".orusd.lease.json"

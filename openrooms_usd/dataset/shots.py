@@ -17,9 +17,9 @@ from openrooms_usd.description.dataset import DatasetViews
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.pinhole import panorama_intrinsics, rotations
 from openrooms_usd.geometry.rotations import pose
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.paths.camera_path import CameraPath, frame_times
-from openrooms_usd.render.paths.choosing import stage_walk
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.paths.camera_path import CameraPath, frame_times
+from openrooms_usd.rendering.paths.choosing import stage_walk
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PINHOLE, PinholeCamera
 
 DEFAULT_RATE: Final = 4

@@ -33,7 +33,7 @@ from openrooms_usd.dataset.records import (
 )
 from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.errors import InputError, writing
-from openrooms_usd.render.folder import MANIFEST
+from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.untrusted import opened, read_text
 
 FILE: Final = "dataset.yaml"

@@ -10,7 +10,7 @@ from typing import Any, Final
 from openrooms_usd import atomic
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary, FinishedRoom
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary, FinishedRoom
 
 FILE: Final = "views.parquet"
 # A few megabytes each: a million views are never held at once.
@@ -32,7 +32,7 @@ class ParquetIndex:
         options: DatasetOptions,
         progress: Progress = silent,
     ) -> DatasetSummary:
-        """Write the table, for which rooms need ``rows``; see `render.datasets.RoomsWriter`."""
+        """Write the table, for which rooms need ``rows``; see `rendering.datasets.RoomsWriter`."""
         import pyarrow.parquet
 
         rows, counts = _rows(rooms, progress), dict[str, list[int]]()

@@ -8,7 +8,7 @@ import numpy as np
 
 from openrooms_usd import names
 from openrooms_usd.channels import CHANNELS, definition
-from openrooms_usd.render.contract import View
+from openrooms_usd.rendering.contract import View
 
 if TYPE_CHECKING:
     from pxr import Usd

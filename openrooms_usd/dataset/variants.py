@@ -27,7 +27,7 @@ from openrooms_usd.description.lights import (
 from openrooms_usd.description.moments import zone
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import CATEGORIES
-from openrooms_usd.generate import expanded, generate, write
+from openrooms_usd.generation import expanded, generate, write
 from openrooms_usd.library.styles.beams import lamp_kelvin
 from openrooms_usd.library.surroundings.sunlight import sun_position
 

@@ -10,7 +10,7 @@ from openrooms_usd.dataset.scratch import Root, fetch_all, fetched, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.folder import MANIFEST
+from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.untrusted import read_text
 
 MISSING: Final = "missing"

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.channels import each
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.dataset.captured import coverage_of
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
@@ -26,12 +26,12 @@ from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
 from openrooms_usd.errors import InputError, OrusdError
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.folder import OPENINGS_FOLDER
-from openrooms_usd.render.manifest import by_light
-from openrooms_usd.render.run import check_view, describe_view, write_openings, write_view
-from openrooms_usd.render.sensors.recording import record_sensor
-from openrooms_usd.render.storage import storing
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.folder import OPENINGS_FOLDER
+from openrooms_usd.rendering.manifest import by_light
+from openrooms_usd.rendering.run import check_view, describe_view, write_openings, write_view
+from openrooms_usd.rendering.sensors.recording import record_sensor
+from openrooms_usd.rendering.storage import storing
 from openrooms_usd.validation.licences import licences
 from openrooms_usd.version import __version__
 
@@ -127,7 +127,7 @@ class _OpenRoom:
             job: Its job.
             held: Takes the claim of the render's folder.
         """
-        from openrooms_usd.render.opening import open_for_rendering
+        from openrooms_usd.rendering.opening import open_for_rendering
         from openrooms_usd.usd.files.diagnostics import quiet
 
         held.enter_context(quiet())

@@ -25,5 +25,5 @@ class GeneratedAlignment(Model):
 
     @property
     def objects(self) -> tuple[()]:
-        """Listed objects: none; `openrooms_usd.generate.expanded` makes a list of it."""
+        """Listed objects: none; `openrooms_usd.generation.expanded` makes a list of it."""
         return ()

@@ -11,7 +11,7 @@ from pxr import UsdShade
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.edits.scenefile import ByName, SceneFile
-from openrooms_usd.render.scene.cameras import stage_resolution
+from openrooms_usd.rendering.scene.cameras import stage_resolution
 from openrooms_usd.usd.cameras import Projection, list_cameras, read_camera
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.light.emitters import DistantLight, Light

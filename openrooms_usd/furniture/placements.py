@@ -2,8 +2,8 @@
 
 A record says where its category lies (`SurfacePlacement`) in terms of what people use a surface
 for, never of the furniture that offers it; furniture says which surfaces it has
-(`BuiltCategory.offers_surfaces`). The two meet in `openrooms_usd.generate.clutter`, which looks for
-the surfaces on the real meshes.
+(`BuiltCategory.offers_surfaces`). The two meet in `openrooms_usd.generation.clutter`, which looks
+for the surfaces on the real meshes.
 """
 
 from dataclasses import dataclass

@@ -13,9 +13,9 @@ from openrooms_usd.loading.rendered import full_name, needed_files, sample_of
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
 from openrooms_usd.names import in_order
-from openrooms_usd.render.folder import MANIFEST
-from openrooms_usd.render.manifest_schema import Manifest, read_manifest
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.folder import MANIFEST
+from openrooms_usd.rendering.manifest_schema import Manifest, read_manifest
+from openrooms_usd.rendering.reading import RenderedView
 from openrooms_usd.untrusted import is_plain_name, opened
 
 INDEX: Final = "index.jsonl"

@@ -11,8 +11,8 @@ from openrooms_usd.loading import shards
 from openrooms_usd.loading.files import MOST_CACHED, Files, files_of
 from openrooms_usd.loading.folder import INDEX
 from openrooms_usd.loading.source import Form, Selection, Shards, Source
-from openrooms_usd.render.contract import NO_OPTIONS
-from openrooms_usd.render.folder import MANIFEST
+from openrooms_usd.rendering.contract import NO_OPTIONS
+from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.urls import MissingFileError
 
 # What tells a form where nobody names it.

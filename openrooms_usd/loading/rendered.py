@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from openrooms_usd.channels import CHANNELS, definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.sample import Sample, is_label
-from openrooms_usd.render.compact import is_compact
-from openrooms_usd.render.exr import Pixels
-from openrooms_usd.render.manifest_schema import Manifest, StoredEntry, ViewEntry
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.compact import is_compact
+from openrooms_usd.rendering.exr import Pixels
+from openrooms_usd.rendering.manifest_schema import Manifest, StoredEntry, ViewEntry
+from openrooms_usd.rendering.reading import RenderedView
 
 _REMEDY: Final = "ask for channels that are there, or render it with them"
 

@@ -21,8 +21,8 @@ from openrooms_usd.loading.files import Files
 from openrooms_usd.loading.rendered import needed_files, sample_of
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import Selection, refuse_nothing
-from openrooms_usd.render.manifest_schema import Manifest
-from openrooms_usd.render.reading import RenderedView
+from openrooms_usd.rendering.manifest_schema import Manifest
+from openrooms_usd.rendering.reading import RenderedView
 
 INDEX: Final = "shards.json"
 _MOST_BYTES: Final = untrusted.MOST_BYTES["picture"]

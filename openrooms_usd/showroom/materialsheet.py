@@ -8,9 +8,9 @@ from typing import Final
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.contract import NO_OPTIONS
-from openrooms_usd.render.folder import check_writable
-from openrooms_usd.render.sheet import Tile, write_sheet
+from openrooms_usd.rendering.contract import NO_OPTIONS
+from openrooms_usd.rendering.folder import check_writable
+from openrooms_usd.rendering.sheet import Tile, write_sheet
 from openrooms_usd.showroom.photograph import photograph, photograph_settings
 from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE
 
@@ -55,7 +55,7 @@ def draw_material_sheets(
         OutputError: A file cannot be written.
         RenderError: The renderer cannot do it.
     """
-    from openrooms_usd.render.opening import check_settings, open_for_rendering
+    from openrooms_usd.rendering.opening import check_settings, open_for_rendering
     from openrooms_usd.showroom.balls import Sample, ball_camera, build_balls
 
     settings = photograph_settings(renderer, options, denoise=denoise, samples=samples, size=size)

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render.denoise import DENOISED, SOURCE
-from openrooms_usd.render.previews import Bytes, preview
+from openrooms_usd.rendering.denoise import DENOISED, SOURCE
+from openrooms_usd.rendering.previews import Bytes, preview
 
 if TYPE_CHECKING:
-    from openrooms_usd.render.context import RenderContext
+    from openrooms_usd.rendering.context import RenderContext
 
 _BOUNCES: Final = 4
 

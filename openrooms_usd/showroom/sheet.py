@@ -7,9 +7,9 @@ from typing import Final
 
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.render.contract import NO_OPTIONS
-from openrooms_usd.render.folder import check_writable
-from openrooms_usd.render.sheet import Tile, write_sheet
+from openrooms_usd.rendering.contract import NO_OPTIONS
+from openrooms_usd.rendering.folder import check_writable
+from openrooms_usd.rendering.sheet import Tile, write_sheet
 from openrooms_usd.showroom.exhibits import Exhibit
 from openrooms_usd.showroom.photograph import photograph, photograph_settings
 
@@ -54,7 +54,7 @@ def draw_sheet(
         OutputError: The file cannot be written.
         RenderError: The renderer cannot do it.
     """
-    from openrooms_usd.render.opening import check_settings
+    from openrooms_usd.rendering.opening import check_settings
 
     settings = photograph_settings(
         renderer, options, denoise=denoise, samples=samples, size=size, seed=seed
@@ -75,7 +75,7 @@ def draw_sheet(
 
 def _hall(exhibits: Sequence[Exhibit], settings: RenderSettings) -> Iterator[tuple[Exhibit, Tile]]:
     """Captions and pictures of some exhibits that stand in one studio."""
-    from openrooms_usd.render.opening import open_for_rendering
+    from openrooms_usd.rendering.opening import open_for_rendering
     from openrooms_usd.showroom.studio import build, camera_of, triangles_of
 
     if not exhibits:

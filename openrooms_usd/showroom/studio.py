@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.pictures import write_exr

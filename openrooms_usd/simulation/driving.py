@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.engines import Simulation
 from openrooms_usd.errors import InputError
-from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import LEFT, RIGHT, WHEEL_DISTANCE, WHEEL_RADIUS
 
 Array = NDArray[np.float64]

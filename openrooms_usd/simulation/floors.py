@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from openrooms_usd.physics.world import Body, Contact, Link, Shape, World
-from openrooms_usd.render.contract import View
-from openrooms_usd.render.friction import FRICTION
+from openrooms_usd.rendering.contract import View
+from openrooms_usd.rendering.friction import FRICTION
 
 
 def mean_friction(view: View, legend: Mapping[int, str], semantic: str = "floor") -> float:

@@ -14,11 +14,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.engines import Engine, Simulation
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.pair import friction as pair_friction
 from openrooms_usd.physics.world import Body, Contact, Link, Shape, Visual, World
-from openrooms_usd.simulate import Engine, Simulation
 from openrooms_usd.simulation.robots import ALONG, BLUE, PUSHER_SIZE, pusher, triangles
 
 GRAVITY: Final = 9.8

@@ -16,17 +16,17 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
+from openrooms_usd.engines import Simulation
 from openrooms_usd.errors import MissingPackageError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Body, World
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.contract import View
-from openrooms_usd.render.denoise import Denoiser, load_denoiser
-from openrooms_usd.render.friction import FRICTION, FrictionMap
-from openrooms_usd.render.opening import load_renderer, open_for_rendering
-from openrooms_usd.simulate import Simulation
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.contract import View
+from openrooms_usd.rendering.denoise import Denoiser, load_denoiser
+from openrooms_usd.rendering.friction import FRICTION, FrictionMap
+from openrooms_usd.rendering.opening import load_renderer, open_for_rendering
 from openrooms_usd.simulation.robots import CAMERA, COLORS
 from openrooms_usd.simulation.settledlayer import choose_look
 from openrooms_usd.simulation.settling import motions

@@ -10,10 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import adapters
-from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.physics.world import Body, World
-from openrooms_usd.progress import Progress, silent
-from openrooms_usd.simulate import (
+from openrooms_usd.engines import (
     DEFAULT_FRICTION,
     DEFAULT_TIMESTEP,
     Engine,
@@ -21,6 +18,9 @@ from openrooms_usd.simulate import (
     Pose,
     Simulation,
 )
+from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.physics.world import Body, World
+from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.places.settled import Motion

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from openrooms_usd.render.contract import View
-from openrooms_usd.render.denoise import DENOISED
-from openrooms_usd.render.previews import preview
-from openrooms_usd.render.sheet import Tile, tiles, write_sheet
+from openrooms_usd.rendering.contract import View
+from openrooms_usd.rendering.denoise import DENOISED
+from openrooms_usd.rendering.previews import preview
+from openrooms_usd.rendering.sheet import Tile, tiles, write_sheet
 from openrooms_usd.simulation.robot_cameras import RGB
 
 

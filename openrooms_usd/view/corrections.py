@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import names
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing

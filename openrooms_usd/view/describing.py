@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from openrooms_usd import atomic, untrusted
-from openrooms_usd.compose import ComposeSummary, compose_room
+from openrooms_usd.composing import ComposeSummary, compose_room
 from openrooms_usd.description.alignment import object_names
 from openrooms_usd.description.files import parse_room
 from openrooms_usd.description.reading import read_yaml

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdLux
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHTS
-from openrooms_usd.render.scene.lamps import environment
+from openrooms_usd.rendering.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHTS
+from openrooms_usd.rendering.scene.lamps import environment
 from openrooms_usd.usd.light.emitters import DomeLight
 from openrooms_usd.usd.light.lights import read_lights, read_portals
 from openrooms_usd.usd.places.frames import TIME

@@ -10,8 +10,8 @@ from pxr import Usd
 
 from openrooms_usd import names, untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.bake.baking import LIT
-from openrooms_usd.render.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
+from openrooms_usd.rendering.bake.baking import LIT
+from openrooms_usd.rendering.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
 from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.places.frames import TIME

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.convert import write_stage
 from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.exporters import write_stage
+from openrooms_usd.rendering.reading import RenderedScene, read_render
 from openrooms_usd.usd.files.diagnostics import quiet, reading
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
@@ -204,7 +204,7 @@ def refuse_pictures(
         InputError: A file of the stage cannot be read.
         StageError: There are some.
     """
-    from openrooms_usd.render.bake.baking import LIT
+    from openrooms_usd.rendering.bake.baking import LIT
     from openrooms_usd.usd.outside import COPY_OR_TAKE_OUT, is_picture, refuse_outside
 
     if include_outside:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.color import quantize, ramp
+from openrooms_usd.rendering.color import quantize, ramp
 from openrooms_usd.view.app import App
 
 POINTS: Final = "scan.points"

@@ -17,9 +17,9 @@ from openrooms_usd.description.model import Model, Number
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import irradiance
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.render.color import quantize
-from openrooms_usd.render.reading import RenderedScene, RenderedView
-from openrooms_usd.render.tone import fitted_tone
+from openrooms_usd.rendering.color import quantize
+from openrooms_usd.rendering.reading import RenderedScene, RenderedView
+from openrooms_usd.rendering.tone import fitted_tone
 
 Resources = dict[str, Callable[[], bytes]]
 

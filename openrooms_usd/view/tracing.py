@@ -16,12 +16,12 @@ from openrooms_usd.description.model import Model, Number, Switch, Whole
 from openrooms_usd.description.rendering import PHOTOGRAPH, REFERENCE, RenderSettings
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.render.color import quantize
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.contract import View
-from openrooms_usd.render.denoise import load_denoiser
-from openrooms_usd.render.opening import load_renderer, open_for_rendering
-from openrooms_usd.render.tone import fitted_tone
+from openrooms_usd.rendering.color import quantize
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.contract import View
+from openrooms_usd.rendering.denoise import load_denoiser
+from openrooms_usd.rendering.opening import load_renderer, open_for_rendering
+from openrooms_usd.rendering.tone import fitted_tone
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.app import STAGES, Nothing

@@ -9,9 +9,9 @@ import numpy as np
 from pxr import Usd
 
 from openrooms_usd.errors import OrusdError
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.digest import light_digest
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.digest import light_digest
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.moments import hold

@@ -11,8 +11,8 @@ import pytest
 from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.pictures import Picture
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.usd.places.frames import TIME
 from tests.anystage.properties import digest, scene_of
 from tests.anystage.stages import random_stage

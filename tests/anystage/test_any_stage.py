@@ -10,7 +10,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.errors import OrusdError
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering.scene.arrays import Scene
 from tests.anystage.properties import digest, faults, scene_of, views
 from tests.anystage.spoil import broken_stage
 from tests.anystage.stages import random_stage

@@ -11,7 +11,7 @@ import pytest
 FOLDERS = [Path(one) for one in os.environ.get("ORUSD_USD_SAMPLES", "").split(os.pathsep) if one]
 SECONDS = float(os.environ.get("ORUSD_USD_SECONDS", "120"))
 ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
-PRELOADED = ["openrooms_usd.render.opened", "openrooms_usd.usd.moments", "scipy.spatial"]
+PRELOADED = ["openrooms_usd.rendering.opened", "openrooms_usd.usd.moments", "scipy.spatial"]
 
 
 def translated(path: Path) -> str:
@@ -19,7 +19,7 @@ def translated(path: Path) -> str:
     import numpy as np
 
     from openrooms_usd.errors import OrusdError
-    from openrooms_usd.render.scene.translate import translate
+    from openrooms_usd.rendering.scene.translate import translate
     from openrooms_usd.usd.cameras import framing_camera, list_cameras, read_camera
     from openrooms_usd.usd.files.diagnostics import quiet, reading
     from openrooms_usd.usd.files.layers import open_stage

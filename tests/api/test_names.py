@@ -46,18 +46,18 @@ def test_completion_loads_nothing_heavy() -> None:
 @pytest.mark.parametrize(
     "first",
     [
-        "import openrooms_usd.render.driver, openrooms_usd.compose, openrooms_usd.generate",
-        "from openrooms_usd.render import render_stage\nimport openrooms_usd.simulate",
+        "import openrooms_usd.rendering.driver, openrooms_usd.composing, openrooms_usd.generation",
+        "from openrooms_usd.rendering import render_stage\nimport openrooms_usd.engines",
         "ou.render, ou.compose, ou.generate, ou.convert, ou.validate, ou.simulate",
     ],
 )
 def test_a_function_is_not_hidden_by_the_module_of_its_name(first: str) -> None:
     code = (
         f"import openrooms_usd as ou\n{first}\n"
-        "import openrooms_usd.render, openrooms_usd.compose, openrooms_usd.convert\n"
+        "import openrooms_usd.rendering, openrooms_usd.composing, openrooms_usd.exporters\n"
         "assert all(callable(getattr(ou, name)) for name in dir(ou)"
         " if name not in ('__version__', 'robots'))\n"
-        "from openrooms_usd.render.contract import View"
+        "from openrooms_usd.rendering.contract import View"
     )
     assert "pxr" not in loaded("import openrooms_usd") and loaded(code)
 

@@ -7,7 +7,7 @@ import pytest
 
 import openrooms_usd as ou
 from openrooms_usd.errors import InputError, UnknownNameError
-from openrooms_usd.render import opening
+from openrooms_usd.rendering import opening
 
 CHANNELS = ("radiance", "depth", "normal", "instance", "valid", "irradiance", "environment")
 SIZE = (24, 18)

@@ -7,8 +7,8 @@ import pytest
 
 import openrooms_usd as ou
 from openrooms_usd.errors import InputError, UnknownNameError
-from openrooms_usd.render import driver
-from openrooms_usd.render.exr import read_channels
+from openrooms_usd.rendering import driver
+from openrooms_usd.rendering.exr import read_channels
 from tests.api.tiny import CHANNELS
 
 
@@ -82,11 +82,11 @@ def test_a_name_that_is_not_there_is_a_key_error_with_a_remedy(rendered: ou.Rend
 
 
 def test_the_same_render_is_read_back(rendered: ou.Render) -> None:
-    again = ou.read_render(rendered.folder)
+    again = ou.open_render(rendered.folder)
     assert list(again) == list(rendered)
     assert np.array_equal(again["left"]["radiance"], rendered["left"]["radiance"])
     with pytest.raises(InputError, match="no finished render"):
-        ou.read_render(rendered.folder.parent)
+        ou.open_render(rendered.folder.parent)
 
 
 def test_compact_files_are_read_alike(scene: ou.Scene, rendered: ou.Render, here: Path) -> None:

@@ -9,7 +9,7 @@ from pxr import UsdGeom
 
 import openrooms_usd as ou
 from openrooms_usd.errors import DescriptionError, InputError, OutputError, StageError
-from openrooms_usd.generate import generate, write
+from openrooms_usd.generation import generate, write
 from tests.api.tiny import ROOM
 
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import write_starter
-from openrooms_usd.generate import generate, write
+from openrooms_usd.generation import generate, write
 
 ROOT = Path(__file__).parents[2]
 Blender = Callable[..., Any]

@@ -12,14 +12,14 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import write_starter
 from openrooms_usd.edits.adopting import adopt
 from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.usd.cameras import FLIP, read_camera
 from openrooms_usd.usd.light.lights import MeshLight, define_dome, read_lights
-from openrooms_usd.validate import validate_stage
 from orusd_usdz import UsdzExporter
 from tests.blender.conftest import Blender
 from tests.opening import open_with

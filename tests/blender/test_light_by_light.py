@@ -16,7 +16,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 from openrooms_usd import names
 from openrooms_usd.channels import numbered
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 from openrooms_usd.usd.light.lights import define_dome, define_mesh_light
 from tests.blender.conftest import Blender
 from tests.opening import open_with

@@ -9,10 +9,10 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.demo import write_starter
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.usd.light.lights import DistantLight, read_lights
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import bound_material
-from openrooms_usd.validate import validate_stage
 from tests.blender.conftest import Blender
 from tests.commands import output_of
 

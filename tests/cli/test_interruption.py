@@ -63,7 +63,7 @@ def test_an_earlier_composition_stays(slow_room: Path, lab: Any, tmp_path: Path)
 @pytest.mark.slow
 def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
     from openrooms_usd.channels import WRITTEN
-    from openrooms_usd.render import exr
+    from openrooms_usd.rendering import exr
 
     out = tmp_path / "out"
     process = lab.start("render", lab.scene, "-o", out, "--variant", "scalar", "--time", "1")

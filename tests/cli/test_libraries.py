@@ -9,7 +9,7 @@ import pytest
 
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.furniture import CATEGORIES
-from openrooms_usd.render.sheet import write_sheet
+from openrooms_usd.rendering.sheet import write_sheet
 from openrooms_usd.showroom import exhibits
 from tests.commands import output_of
 

@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render import probes
-from openrooms_usd.render import relight as relighting
-from openrooms_usd.render.bake import baking
+from openrooms_usd.rendering import probes
+from openrooms_usd.rendering import relight as relighting
+from openrooms_usd.rendering.bake import baking
 from tests.commands import run
 
 

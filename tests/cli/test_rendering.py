@@ -13,8 +13,8 @@ from openrooms_usd.channels import CHANNELS, WRITTEN, markdown_page
 from openrooms_usd.cli import orusd
 from openrooms_usd.cli.composing import _done
 from openrooms_usd.cli.rendering import _losses, _warnings
-from openrooms_usd.compose import ComposeSummary, StageSummary
-from openrooms_usd.render import exr
+from openrooms_usd.composing import ComposeSummary, StageSummary
+from openrooms_usd.rendering import exr
 from tests.commands import output_of, run
 
 ROOT = Path(__file__).parents[2]
@@ -189,8 +189,8 @@ def test_what_is_surely_off_is_said():
 @pytest.fixture
 def asked(monkeypatch):
     """What the demo asks of the renderer, which does nothing here."""
-    compose = import_module("openrooms_usd.compose")
-    render = import_module("openrooms_usd.render")
+    compose = import_module("openrooms_usd.composing")
+    render = import_module("openrooms_usd.rendering")
     words = {}
 
     def compose_room(description, out, **how):
@@ -220,7 +220,7 @@ def test_the_demo_for_programs(tmp_path, asked):
 
 @pytest.mark.parametrize("usable", [True, False])
 def test_the_demo_denoises_where_it_can(tmp_path, asked, monkeypatch, usable):
-    denoise = import_module("openrooms_usd.render.denoise")
+    denoise = import_module("openrooms_usd.rendering.denoise")
     monkeypatch.setattr(denoise, "is_usable", lambda: usable)
     said = output_of("demo", "-o", tmp_path)
     assert asked["denoise"] is usable

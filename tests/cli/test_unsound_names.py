@@ -46,7 +46,7 @@ def test_a_source_that_cannot_be_is_refused(
 
 @pytest.mark.parametrize("name", ["x" * 300, "x/" * 2100, "circle/x", "file/x"])
 def test_an_output_that_cannot_be_is_refused(name: str, tmp_path: Path) -> None:
-    from openrooms_usd.render.folder import check_space, check_writable
+    from openrooms_usd.rendering.folder import check_space, check_writable
 
     (tmp_path / "circle").symlink_to("circle")
     (tmp_path / "file").write_text("somebody's own")

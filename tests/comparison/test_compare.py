@@ -14,12 +14,12 @@ from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.cli.comparing import compare as command
 from openrooms_usd.comparison.driver import Comparison, compare_stage
 from openrooms_usd.comparison.photographs import Photographs
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.render.contract import RenderRequest
-from openrooms_usd.render.previews import preview
+from openrooms_usd.rendering.contract import RenderRequest
+from openrooms_usd.rendering.previews import preview
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_preview import PreviewRenderer
 from tests.opening import open_with

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room, parse_room
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import STAGES

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from openrooms_usd import names
 from openrooms_usd.description.layout import PolygonLayout
-from openrooms_usd.generate.kit import Kit
+from openrooms_usd.generation.kit import Kit
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,7 +10,7 @@ import pytest
 
 from openrooms_usd.dataset.run import run_dataset
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.reading import RenderedView, read_render
+from openrooms_usd.rendering.reading import RenderedView, read_render
 
 VIEWS = "{count: 2, resolution: [24, 18]}"
 Made = Callable[[str], list[RenderedView]]

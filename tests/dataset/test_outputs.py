@@ -19,8 +19,8 @@ from openrooms_usd.description import load_dataset
 from openrooms_usd.description.dataset import Dataset, Output
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.loading import open_source
-from openrooms_usd.render.datasets import write_dataset
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering.datasets import write_dataset
+from openrooms_usd.rendering.reading import read_render
 
 SENSOR = """\
 sensor:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.dataset.quality import assess, camera_faults
-from openrooms_usd.render.contract import Image, View
+from openrooms_usd.rendering.contract import Image, View
 
 SHAPE = (12, 16)
 

@@ -13,7 +13,7 @@ import pytest
 from pxr import Usd
 
 from openrooms_usd.dataset.run import run_dataset
-from openrooms_usd.render import exr
+from openrooms_usd.rendering import exr
 
 Real = Callable[[str], Path]
 

@@ -14,7 +14,7 @@ import pytest
 
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import verify
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering.reading import read_render
 from tests.disks import disk
 
 pytestmark = pytest.mark.slow

@@ -6,15 +6,15 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.dataset.shots import shot, shots_of
 from openrooms_usd.dataset.variants import with_cameras
 from openrooms_usd.description import parse_room
 from openrooms_usd.description.dataset import Dataset, DatasetViews
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render.context import RenderContext
-from openrooms_usd.render.opening import open_for_rendering
+from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.opening import open_for_rendering
 
 ROOM = """\
 name: small

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Usd
 
-from openrooms_usd.compose import ComposeSummary, compose_room
+from openrooms_usd.composing import ComposeSummary, compose_room
 
 ROOM = """\
 layout:

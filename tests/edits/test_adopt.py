@@ -10,7 +10,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.edits.adopting import adopt
 from openrooms_usd.errors import InputError, OutputError, StageError
-from openrooms_usd.validate import validate_stage
+from openrooms_usd.rules import validate_stage
 from tests.commands import run
 
 SOFA = "/World/Furniture/sofa"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.edits.arranging import duplicate, place, relabel, remove
 from openrooms_usd.edits.history import History
 from openrooms_usd.edits.orphans import orphans_of

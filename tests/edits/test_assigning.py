@@ -8,7 +8,7 @@ import pytest
 from pxr import Usd, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.edits.assigning import assign, look_of, unassign
 from openrooms_usd.errors import DescriptionError, InputError

@@ -14,11 +14,11 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 from openrooms_usd import names
 from openrooms_usd.edits.adopting import Adoption, adopt
 from openrooms_usd.edits.blender_changes import SAME_AXIS, SAME_PLACE_METRES
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.usd.light.lights import DistantLight, read_lights
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading.materialreader import preview_shader, read_preview_surface
 from openrooms_usd.usd.shading.materials import bound_material
-from openrooms_usd.validate import validate_stage
 
 FURNITURE = "/World/Furniture"
 PROXIES = Usd.TraverseInstanceProxies()

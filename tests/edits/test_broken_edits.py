@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pxr import Sdf
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.errors import InputError
 from tests.commands import run
 

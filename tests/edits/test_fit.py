@@ -11,9 +11,9 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd.edits.fitting import fit, misfits_of
 from openrooms_usd.errors import InputError
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.usd.places.metrics import SCALE, TURN, find_misfits
 from openrooms_usd.usd.shapes.meshes import read_meshes
-from openrooms_usd.validate import validate_stage
 from tests.commands import run
 
 # A board of another program: 1.2 m wide, 0.8 m high, 0.2 m deep, standing on its origin, its front

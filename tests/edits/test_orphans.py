@@ -8,7 +8,7 @@ from pxr import Sdf
 
 from openrooms_usd.edits.orphans import orphans_of
 from openrooms_usd.errors import InputError
-from openrooms_usd.validate import validate_stage
+from openrooms_usd.rules import validate_stage
 from tests.commands import run
 
 LOST = """

@@ -13,9 +13,9 @@ import pytest
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import copy_example
-from openrooms_usd.render import render_stage
+from openrooms_usd.rendering import render_stage
 from orusd_mitsuba import variants
 from tests.commands import output_of
 

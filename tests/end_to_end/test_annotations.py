@@ -13,9 +13,9 @@ from pxr import Gf, Usd, UsdGeom, Vt
 from openrooms_usd.cli.labelling import labels
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
-from openrooms_usd.render import render_stage
-from openrooms_usd.render.boxes import _tightest, boxes
-from openrooms_usd.render.coco import coco
+from openrooms_usd.rendering import render_stage
+from openrooms_usd.rendering.boxes import _tightest, boxes
+from openrooms_usd.rendering.coco import coco
 from openrooms_usd.usd.semantics import label
 from tests.commands import run
 

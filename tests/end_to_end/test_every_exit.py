@@ -11,7 +11,7 @@ import pytest
 from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd import adapters
-from openrooms_usd.convert import Report, convert_stage
+from openrooms_usd.exporters import Report, convert_stage
 
 ROOMS: Final = ("demo", "bedroom-12", "kitchen-1")
 # By name: the exporter, what it writes, and what it is asked for.

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from tests.commands import output_of
 
 

@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render import render_stage
-from openrooms_usd.render.reading import RenderedView, read_render
+from openrooms_usd.rendering import render_stage
+from openrooms_usd.rendering.reading import RenderedView, read_render
 
 Array = NDArray[np.float64]
 SIZE = (24, 18)

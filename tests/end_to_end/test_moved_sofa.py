@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 
 ROOM = """\
 seed: 5

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.library.pictures import write_png
 
 ROOM = """

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import copy_example
 
 MAIN = "from openrooms_usd.cli import main; main()"

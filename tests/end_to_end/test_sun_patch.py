@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render import exr, render_stage
+from openrooms_usd.rendering import exr, render_stage
 
 REFLECTED = 0.5
 HEIGHT, SILL, WIDTH, MIDDLE, THICK = 1.2, 1.0, 1.4, 2.2, 0.25

@@ -8,7 +8,7 @@ import pytest
 from pxr import Usd
 
 from openrooms_usd.channels import WRITTEN
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 
 
 @pytest.mark.slow

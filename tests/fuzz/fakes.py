@@ -22,7 +22,7 @@ class FakeRenderer:
 
     def open(self, scene: Any, options: Any = None) -> "FakeRenderer":
         """Any scene; nothing of it matters but how many lights there are."""
-        from openrooms_usd.render.scene.sources import sources_of
+        from openrooms_usd.rendering.scene.sources import sources_of
 
         self.lights = len(sources_of(scene))
         return self
@@ -34,8 +34,8 @@ class FakeRenderer:
         import numpy as np
 
         from openrooms_usd.channels import definition, each
-        from openrooms_usd.render import Image
-        from openrooms_usd.render.run import shape_of
+        from openrooms_usd.rendering import Image
+        from openrooms_usd.rendering.run import shape_of
 
         images = {}
         for name in each(request.channels, self.lights):

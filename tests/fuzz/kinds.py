@@ -56,7 +56,7 @@ def planting_out(write: Write, section: str) -> Write:
     """Input with a room that uses it, which is composed already; one stage is then run again."""
 
     def plant(folder: Path) -> None:
-        from openrooms_usd.compose import compose_room
+        from openrooms_usd.composing import compose_room
         from openrooms_usd.usd.files.diagnostics import quiet
 
         write(folder)

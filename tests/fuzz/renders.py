@@ -47,7 +47,7 @@ def Xform "World"
 
 def _render(scene: Path, out: Path, *, views: tuple[str, ...] = ("view_0",)) -> None:
     """As the program itself writes it, with a renderer that gives known numbers."""
-    from openrooms_usd.render import render_stage
+    from openrooms_usd.rendering import render_stage
     from tests.fuzz.fakes import FAKE, install
 
     install()
@@ -102,8 +102,8 @@ def _plant_linked(folder: Path) -> None:
 
 
 def _plant_dataset(folder: Path) -> None:
-    from openrooms_usd.render.datasets import DatasetOptions
-    from openrooms_usd.render.reading import read_render
+    from openrooms_usd.rendering.datasets import DatasetOptions
+    from openrooms_usd.rendering.reading import read_render
     from orusd_openrooms import OpenRoomsDataset
 
     (folder / "made").mkdir()

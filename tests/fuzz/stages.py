@@ -185,7 +185,7 @@ def Xform "Scene" (
 
 
 def _compose(folder: Path, text: str, out: str = "out", *, flat: bool = False) -> None:
-    from openrooms_usd.compose import compose_room
+    from openrooms_usd.composing import compose_room
     from openrooms_usd.usd.files.diagnostics import quiet
 
     (folder / "in").mkdir(exist_ok=True)

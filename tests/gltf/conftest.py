@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from pxr import Usd
 
-from openrooms_usd.convert import Report
+from openrooms_usd.exporters import Report
 from orusd_gltf import GltfExporter
 from tests.gltf.reading import Glb, read
 

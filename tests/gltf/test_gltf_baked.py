@@ -10,8 +10,8 @@ from pxr import Gf, Sdf, UsdGeom
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import StageError
-from openrooms_usd.render.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
-from openrooms_usd.render.scene.pictures import Picture
+from openrooms_usd.rendering.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
+from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.usd.light.lights import define_mesh_light
 from openrooms_usd.usd.shading.surfaces import Texture
 from tests.gltf.conftest import Export

@@ -11,8 +11,8 @@ from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd import adapters
 from openrooms_usd.cli import orusd
-from openrooms_usd.convert import exporter_of
 from openrooms_usd.errors import InputError
+from openrooms_usd.exporters import exporter_of
 from openrooms_usd.usd.light.lights import define_mesh_light
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import Export

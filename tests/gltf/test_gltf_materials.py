@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import linear_from_srgb
-from openrooms_usd.render.scene.pictures import Picture, evaluate
-from openrooms_usd.render.scene.surfaces import SurfaceReader
+from openrooms_usd.rendering.scene.pictures import Picture, evaluate
+from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb

@@ -21,7 +21,7 @@ import openrooms_usd as ou
 from openrooms_usd import names
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.demo import copy_example
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering.reading import read_render
 from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.shading.materials import bound_material
 from orusd_gltf import GltfExporter

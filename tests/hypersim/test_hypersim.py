@@ -11,9 +11,9 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading import open_source
-from openrooms_usd.render import exr
-from openrooms_usd.render.datasets import DatasetOptions, FinishedRoom
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering import exr
+from openrooms_usd.rendering.datasets import DatasetOptions, FinishedRoom
+from openrooms_usd.rendering.reading import read_render
 from orusd_hypersim import HypersimDataset
 from orusd_hypersim.dataset import scene_name
 from orusd_hypersim.hdf5 import write_array

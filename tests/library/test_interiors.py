@@ -9,8 +9,8 @@ from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.furniture.schemes import METALS
-from openrooms_usd.generate import generate
-from openrooms_usd.generate.rooms import style_of
+from openrooms_usd.generation import generate
+from openrooms_usd.generation.rooms import style_of
 from openrooms_usd.library.styles.ensembles import ensemble_of
 from openrooms_usd.library.styles.finishes import FINISHES
 from openrooms_usd.library.styles.interiors import INTERIORS, Interior

@@ -18,7 +18,7 @@ from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.resizing import Resize
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.transforms import Compose
-from openrooms_usd.render import exr
+from openrooms_usd.rendering import exr
 
 
 def stored(path: Path, layer: str) -> np.ndarray:

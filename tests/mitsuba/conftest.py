@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd.render import View
+from openrooms_usd.rendering import View
 from orusd_mitsuba import variants
 from tests.mitsuba.rendering import session_of, shown
 
@@ -96,9 +96,9 @@ class Lit:
         import mitsuba as mi
 
         mi.set_variant(variants.choose("auto").variant)
-        from openrooms_usd.render.scene.models import with_model
-        from openrooms_usd.render.scene.sources import sources_of
-        from openrooms_usd.render.scene.translate import translate
+        from openrooms_usd.rendering.scene.models import with_model
+        from openrooms_usd.rendering.scene.sources import sources_of
+        from openrooms_usd.rendering.scene.translate import translate
         from orusd_mitsuba.plugins.build import Builder
         from orusd_mitsuba.transport.light_index import LightIndex
         from orusd_mitsuba.transport.white import white_first
@@ -155,7 +155,7 @@ def lit(vectorized: str) -> type[Lit]:
 @pytest.fixture
 def few_surfels(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few surfels, filled by few paths, and no file."""
-    from openrooms_usd.render import light_store
+    from openrooms_usd.rendering import light_store
     from orusd_mitsuba.cache import filling, population
 
     monkeypatch.setattr(light_store, "places", lambda scene: ())

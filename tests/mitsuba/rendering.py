@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 from orusd_mitsuba import MitsubaRenderer
 from tests.opening import open_with
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render.scene.arrays import Environment
+from openrooms_usd.rendering.scene.arrays import Environment
 from openrooms_usd.usd.light.lights import Portal
 from orusd_mitsuba.plugins.light_weights import Beam, brightest_beam
 

@@ -11,8 +11,8 @@ from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.rotations import inverse
-from openrooms_usd.render.exr import read_channels
-from openrooms_usd.render.paths.rendering import render_path
+from openrooms_usd.rendering.exr import read_channels
+from openrooms_usd.rendering.paths.rendering import render_path
 from tests.commands import output_of, run
 from tests.mitsuba.rooms import half_hidden
 

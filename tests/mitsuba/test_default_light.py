@@ -9,11 +9,11 @@ import pytest
 from pxr import Sdf, UsdGeom, UsdLux
 
 from openrooms_usd import names
-from openrooms_usd.convert import convert_stage
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render import render_stage
-from openrooms_usd.render.scene.default_light import BRIGHTEST_FROM, EXPOSURE, TOLD
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.exporters import convert_stage
+from openrooms_usd.rendering import render_stage
+from openrooms_usd.rendering.scene.default_light import BRIGHTEST_FROM, EXPOSURE, TOLD
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.light.lights import define_mesh_light
 from tests import small
 from tests.mitsuba.rendering import radiance, session_of

@@ -10,7 +10,7 @@ import pytest
 from pxr import Gf, UsdGeom, UsdLux, UsdRender
 
 from openrooms_usd.errors import InputError, OutputError
-from openrooms_usd.render.scene import gathering
+from openrooms_usd.rendering.scene import gathering
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from orusd_mitsuba import MitsubaExporter
 from tests import small

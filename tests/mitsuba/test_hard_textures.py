@@ -9,7 +9,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from openrooms_usd.render.scene.pictures import Picture, load, mended
+from openrooms_usd.rendering.scene.pictures import Picture, load, mended
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from tests import small
 from tests.small import square

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 from orusd_mitsuba.plugins.memory import aligned
 from tests import small
 from tests.mitsuba.passes import LIT, PASSES

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 from tests import small
 from tests.mitsuba.rendering import session_of
 from tests.small import square

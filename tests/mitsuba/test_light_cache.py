@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render import light_store
+from openrooms_usd.rendering import light_store
 from tests import small
 from tests.mitsuba.rendering import passes, session_of, shown
 from tests.mitsuba.rooms import little_room

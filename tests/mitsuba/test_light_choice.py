@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.light.lights import Portal, define_portal
 from orusd_mitsuba.plugins.light_weights import light_weights
 from tests import small

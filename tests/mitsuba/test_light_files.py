@@ -11,8 +11,8 @@ from pxr import Usd
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render import RenderRequest, exact, render_stage
-from openrooms_usd.render.exr import read_channels
+from openrooms_usd.rendering import RenderRequest, exact, render_stage
+from openrooms_usd.rendering.exr import read_channels
 from orusd_mitsuba import session as mitsuba_session
 from orusd_mitsuba.complete import integrator as complete_integrator
 from orusd_mitsuba.transport import incident

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 
 SIZE = (32, 24)
 EYE = "/World/Camera"
@@ -92,8 +92,8 @@ def test_neither_size_nor_place_nor_winding_changes_what_is_seen(
 
 def test_a_point_is_as_bright_as_the_lamp_of_its_flux(case: Any, plain: Passes) -> None:
     """Lambert's point source: I cos cos / d^2, at the floor and the walls that it sees."""
-    from openrooms_usd.render.scene.first_hits import first_hits
-    from openrooms_usd.render.scene.ground_truth import GroundTruth
+    from openrooms_usd.rendering.scene.first_hits import first_hits
+    from openrooms_usd.rendering.scene.ground_truth import GroundTruth
     from orusd_mitsuba.tracer import MitsubaTracer
 
     room, integrator = case("point lamp")
@@ -142,7 +142,7 @@ def test_the_wall_around_a_window_gets_nothing_from_it_at_once(case: Any) -> Non
     # Whole pixels of the wall: none of their neighbours sees the sky or another wall.
     assert planes[1][~sky_seen].max() > 0.0, "what it shines on is lit"
     portal = room.scene.portals[0].world_from_portal
-    from openrooms_usd.render.scene.first_hits import first_hits
+    from openrooms_usd.rendering.scene.first_hits import first_hits
     from orusd_mitsuba.tracer import MitsubaTracer
 
     camera = room.camera(*SIZE, path=EYE)

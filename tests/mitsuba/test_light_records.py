@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pxr import UsdGeom
 
-from openrooms_usd.render.lights import view_lights
-from openrooms_usd.render.scene.lights import LightRecord
+from openrooms_usd.rendering.lights import view_lights
+from openrooms_usd.rendering.scene.lights import LightRecord
 from openrooms_usd.usd.light.lights import Portal, define_mesh_light
 from openrooms_usd.usd.semantics import label
 from tests import small
@@ -48,7 +48,7 @@ def scene() -> Any:
 
 
 def records(lit: Any, made: Any) -> tuple[Any, tuple[LightRecord, ...]]:
-    from openrooms_usd.render.scene.light_records import light_records
+    from openrooms_usd.rendering.scene.light_records import light_records
 
     stage = lit(made.stage)
     return stage, light_records(made.stage, stage.scene, stage.sources)
@@ -87,7 +87,7 @@ def test_an_opening_lets_the_surroundings_in(lit: Any) -> None:
 
 
 def test_names_are_unique_whatever_the_objects_are_called() -> None:
-    from openrooms_usd.render.scene.light_records import _unique
+    from openrooms_usd.rendering.scene.light_records import _unique
 
     names = _unique(["a", "a_2", "a", "a", "b"])
     assert names[:2] == ["a", "a_2"] and len(set(names)) == 5
@@ -107,8 +107,8 @@ def test_a_textured_lamp_is_the_mean_of_its_picture(
 
 
 def test_masks_are_where_pixels_see_the_light(lit: Any) -> None:
-    from openrooms_usd.render.scene.first_hits import first_hits
-    from openrooms_usd.render.scene.light_masks import light_masks
+    from openrooms_usd.rendering.scene.first_hits import first_hits
+    from openrooms_usd.rendering.scene.light_masks import light_masks
     from orusd_mitsuba.tracer import MitsubaTracer
 
     made = scene()

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd.channels import definition
-from openrooms_usd.render.estimates import robust_error
+from openrooms_usd.rendering.estimates import robust_error
 from orusd_mitsuba.complete import integrator as complete_integrator
 from orusd_mitsuba.transport import incident
 from tests.mitsuba.passes import LIT, PASSES

@@ -13,8 +13,8 @@ import openrooms_usd as ou
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, MissingPackageError, RenderError
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.bake.baking import AtlasLayout, bake_stage
+from openrooms_usd.rendering import RenderRequest
+from openrooms_usd.rendering.bake.baking import AtlasLayout, bake_stage
 from openrooms_usd.usd.cameras import list_cameras
 from tests import small
 from tests.mitsuba import lightmap_client as client

@@ -6,8 +6,8 @@ import pytest
 from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render.scene import gathering
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene import gathering
+from openrooms_usd.rendering.scene.translate import translate
 from orusd_mitsuba import limits
 from tests.crowd import crowd
 from tests.mitsuba.rendering import session_of, shown

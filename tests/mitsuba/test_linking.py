@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pxr import Sdf, UsdLux
 
-from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering import RenderRequest
+from openrooms_usd.rendering.scene.translate import translate
 from tests import small
 from tests.mitsuba.rendering import session_of
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from pxr import Gf, UsdGeom, UsdLux
 
-from openrooms_usd.render.scene.surroundings import surroundings
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.surroundings import surroundings
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.shading.surfaces import Texture
 from tests import small
 from tests.mitsuba.rendering import radiance, session_of

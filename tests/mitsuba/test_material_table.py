@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render.scene import codes
-from openrooms_usd.render.scene.codes import load_picture
-from openrooms_usd.render.scene.pictures import Picture, evaluate, load
-from openrooms_usd.render.scene.surfaces import SurfaceReader
+from openrooms_usd.rendering.scene import codes
+from openrooms_usd.rendering.scene.codes import load_picture
+from openrooms_usd.rendering.scene.pictures import Picture, evaluate, load
+from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
 from orusd_mitsuba import variants
 from orusd_mitsuba.plugins import material_table

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.render import Image, RenderRequest
+from openrooms_usd.rendering import Image, RenderRequest
 from orusd_mitsuba import MitsubaRenderer
 from tests.mitsuba.conftest import Lit
 from tests.mitsuba.rendering import session_of

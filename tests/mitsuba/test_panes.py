@@ -114,8 +114,8 @@ def test_light_samples_are_blocked_as_mitsuba_says(variant: str) -> None:
     import drjit as dr
     import mitsuba as mi
 
-    from openrooms_usd.render.scene.sources import sources_of
-    from openrooms_usd.render.scene.translate import translate
+    from openrooms_usd.rendering.scene.sources import sources_of
+    from openrooms_usd.rendering.scene.translate import translate
     from orusd_mitsuba import variants
     from orusd_mitsuba.plugins.build import Builder
     from orusd_mitsuba.transport.light_index import LightIndex
@@ -294,7 +294,7 @@ def test_a_pane_survives_usd() -> None:
 
 def test_the_scalar_backend_denoises_what_is_behind_panes() -> None:
     """Guides of a denoiser are the core's there: none of the vectorized transport is asked."""
-    from openrooms_usd.render.contract import GUIDES
+    from openrooms_usd.rendering.contract import GUIDES
 
     made = small.Stage()
     made.box("/Room", 2.0, inside=True, material=made.material("/Grey", base_color=(0.5,) * 3))

@@ -5,8 +5,8 @@ import pytest
 
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.pinhole import intrinsics, look_at, panorama_intrinsics
-from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.context import RenderContext as OpenedStage
+from openrooms_usd.rendering import RenderRequest
+from openrooms_usd.rendering.context import RenderContext as OpenedStage
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from tests import small
 from tests.mitsuba.rendering import session_of

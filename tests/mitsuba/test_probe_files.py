@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render.exr import read_picture
-from openrooms_usd.render.probes import harmonics, irradiance, probe_stage
+from openrooms_usd.rendering.exr import read_picture
+from openrooms_usd.rendering.probes import harmonics, irradiance, probe_stage
 from tests import small
 from tests.small import square
 

@@ -11,8 +11,8 @@ from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics as sh
 from openrooms_usd.library.surroundings import environments
-from openrooms_usd.render.exr import read_picture
-from openrooms_usd.render.probes import irradiance, probe_stage
+from openrooms_usd.rendering.exr import read_picture
+from openrooms_usd.rendering.probes import irradiance, probe_stage
 from openrooms_usd.usd.light.lights import Portal, define_portal
 from tests import small
 from tests.small import square

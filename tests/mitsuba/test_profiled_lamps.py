@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pxr import Gf, UsdGeom, UsdLux
 
-from openrooms_usd.render.scene.models import without_shaping
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.models import without_shaping
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.light.profiles import parse_profile
 from openrooms_usd.usd.light.shaping import define_shaping
 from orusd_mitsuba.plugins.light_weights import flux_of
@@ -88,7 +88,7 @@ def furnished(file: str) -> Any:
 
 
 def test_the_records_have_the_flux(lit: Any, file: str) -> None:
-    from openrooms_usd.render.scene.light_records import light_records
+    from openrooms_usd.rendering.scene.light_records import light_records
 
     scene = lit(furnished(file).stage)
     records = {one.name: one for one in light_records(scene.stage, scene.scene, scene.sources)}

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from pxr import UsdLux
 
-from openrooms_usd.render.relight import Relighting, light_factors, relit
+from openrooms_usd.rendering.relight import Relighting, light_factors, relit
 from openrooms_usd.usd.light.lights import Portal, define_mesh_light, define_portal
 from tests import small
 from tests.mitsuba.rendering import session_of, shown

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 from orusd_mitsuba.transport import sampling, strips
 from orusd_mitsuba.transport.sampling import Halves, ProgressiveSampler, batch_seed
 

@@ -160,8 +160,8 @@ def test_what_a_mirror_shows_stays_sharp_and_a_wide_lobe_is_smooth(mi: Any) -> N
 
 @pytest.mark.slow
 def test_pictures_of_a_room_are_smoother_and_add_up(few_surfels: None) -> None:
-    from openrooms_usd.render import RenderRequest
-    from openrooms_usd.render.estimates import robust_error
+    from openrooms_usd.rendering import RenderRequest
+    from openrooms_usd.rendering.estimates import robust_error
     from tests.mitsuba.rendering import session_of
 
     channels = tuple(

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render.scene.surfaces import SurfaceReader
+from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 from orusd_mitsuba import variants
 from orusd_mitsuba.export.exporter import export_scene

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_nerf import NerfDataset
 from tests.openrooms.synthetic import make_render
 

@@ -7,8 +7,8 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_nerf import NerfDataset, cameras
 from tests.openrooms.synthetic import make_render
 
@@ -101,7 +101,7 @@ def test_cameras_that_differ_stand_in_their_frames(tmp_path: Path) -> None:
         "view_0"
     ]
     (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
-    from openrooms_usd.render.reading import read_render
+    from openrooms_usd.rendering.reading import read_render
 
     NerfDataset().write([read_render(render.folder)], tmp_path / "data", DatasetOptions())
     meta = json.loads((tmp_path / "data/transforms.json").read_text())

@@ -17,9 +17,9 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.errors import InputError, OutputError
-from openrooms_usd.render import color
-from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
-from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.rendering import color
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.rendering.reading import RenderedScene, read_render
 from orusd_nerf import NerfDataset, cameras
 from tests.openrooms.synthetic import make_render, write_exr
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.reading import RenderedScene
 from tests.openrooms.synthetic import make_render
 
 

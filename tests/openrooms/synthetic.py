@@ -7,9 +7,9 @@ import numpy as np
 import OpenImageIO
 
 from openrooms_usd.channels import definition
-from openrooms_usd.render.datasets import DatasetOptions, DatasetSummary
-from openrooms_usd.render.reading import RenderedScene, read_render
-from openrooms_usd.render.scene.lights import Gaussian, LightRecord
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
+from openrooms_usd.rendering.reading import RenderedScene, read_render
+from openrooms_usd.rendering.scene.lights import Gaussian, LightRecord
 from orusd_openrooms import OpenRoomsDataset
 
 LAMP, WINDOW, ELSEWHERE = 0, 1, 2

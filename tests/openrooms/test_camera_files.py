@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.cameras import pose, write_cameras
 from orusd_openrooms.readers import read_cameras

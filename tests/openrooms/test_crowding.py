@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.rendering.reading import RenderedScene, read_render
 from orusd_openrooms.readers import read_view_names
 from tests.openrooms.synthetic import WINDOW, write_exr
 from tests.openrooms.synthetic import write_dataset as write

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError, OrusdError, OutputError
-from openrooms_usd.render.reading import RenderedScene, RenderedView, read_render
+from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
 from orusd_openrooms.readers import read_cameras, read_view_names
 from tests.openrooms.synthetic import make_render, write_exr
 from tests.openrooms.synthetic import write_dataset as write

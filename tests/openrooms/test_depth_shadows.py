@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.lightfiles import depth_shadow
 from orusd_openrooms.records import Light

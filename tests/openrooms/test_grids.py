@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset, environments
 from orusd_openrooms.frame import area_mean
 from orusd_openrooms.readers import read_environments, read_light

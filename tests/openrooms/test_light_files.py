@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene, read_render
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.lights import box, camera_from_world, single_source, source, spread
 from orusd_openrooms.readers import read_bytes, read_light, read_light_box

@@ -13,8 +13,8 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene, RenderedView
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 from orusd_openrooms import OpenRoomsDataset
 
 SPLITS = ("main_xml", "mainDiffMat_xml", "mainDiffLight_xml")

@@ -13,9 +13,9 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render import render_stage
-from openrooms_usd.render.datasets import DatasetOptions, write_dataset
-from openrooms_usd.render.reading import RenderedView, read_render
+from openrooms_usd.rendering import render_stage
+from openrooms_usd.rendering.datasets import DatasetOptions, write_dataset
+from openrooms_usd.rendering.reading import RenderedView, read_render
 
 pytestmark = pytest.mark.slow
 

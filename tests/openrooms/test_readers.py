@@ -13,8 +13,8 @@ import pytest
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.mirroring import flipped
 from openrooms_usd.loading.opening import open_source
-from openrooms_usd.render.datasets import DatasetOptions, Layout
-from openrooms_usd.render.reading import RenderedScene
+from openrooms_usd.rendering.datasets import DatasetOptions, Layout
+from openrooms_usd.rendering.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset, readers
 from orusd_openrooms.pickles import pickled
 

@@ -10,10 +10,10 @@ import pytest
 from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render import render_stage
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import read_render
-from openrooms_usd.render.scene.lights import LobeName
+from openrooms_usd.rendering import render_stage
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import read_render
+from openrooms_usd.rendering.scene.lights import LobeName
 from openrooms_usd.usd.light.lights import Portal, connect_portals, define_portal
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.records import LOBES, lights_of

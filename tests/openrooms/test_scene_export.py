@@ -12,15 +12,15 @@ from scipy.spatial.transform import Rotation
 
 from openrooms_usd import imagefile
 from openrooms_usd.colorimetry import srgb_from_linear
-from openrooms_usd.compose import compose_room
-from openrooms_usd.convert import Report, convert_stage
+from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import copy_example
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.exporters import Report, convert_stage
 from openrooms_usd.importing import import_capture
-from openrooms_usd.render.scene.pictures import Picture
-from openrooms_usd.render.scene.surfaces import Surface
-from openrooms_usd.render.scene.surroundings import passing, surroundings
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.pictures import Picture
+from openrooms_usd.rendering.scene.surfaces import Surface
+from openrooms_usd.rendering.scene.surroundings import passing, surroundings
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from orusd_openrooms.readers import read_cameras
 from orusd_openrooms.scenes.objects import Object, objects_of

@@ -8,7 +8,7 @@ import pytest
 from pxr import Usd, UsdGeom, UsdLux
 
 from openrooms_usd.capture import Capture, read_capture
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room
 from openrooms_usd.importing import import_capture
 from openrooms_usd.usd.cameras import list_cameras, read_camera

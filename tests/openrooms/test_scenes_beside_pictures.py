@@ -10,9 +10,9 @@ import pytest
 
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
-from openrooms_usd.render import render_stage
-from openrooms_usd.render.datasets import DatasetOptions, write_dataset
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering import render_stage
+from openrooms_usd.rendering.datasets import DatasetOptions, write_dataset
+from openrooms_usd.rendering.reading import read_render
 from orusd_openrooms.readers import read_cameras
 
 SPLITS = ("main_xml", "mainDiffMat_xml")

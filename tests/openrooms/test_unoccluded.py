@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.render.datasets import DatasetOptions
-from openrooms_usd.render.reading import RenderedScene, read_render
+from openrooms_usd.rendering.datasets import DatasetOptions
+from openrooms_usd.rendering.reading import RenderedScene, read_render
 from orusd_openrooms import OpenRoomsDataset, lightfiles
 from orusd_openrooms.lightfiles import approximate
 from orusd_openrooms.readers import read_light

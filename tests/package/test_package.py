@@ -13,8 +13,8 @@ from pxr import Ar, Sdf, Usd, UsdMedia, UsdUtils
 
 from openrooms_usd.errors import InputError, OrusdError, OutputError, StageError
 from openrooms_usd.package import flatten, package
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.usd.files.diagnostics import quiet
-from openrooms_usd.validate import validate_stage
 
 HEADER = """#usda 1.0
 (

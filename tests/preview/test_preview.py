@@ -16,8 +16,8 @@ from openrooms_usd import adapters
 from openrooms_usd.channels import each
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.given import EXACT
+from openrooms_usd.rendering import RenderRequest
+from openrooms_usd.rendering.given import EXACT
 from openrooms_usd.usd.shading.materials import define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface
 from orusd_preview import PreviewRenderer

@@ -14,7 +14,7 @@ from openrooms_usd import names
 from openrooms_usd.adapters import IMPORTERS, load
 from openrooms_usd.capture import Capture
 from openrooms_usd.cli import orusd
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.places.partitions import read_partitions
 

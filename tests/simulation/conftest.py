@@ -8,10 +8,10 @@ import pytest
 from numpy.typing import NDArray
 
 from openrooms_usd import adapters
+from openrooms_usd.engines import Simulation
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Contact, Link, Shape, World
-from openrooms_usd.simulate import Simulation
 from openrooms_usd.simulation.robots import triangles
 from tests.engines import ENGINES
 

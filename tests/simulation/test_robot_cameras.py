@@ -8,7 +8,7 @@ import pytest
 
 from openrooms_usd import adapters
 from openrooms_usd.geometry.pinhole import look_at
-from openrooms_usd.render import opening
+from openrooms_usd.rendering import opening
 from openrooms_usd.simulation.robot_cameras import RobotCameras, robot_camera
 from openrooms_usd.simulation.robots import rover, with_robot
 from openrooms_usd.usd.files.layers import open_stage

@@ -9,10 +9,10 @@ import pytest
 from pxr import Sdf, Usd, UsdLux, UsdShade
 
 from openrooms_usd import adapters
+from openrooms_usd.engines import Pose, Simulation
 from openrooms_usd.geometry.pinhole import look_at
 from openrooms_usd.physics.world import World
-from openrooms_usd.render.contract import View
-from openrooms_usd.simulate import Pose, Simulation
+from openrooms_usd.rendering.contract import View
 from openrooms_usd.simulation.driving import Action, act
 from openrooms_usd.simulation.floors import with_friction
 from openrooms_usd.simulation.robot_cameras import RGB, RobotCameras

@@ -16,7 +16,7 @@ from pxr import Sdf, Usd
 
 from openrooms_usd import codedigest, names
 from openrooms_usd.codedigest import modules
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description.room import Room
 from openrooms_usd.furniture import CATEGORIES, module_of
 from openrooms_usd.geometry.solids import rounded_box
@@ -84,9 +84,9 @@ def fingerprints(room: Room, folder: Path) -> dict[str, str]:
         ("openrooms_usd/physics/merging.py", {"physics"}),
         ("openrooms_usd/furniture/categories/sofa.py", set()),
         ("openrooms_usd/description/categories.py", set()),
-        ("openrooms_usd/render/exr.py", set()),
+        ("openrooms_usd/rendering/exr.py", set()),
         ("openrooms_usd/cli/composing.py", set()),
-        ("openrooms_usd/generate/__init__.py", set()),
+        ("openrooms_usd/generation/__init__.py", set()),
     ],
 )
 def test_a_changed_file_changes_the_fingerprints_of_those_that_use_it(
@@ -279,7 +279,7 @@ COMPOSE = """
 import sys
 from pathlib import Path
 import openrooms_usd
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 assert Path(openrooms_usd.__file__).is_relative_to(sys.argv[1]), openrooms_usd.__file__
 done = compose_room(Path(sys.argv[2]), Path(sys.argv[3]), workers=1)
 print(*(row.stage for row in done.stages if row.state == "written"))
@@ -367,7 +367,7 @@ def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path
 TRACE = """
 import json, sys, threading
 from pathlib import Path
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.stages import runner
 home = Path(sys.argv[3])
 ours = str(home / 'openrooms_usd')

@@ -6,7 +6,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.compose import ComposeSummary, compose_room
+from openrooms_usd.composing import ComposeSummary, compose_room
 from openrooms_usd.usd.files.layers import is_deactivated
 
 ROOM = """\

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 
 ROOM = """\
 seed: {seed}

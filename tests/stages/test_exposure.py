@@ -8,7 +8,7 @@ import pytest
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.stages.cameras.stage import room_exposure
 from openrooms_usd.usd.cameras import read_camera
@@ -114,8 +114,8 @@ def test_a_picture_at_this_exposure_is_neither_black_nor_white(
 ) -> None:
     """Within two stops of what the picture itself asks for."""
     mitsuba = pytest.importorskip("orusd_mitsuba")
-    from openrooms_usd.render import RenderRequest
-    from openrooms_usd.render.color import fitted_exposure
+    from openrooms_usd.rendering import RenderRequest
+    from openrooms_usd.rendering.color import fitted_exposure
     from tests.opening import open_with
 
     stage = compose(tmp_path, lux, lumen=lumen)

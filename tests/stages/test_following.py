@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 
 ROOM = """\
 layout: {polygon: [[0, 0], [6, 0], [6, 5], [0, 5]]}

@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 from openrooms_usd import names
 from openrooms_usd.description import parse_room
 from openrooms_usd.library.surroundings.outside.ledges import NET, NET_PASSES, ledges
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.daylight import portals

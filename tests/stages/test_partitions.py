@@ -8,11 +8,11 @@ import shapely
 from pxr import Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd import names
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.furniture import category
-from openrooms_usd.generate.expansion import expanded
+from openrooms_usd.generation.expansion import expanded
 from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.usd.light.lights import read_portals
 from openrooms_usd.usd.places.partitions import read_partitions

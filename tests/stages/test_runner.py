@@ -7,7 +7,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import atomic
-from openrooms_usd.compose import ComposeSummary, compose_room
+from openrooms_usd.composing import ComposeSummary, compose_room
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import base, runner

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.capture import Capture
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
@@ -54,7 +54,7 @@ COUNTING = """
 import sys
 from pathlib import Path
 from openrooms_usd import capture
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.scan import reconstruction
 from openrooms_usd.stages.layout import scanned
 from tests.scan.scanned_rooms import RoomScan

@@ -10,7 +10,7 @@ from pxr import Usd, UsdLux
 from openrooms_usd import names
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library.styles.displays import SHOWN, picture
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.light.lights import RectLight, read_lights
 from tests.stages.test_lights import compose, room
 

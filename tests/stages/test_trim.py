@@ -8,7 +8,7 @@ import shapely
 from pxr import Usd, UsdGeom
 
 from openrooms_usd.building.mouldings import section
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.geometry.mesh import Mesh

@@ -8,8 +8,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from openrooms_usd.compose import compose_room
-from openrooms_usd.generate import generate, write
+from openrooms_usd.composing import compose_room
+from openrooms_usd.generation import generate, write
 from openrooms_usd.physics.world import World
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world

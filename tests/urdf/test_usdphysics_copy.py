@@ -9,7 +9,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils
 
 from openrooms_usd import names
-from openrooms_usd.convert import Report
+from openrooms_usd.exporters import Report
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from openrooms_usd.validation.model import Rule, Subject

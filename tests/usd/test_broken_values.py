@@ -12,11 +12,11 @@ from pxr import Sdf, Usd
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.surroundings.environments import read_panorama
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.usd.files.diagnostics import plain, quiet, reading
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading import textures
-from openrooms_usd.validate import validate_stage
 from openrooms_usd.validation.licences import licences
 
 READERS: list[Callable[[str], object]] = [

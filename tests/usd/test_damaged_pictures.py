@@ -11,7 +11,7 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.scene.pictures import load
+from openrooms_usd.rendering.scene.pictures import load
 from openrooms_usd.usd.shading import udim
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import Texture, define_preview_surface

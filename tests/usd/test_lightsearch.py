@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.light.lights import SphereLight, define_mesh_light, read_lights
 
 

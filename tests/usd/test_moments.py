@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdSkel, Vt
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import read_camera
 from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.places.frames import TIME

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdShade
 
-from openrooms_usd.convert import convert_stage
+from openrooms_usd.exporters import convert_stage
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.render import render_stage
+from openrooms_usd.rendering import render_stage
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers

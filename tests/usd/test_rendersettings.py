@@ -6,8 +6,8 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.render.context import RenderContext as OpenedStage
-from openrooms_usd.render.opening import open_for_rendering
+from openrooms_usd.rendering.context import RenderContext as OpenedStage
+from openrooms_usd.rendering.opening import open_for_rendering
 from openrooms_usd.usd.cameras import read_camera, set_field_of_view
 from openrooms_usd.usd.moments import hold
 from openrooms_usd.usd.rendersettings import (

@@ -11,8 +11,8 @@ import pytest
 from pxr import Usd, UsdShade
 
 from openrooms_usd.colorimetry import linear_from_srgb
-from openrooms_usd.render.scene.pictures import load
-from openrooms_usd.render.scene.surfaces import SurfaceReader
+from openrooms_usd.rendering.scene.pictures import load
+from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import PreviewSurface, Texture
 from openrooms_usd.usd.shading.surfaces import f0_of

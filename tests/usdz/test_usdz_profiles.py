@@ -13,9 +13,9 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
 
 import openrooms_usd as ou
-from openrooms_usd.convert import convert_stage
 from openrooms_usd.demo import copy_example
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.exporters import convert_stage
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import bound_material

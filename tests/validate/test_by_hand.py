@@ -6,8 +6,8 @@ import pytest
 from click.testing import CliRunner
 
 from openrooms_usd.cli.validating import validate
-from openrooms_usd.compose import compose_room
-from openrooms_usd.validate import validate_stage
+from openrooms_usd.composing import compose_room
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.validation.model import Finding
 
 ROOM = """\

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd.compose import compose_room
+from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import copy_example
 from openrooms_usd.description import parse_room
-from openrooms_usd.validate import validate_stage
+from openrooms_usd.rules import validate_stage
 from openrooms_usd.validation.room_rules import ROOM_RULES
 
 CODES = {rule.code for rule in ROOM_RULES}

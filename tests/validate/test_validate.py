@@ -12,10 +12,10 @@ from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdShade
 from openrooms_usd import names
 from openrooms_usd.cli.validating import validate
 from openrooms_usd.errors import InputError
+from openrooms_usd.rules import RULES
+from openrooms_usd.rules import validate_stage as validate_all
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.semantics import label
-from openrooms_usd.validate import RULES
-from openrooms_usd.validate import validate_stage as validate_all
 from openrooms_usd.validation.model import Finding
 from openrooms_usd.validation.physx_rules import PHYSX_RULES
 from openrooms_usd.validation.room_rules import ROOM_RULES

@@ -12,9 +12,9 @@ from pxr import Usd, UsdGeom
 import openrooms_usd as ou
 from openrooms_usd.colorimetry import LUMINANCE, srgb_from_linear
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.render.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, SCALE_OFFSET
-from openrooms_usd.render.scene.pictures import Picture
-from openrooms_usd.render.tone import fitted_tone
+from openrooms_usd.rendering.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, SCALE_OFFSET
+from openrooms_usd.rendering.scene.pictures import Picture
+from openrooms_usd.rendering.tone import fitted_tone
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.shading.textures import read_texture
 from openrooms_usd.usd.shapes.meshes import read_meshes, world_triangles
@@ -151,7 +151,7 @@ def test_the_sky_behind_an_opening_is_as_bright_as_it_is_set(page: Page) -> None
 
 
 def test_pictures_are_toned_as_those_of_renders(page: Page, baked: Path) -> None:
-    """The exposure, the white and the curve, by `openrooms_usd.render.tone`."""
+    """The exposure, the white and the curve, by `openrooms_usd.rendering.tone`."""
     page.evaluate(f"{ROOM}.meter()")
     told: dict[str, Any] = page.evaluate(f"{ROOM}.tone")
     width, height = (

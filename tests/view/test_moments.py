@@ -10,8 +10,8 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.cli.viewing import view
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.render import exr
-from openrooms_usd.render.bake.layer import (
+from openrooms_usd.rendering import exr
+from openrooms_usd.rendering.bake.layer import (
     ATLAS,
     IRRADIANCE,
     LIGHT_IRRADIANCE,

@@ -8,7 +8,7 @@ import pytest
 import openrooms_usd as ou
 from openrooms_usd.cli.viewing import _page
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering.reading import read_render
 from openrooms_usd.view.room import room_app
 from openrooms_usd.view.scanned import packed, scan_app
 from openrooms_usd.view.shots import Spot, hemisphere

@@ -14,9 +14,9 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.render import exr
-from openrooms_usd.render.datasets import DatasetOptions, FinishedRoom
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering import exr
+from openrooms_usd.rendering.datasets import DatasetOptions, FinishedRoom
+from openrooms_usd.rendering.reading import read_render
 from orusd_webdataset import WebDataset
 
 # The package leaves the last shard open until it is collected.

@@ -14,7 +14,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import CacheData
 from orusd_mitsuba.cache.sent import SurfelLight
 from orusd_mitsuba.cache.tracing import CHANCE_PER_ALBEDO, Surroundings, follow

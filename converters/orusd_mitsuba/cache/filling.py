@@ -16,7 +16,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.bounces import Transport, bounced
 from orusd_mitsuba.cache.links import NONE, Found, Links, Straight
 from orusd_mitsuba.cache.population import Rays, reached

@@ -8,8 +8,8 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render import light_store
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering import light_store
+from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.arriving import LookedUpArrival
 from orusd_mitsuba.cache.filling import CacheData, fill
 from orusd_mitsuba.cache.lookup import LightCache, Nothing

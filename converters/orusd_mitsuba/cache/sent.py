@@ -7,7 +7,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import CacheData
 from orusd_mitsuba.cache.surfels import SurfelIndex
 from orusd_mitsuba.plugins.memory import aligned

@@ -17,7 +17,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.light_index import registered
 

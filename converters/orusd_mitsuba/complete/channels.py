@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.complete.accumulator import OF_LIGHT, ONCE
 
 

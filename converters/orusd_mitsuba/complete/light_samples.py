@@ -12,8 +12,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.sources import Source
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.sources import Source
 from orusd_mitsuba.direct.lamp_faces import LampFaces
 from orusd_mitsuba.direct.rectangles import Rectangles
 from orusd_mitsuba.plugins.sun_disk import towards

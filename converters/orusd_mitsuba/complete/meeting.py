@@ -6,8 +6,8 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.sources import Source
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.sources import Source
 from orusd_mitsuba.complete.accumulator import WholeAccumulator
 from orusd_mitsuba.complete.first_surface import FirstSurface
 from orusd_mitsuba.complete.light_samples import LightSamples

@@ -16,8 +16,8 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene, Sun
-from openrooms_usd.render.scene.sources import Source
+from openrooms_usd.rendering.scene.arrays import Scene, Sun
+from openrooms_usd.rendering.scene.sources import Source
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.direct.accumulator import DirectAccumulator
 from orusd_mitsuba.direct.closed_form import factor

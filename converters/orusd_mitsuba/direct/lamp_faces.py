@@ -14,9 +14,9 @@ import mitsuba as mi
 import numpy as np
 
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.render.scene.arrays import Patch, Scene
-from openrooms_usd.render.scene.pictures import Array, Picture, Value
-from openrooms_usd.render.scene.sources import Source
+from openrooms_usd.rendering.scene.arrays import Patch, Scene
+from openrooms_usd.rendering.scene.pictures import Array, Picture, Value
+from openrooms_usd.rendering.scene.sources import Source
 from orusd_mitsuba.transport.light_index import registered
 
 # The part of the samples that goes by flux alone.

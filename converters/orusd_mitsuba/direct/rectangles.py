@@ -7,8 +7,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.sources import GRAZING_COS, Source
+from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.rendering.scene.sources import GRAZING_COS, Source
 
 
 class Rectangles:

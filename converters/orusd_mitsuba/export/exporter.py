@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import atomic, imagefile
-from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.render.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
-from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
-from openrooms_usd.render.scene.cameras import clipping_loss, stage_resolution
-from openrooms_usd.render.scene.instances import Instances
-from openrooms_usd.render.scene.models import report_simplified, with_model, without_shaping
-from openrooms_usd.render.scene.pictures import Array, Picture
-from openrooms_usd.render.scene.translate import translate
-from openrooms_usd.render.scene.triangles import Triangles
+from openrooms_usd.exporters import Report
+from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
+from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.rendering.scene.cameras import clipping_loss, stage_resolution
+from openrooms_usd.rendering.scene.instances import Instances
+from openrooms_usd.rendering.scene.models import report_simplified, with_model, without_shaping
+from openrooms_usd.rendering.scene.pictures import Array, Picture
+from openrooms_usd.rendering.scene.translate import translate
+from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
 from orusd_mitsuba.export.ply import ply_bytes
 from orusd_mitsuba.export.xml_text import scene_text

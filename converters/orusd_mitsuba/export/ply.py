@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.triangles import Triangles
+from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.rendering.scene.triangles import Triangles
 
 _HEADER = """ply
 format binary_little_endian 1.0

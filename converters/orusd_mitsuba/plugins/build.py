@@ -6,11 +6,11 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Environment, Patch, Scene
-from openrooms_usd.render.scene.instances import Instances, joined
-from openrooms_usd.render.scene.pictures import Array, Picture
-from openrooms_usd.render.scene.surfaces import Surface
-from openrooms_usd.render.scene.triangles import Triangles
+from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
+from openrooms_usd.rendering.scene.instances import Instances, joined
+from openrooms_usd.rendering.scene.pictures import Array, Picture
+from openrooms_usd.rendering.scene.surfaces import Surface
+from openrooms_usd.rendering.scene.triangles import Triangles
 from orusd_mitsuba.plugins import material_table, meshes, openrooms_bsdf
 from orusd_mitsuba.plugins import portal_environment as portals
 from orusd_mitsuba.plugins.descriptions import (

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from openrooms_usd.render.scene.arrays import Sun
-from openrooms_usd.render.scene.pictures import Picture, Value
-from openrooms_usd.render.scene.surfaces import Surface, mean_luminance
+from openrooms_usd.rendering.scene.arrays import Sun
+from openrooms_usd.rendering.scene.pictures import Picture, Value
+from openrooms_usd.rendering.scene.surfaces import Surface, mean_luminance
 
 Description = dict[str, Any]
 

@@ -16,8 +16,8 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.pictures import Picture, Value
-from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.rendering.scene.pictures import Picture, Value
+from openrooms_usd.rendering.scene.surfaces import Surface
 from orusd_mitsuba.plugins.descriptions import transmitted
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.plugins.openrooms_bsdf import Matter

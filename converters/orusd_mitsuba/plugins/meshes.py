@@ -8,9 +8,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.instances import Instances
-from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.triangles import Triangles
+from openrooms_usd.rendering.scene.instances import Instances
+from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.rendering.scene.triangles import Triangles
 
 Floats = NDArray[np.float32]
 

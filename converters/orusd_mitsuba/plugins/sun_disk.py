@@ -11,7 +11,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from openrooms_usd.render.scene.arrays import Sun
+from openrooms_usd.rendering.scene.arrays import Sun
 
 
 def towards(sun: Sun, sample: Any) -> tuple[Any, Any]:

@@ -12,7 +12,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.lenses import Panorama, ThinLens

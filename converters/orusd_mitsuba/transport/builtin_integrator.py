@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import RenderError
-from openrooms_usd.render import RenderRequest
+from openrooms_usd.rendering import RenderRequest
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.hemisphere import Cells
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import TEA_ROUNDS
 
 # 2^32 over the golden ratio: steps of it are spread evenly, however many they are.

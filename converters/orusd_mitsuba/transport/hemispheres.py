@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, surface_frames
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.first_hits import Hits, first_hits
-from openrooms_usd.render.scene.ground_truth import GroundTruth
-from openrooms_usd.render.scene.pictures import Array
-from openrooms_usd.render.scene.rays import RayTracer
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.first_hits import Hits, first_hits
+from openrooms_usd.rendering.scene.ground_truth import GroundTruth
+from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.arrival import Arrival
 from orusd_mitsuba.transport.cells import Layout, Points

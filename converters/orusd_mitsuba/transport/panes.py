@@ -13,7 +13,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.plugins.memory import aligned
 
 # How far beyond a pane rays begin, metres for each metre of their coordinates.

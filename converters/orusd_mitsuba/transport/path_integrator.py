@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.bands import Band, BandedIntegrator
 from orusd_mitsuba.transport.lattice import FirstDimensions

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.hemisphere import PANORAMA, Cells
-from openrooms_usd.render import Image, RenderRequest
-from openrooms_usd.render.probes import ProbeRequest
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering import Image, RenderRequest
+from openrooms_usd.rendering.probes import ProbeRequest
+from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.cells import Points
 from orusd_mitsuba.transport.incident import IncidentRadiance
 from orusd_mitsuba.transport.light_index import LightIndex

@@ -16,8 +16,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render import RenderRequest, estimates
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering import RenderRequest, estimates
+from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.integrator import Integrator
 
 # When an error is asked for: samples a pixel to begin with, and where to give up.

@@ -13,14 +13,14 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render import RenderRequest
-from openrooms_usd.render.bake.request import (
+from openrooms_usd.rendering import RenderRequest
+from openrooms_usd.rendering.bake.request import (
     LIFT_M,
     Irradiance,
     IrradianceRequest,
     TexelPoints,
 )
-from openrooms_usd.render.scene.pictures import Array
+from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import FirstDimensions
 from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator
 from orusd_mitsuba.transport.paths import Paths

@@ -11,8 +11,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.surfaces import Surface
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.surfaces import Surface
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.transport.light_index import registered
 

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import atomic, names
-from openrooms_usd.convert import Report
 from openrooms_usd.errors import StageError
-from openrooms_usd.render.scene.arrays import Scene
-from openrooms_usd.render.scene.cameras import stage_resolution
-from openrooms_usd.render.scene.light_records import light_records
-from openrooms_usd.render.scene.models import without_shaping
-from openrooms_usd.render.scene.sources import sources_of
-from openrooms_usd.render.scene.translate import translate
+from openrooms_usd.exporters import Report
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.cameras import stage_resolution
+from openrooms_usd.rendering.scene.light_records import light_records
+from openrooms_usd.rendering.scene.models import without_shaping
+from openrooms_usd.rendering.scene.sources import sources_of
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera, list_cameras, read_camera
 from orusd_openrooms.cameras import layout_transforms, pose, write_cameras, write_intrinsics
 from orusd_openrooms.pickles import write_pickled

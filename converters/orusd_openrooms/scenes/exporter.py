@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from openrooms_usd.convert import Report
 from openrooms_usd.errors import InputError
+from openrooms_usd.exporters import Report
 from openrooms_usd.untrusted import is_plain_name
 
 if TYPE_CHECKING:

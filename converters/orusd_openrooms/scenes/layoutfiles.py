@@ -13,7 +13,7 @@ from pxr import Usd
 from openrooms_usd import atomic, names
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.triangulation import triangulate
-from openrooms_usd.render.scene.arrays import Patch, Scene
+from openrooms_usd.rendering.scene.arrays import Patch, Scene
 from openrooms_usd.usd.light.emitters import world_from_prim
 from orusd_openrooms.scenes.microfacet import Materials, losses, mapping
 from orusd_openrooms.scenes.objects import SHELL, Objects

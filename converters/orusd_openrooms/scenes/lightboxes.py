@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.render.scene.arrays import Scene
+from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
 from orusd_openrooms.lights import box, source
 from orusd_openrooms.records import LOBES, Light

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from openrooms_usd import atomic
 from openrooms_usd.furniture.registry import record
-from openrooms_usd.render.scene.triangles import Triangles
+from openrooms_usd.rendering.scene.triangles import Triangles
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
 from orusd_openrooms.scenes.microfacet import Materials, mapping
 from orusd_openrooms.scenes.objects import Object

@@ -11,9 +11,9 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.furniture.joinery.boards import part_of
 from openrooms_usd.geometry.rotations import is_rotation
-from openrooms_usd.render.scene.arrays import Patch, Scene
-from openrooms_usd.render.scene.pictures import Picture
-from openrooms_usd.render.scene.triangles import Triangles
+from openrooms_usd.rendering.scene.arrays import Patch, Scene
+from openrooms_usd.rendering.scene.pictures import Picture
+from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.light.emitters import world_from_prim
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.semantics import read_label

@@ -18,9 +18,9 @@ from openrooms_usd.dataset.plan import Job, PlannedRoom, view_name
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
-from openrooms_usd.render.folder import MANIFEST, preview_file
-from openrooms_usd.render.previews import preview
-from openrooms_usd.render.reading import read_render
+from openrooms_usd.rendering.folder import MANIFEST, preview_file
+from openrooms_usd.rendering.previews import preview
+from openrooms_usd.rendering.reading import read_render
 from openrooms_usd.usd.shading.textures import read_texture
 
 LIGHT: Final = ("denoised", "radiance")

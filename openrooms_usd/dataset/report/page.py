@@ -16,7 +16,7 @@ from openrooms_usd.dataset.status import Status, status_of
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.description import load_dataset
 from openrooms_usd.errors import InputError, MissingPackageError, OrusdError, printable
-from openrooms_usd.render.sheet import MAIN
+from openrooms_usd.rendering.sheet import MAIN
 from openrooms_usd.untrusted import read_text
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-// From light to a picture as a camera would show it: the same as openrooms_usd/render/tone.py.
+// From light to a picture as a camera would show it: the same as openrooms_usd/rendering/tone.py.
 
 const GREY = 0.18;
 const KEY = 0.27;

@@ -1,0 +1,225 @@
+"""From a description to a composed stage: run the stages, stack their layers, flatten, package."""
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final, Literal
+
+from openrooms_usd import claims, names
+from openrooms_usd.description import load_room
+from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
+from openrooms_usd.description.room import Room
+from openrooms_usd.edits.fitting import misfits_of
+from openrooms_usd.edits.foreign import refuse_foreign
+from openrooms_usd.edits.orphans import Orphan, orphans_of
+from openrooms_usd.errors import InputError, OutputError, StageError, printable
+from openrooms_usd.progress import Progress, nested, silent
+from openrooms_usd.stages import base, runner
+from openrooms_usd.stages.draft import Draft, drafting
+from openrooms_usd.stages.reports import gather
+
+State = Literal["written", "unchanged"]
+
+# What decides where things come to rest.
+_SETTLING: Final = ("layout", "alignment", "physics")
+
+
+@dataclass(frozen=True)
+class StageSummary:
+    """What became of one stage."""
+
+    stage: str
+    state: State
+    seconds: float
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ComposeSummary:
+    """What a composition did.
+
+    Attributes:
+        scene: The root layer.
+        stages: From the weakest to the strongest layer.
+        files: The flattened and packaged files that were asked for.
+        orphans: Opinions of the edits that do nothing.
+        notes: Sentences about the room as a whole.
+    """
+
+    scene: Path
+    stages: tuple[StageSummary, ...]
+    files: tuple[Path, ...] = ()
+    orphans: tuple[Orphan, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def unchanged(self) -> bool:
+        """Whether every stage was up to date."""
+        return all(summary.state == "unchanged" for summary in self.stages)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data, for ``--json``."""
+        return {
+            "scene": str(self.scene),
+            "stages": [asdict(summary) for summary in self.stages],
+            "files": [str(path) for path in self.files],
+            "orphans": [asdict(orphan) for orphan in self.orphans],
+            "notes": list(self.notes),
+        }
+
+
+def compose_room(
+    description: Room | Path,
+    out: Path,
+    *,
+    base: Path | None = None,
+    only: str | None = None,
+    flatten: bool = False,
+    usdz: bool = False,
+    include_outside: bool = False,
+    workers: int | None = None,
+    progress: Progress = silent,
+) -> ComposeSummary:
+    """Compose a room: `openrooms_usd.api.scenes.compose` has the arguments and the errors.
+
+    Stages whose inputs have not changed since their layer was written are skipped.
+    """
+    described = description if isinstance(description, Room) else load_room(description)
+    source = base or described.folder or Path()
+    room = _explicit(described)
+    chosen = _chosen(only)
+    if printable(out.absolute(), lines=False) != str(out.absolute()):
+        raise OutputError(
+            "USD cannot read from a folder whose name holds control characters",
+            place=out.absolute(),
+            remedy="choose another output folder",
+        )
+    with claims.claimed(out):
+        refuse_foreign(out / names.SCENE)
+        with drafting(out) as draft:
+            _check_complete(draft, chosen)
+            runner.create_edits(draft)
+            summaries = []
+            for index, stage in enumerate(chosen):
+                begin, end = index / len(chosen), (index + 1) / len(chosen)
+                share = nested(progress, stage.name, begin, end)
+                summaries.append(_run(stage, room, source, draft, workers, share))
+            runner.write_scene(draft)
+            if any(summary.state == "written" for summary in summaries):
+                runner.check(draft)
+        files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz, include_outside))
+        orphans = orphans_of(out)
+        misfits = misfits_of(out)
+    notes = (
+        *_about_settled(out, summaries),
+        *_about_room(out, summaries),
+        *_about_strangers(out, draft),
+        *(f"{misfit}: see orusd edits fit" for misfit in misfits),
+    )
+    return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans, notes)
+
+
+def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
+    """What is to be said of the poses of a simulation, which compose neither writes nor drops."""
+    layer = f"{names.LAYERS}/{names.SETTLED}.usda"
+    if not (out / layer).is_file():
+        return
+    again = "run orusd simulate again, or remove it"
+    changed = [row.stage for row in summaries if row.state == "written" and row.stage in _SETTLING]
+    if changed:
+        yield f"{layer} is older than the {' and the '.join(changed)}: {again}"
+    gone = orphans_of(out, names.SETTLED)
+    if gone:
+        yield f"{layer} has {len(gone)} opinions that do nothing, the first: {gone[0]}: {again}"
+
+
+def _about_room(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
+    """What is to be said of a room that was written anew and shows what nobody meant."""
+    if any(row.state == "written" for row in summaries):
+        from openrooms_usd.usd.files.layers import open_stage
+        from openrooms_usd.validation.model import Subject
+        from openrooms_usd.validation.room_rules import told
+
+        yield from told(Subject(open_stage(out / names.SCENE)))
+
+
+def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:
+    """What lies among the files of a stage and is not ours to remove."""
+    if draft.stay:
+        first = draft.stay[0].relative_to(out.absolute()).as_posix()
+        more = f" and {len(draft.stay) - 1} more stay" if len(draft.stay) > 1 else " stays"
+        yield f"{first}{more}: no layer refers to it, and compose did not write it as it is now"
+
+
+def _explicit(room: Room) -> Room:
+    """The room with what is to be generated spelled out; the generator is imported only then."""
+    if not isinstance(room.layout, GeneratedLayout) and not isinstance(
+        room.alignment, GeneratedAlignment
+    ):
+        return room
+    from openrooms_usd.generation import expanded
+
+    return expanded(room)
+
+
+def _run(
+    stage: base.Stage,
+    room: Room,
+    source: Path,
+    draft: Draft,
+    workers: int | None,
+    progress: Progress,
+) -> StageSummary:
+    """Run a stage, unless its layer is up to date."""
+    started = time.perf_counter()
+    progress("", 0.0)
+    wanted = base.fingerprint(stage, room, source, draft.layer)
+    notes: Sequence[str] = ()
+    state: State = "unchanged"
+    if not runner.is_current(stage, wanted, draft):
+        state = "written"
+        threads = workers or os.cpu_count() or 1
+        notes = runner.run(stage, room, source, draft, wanted, threads, progress)
+    progress("", 1.0)
+    return StageSummary(stage.name, state, time.perf_counter() - started, tuple(notes))
+
+
+def _chosen(only: str | None) -> list[base.Stage]:
+    stages = runner.stages()
+    if only is None:
+        return stages
+    chosen = [stage for stage in stages if stage.name == only]
+    if not chosen:
+        known = ", ".join(stage.name for stage in stages)
+        raise InputError(f"no stage is named {only!r}", remedy=f"stages: {known}")
+    return chosen
+
+
+def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
+    """Refuse stages whose weaker layers are neither there nor written before them."""
+    known = {stage.name for stage in chosen}
+    for stage in chosen:
+        missing = [n for n in stage.reads if n not in known and not draft.layer(n).is_file()]
+        if missing:
+            raise StageError(
+                f"{stage.name} reads the layer {missing[0]}, which is not there yet",
+                place=draft.layer(missing[0]),
+                remedy="compose the whole room once, without naming one stage",
+            )
+
+
+def _extras(scene: Path, flatten: bool, usdz: bool, include_outside: bool) -> tuple[Path, ...]:
+    from openrooms_usd import package
+
+    wanted: Mapping[str, tuple[bool, Callable[..., None]]] = {
+        ".usdc": (flatten, package.flatten),
+        ".usdz": (usdz, package.package),
+    }
+    files = []
+    for suffix, (asked, write) in wanted.items():
+        if asked:
+            write(scene, scene.with_suffix(suffix), include_outside=include_outside)
+            files.append(scene.with_suffix(suffix))
+    return tuple(files)

@@ -1,0 +1,105 @@
+"""``from: generate`` in a description becomes what it stands for, before any stage runs."""
+
+from pathlib import Path
+from typing import Any
+
+from openrooms_usd.description.alignment import ObjectList, named_objects
+from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
+from openrooms_usd.description.layout import PolygonLayout
+from openrooms_usd.description.room import Room
+from openrooms_usd.errors import DescriptionError
+from openrooms_usd.generation.clutter.described import lying_in, rows
+from openrooms_usd.generation.describing import layout_section, objects, row_of
+from openrooms_usd.generation.environments import environment
+from openrooms_usd.generation.finishing import finished
+from openrooms_usd.generation.lighting import lamps, screens
+from openrooms_usd.generation.rooms import Generated, furnish, generate, style_of
+from openrooms_usd.generation.shell import shell_of
+
+
+def expanded(room: Room) -> Room:
+    """A description without generated sections: polygon, openings, objects and lamps are explicit.
+
+    What lies about (``clutter``) is explicit too.
+
+    A generated layout is furnished too, unless the description has an alignment of its own, and it
+    is seen at a moment that is drawn, unless the description has an environment. Lamps that the
+    description gives keep what it says of them; all are on in a room whose moment is not drawn.
+
+    Args:
+        room: Any description.
+
+    Returns:
+        The same room where nothing is generated.
+
+    Raises:
+        DescriptionError: Furniture is to be generated for a room that is not drawn or generated.
+        InputError: No room of the wanted area can be made.
+    """
+    layout, wants_layout = room.layout, isinstance(room.layout, GeneratedLayout)
+    wants_objects = isinstance(room.alignment, GeneratedAlignment) or (
+        wants_layout and "alignment" not in room.model_fields_set
+    )
+    if not wants_layout and not wants_objects:
+        return _lived_in(room) if room.clutter else room
+    if isinstance(layout, GeneratedLayout):
+        clutter = room.clutter if wants_objects else 0
+        is_seen = "environment" not in room.lights.model_fields_set
+        made = generate(room.room, room.seed, layout.area, room.style, clutter, seen=is_seen)
+    elif isinstance(layout, PolygonLayout):
+        shell = finished(shell_of(layout), layout)
+        style = room.style or style_of(room.room, room.seed)
+        made = furnish(room.room, room.seed, shell, style, room.clutter)
+    else:
+        raise DescriptionError(
+            "furniture is generated for rooms that are drawn or generated, not for captured ones",
+            place="alignment",
+            remedy="give the room's polygon in layout, or list the objects",
+        )
+    return _with(room, made, wants_layout, wants_objects)
+
+
+def _lived_in(room: Room) -> Room:
+    """A described room with what lies about among its objects."""
+    layout, alignment = room.layout, room.alignment
+    if not isinstance(layout, PolygonLayout) or not isinstance(alignment, ObjectList):
+        raise DescriptionError(
+            "things lie about in rooms that are drawn or generated, not in captured ones",
+            place="clutter",
+            remedy="leave clutter out, or list the objects",
+        )
+    shell = finished(shell_of(layout), layout)
+    folder = room.folder or Path()
+    lying = lying_in(alignment.objects, shell, room.room, room.seed, room.clutter, folder)
+    described = named_objects(alignment.objects)
+    names = {name: name for name, _ in described}
+    found = [
+        row_of(name, item, carrier, (carrier, below) if below else None)
+        for name, item, carrier, below in rows(lying, list(names))
+    ]
+    data: dict[str, Any] = room.model_dump(by_alias=True, exclude_unset=True)
+    data["clutter"] = 0
+    own = data.setdefault("alignment", {"from": "objects"}).get("objects", ())
+    kept = [{**row, "name": name} for row, name in zip(own, names, strict=True)]
+    data["alignment"]["objects"] = [*kept, *found]
+    return Room.model_validate(data).located(folder) if room.folder else Room.model_validate(data)
+
+
+def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) -> Room:
+    data: dict[str, Any] = room.model_dump(by_alias=True, exclude_unset=True)
+    if isinstance(room.layout, GeneratedLayout):
+        data["layout"] = layout_section(made) | {"wall_thickness": room.layout.wall_thickness}
+    if wants_objects:
+        data["style"] = made.style
+        data["alignment"] = {
+            "from": "objects",
+            "objects": [row for _, row in objects(made.furnishing)],
+        }
+        lights = data.setdefault("lights", {})
+        if wants_layout:
+            lights.setdefault("environment", environment(made))
+        seen = lights.get("environment") == environment(made)
+        lights["lamps"] = lamps(made, seen=seen) | lights.get("lamps", {})
+        if seen:
+            lights["screens"] = screens(made) | lights.get("screens", {})
+    return Room.model_validate(data)

@@ -1,0 +1,168 @@
+"""Doors and windows: how many, in which walls, where, and how large."""
+
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd.generation.boxes import overlap
+from openrooms_usd.generation.programs import Program
+from openrooms_usd.generation.shell import Gap, Shell
+
+# Between an opening and the ends of its wall, and between two openings; metres.
+_END_GAP_M: Final = 0.32
+_GAP_M: Final = 0.3
+_DOOR_WIDTHS: Final = (0.8, 0.85, 0.9, 0.95)
+_MAX_TRIES: Final = 40
+
+
+def openings(
+    rng: np.random.Generator, shell: Shell, program: Program
+) -> tuple[Shell, list[dict[str, Any]]]:
+    """Cut doors and windows into a room.
+
+    Args:
+        rng: Draws them.
+        shell: The room without openings; its polygon runs counter-clockwise.
+        program: The kind of the room.
+
+    Returns:
+        The room with them, and the openings as the description has them.
+    """
+    rows: list[dict[str, Any]] = []
+    for number in range(_doors(rng, shell, program)):
+        shell = _door(rng, shell, program, rows, number)
+    if program.gate and rng.random() < program.gate:
+        shell = _gate(rng, shell, rows)
+    return _windows(rng, shell, program, rows), rows
+
+
+def _doors(rng: np.random.Generator, shell: Shell, program: Program) -> int:
+    least, most = program.doors
+    return int(rng.integers(least, max(least, min(most, 1 + int(shell.area // 9))) + 1))
+
+
+def _door(
+    rng: np.random.Generator, shell: Shell, program: Program, rows: list[dict[str, Any]],
+    number: int,
+) -> Shell:  # fmt: skip
+    width = float(rng.choice(_DOOR_WIDTHS)) if shell.area < 60 else 1.0
+    passage = number > 0 and rng.random() < 0.35
+    out = rng.random() < program.swing_out
+    for _ in range(_MAX_TRIES):
+        side, at, near_start = _place(rng, shell, width)
+        if side is None:
+            continue
+        gap = Gap("opening" if passage else "door", side, at, width, 0.0,
+                  min(2.1 if shell.height > 2.6 else 2.05, shell.height - 0.15),
+                  "out" if out else "in", "right" if near_start else "left")  # fmt: skip
+        grown = _with(shell, gap)
+        if grown is None:
+            continue
+        row: dict[str, Any] = {
+            "kind": gap.kind, "wall": side, "at": at, "width": width, "height": gap.top,
+            "beyond": "hallway",
+        }  # fmt: skip
+        if not passage:
+            # The leaf turns to the nearer corner: seen from inside, the start is on the right.
+            row |= {"hinge": gap.hinge, "swing": gap.swing}
+            row["open"] = float(rng.choice((0, 0, 0, 15, 35, 60)))
+        rows.append(row)
+        return grown
+    return shell
+
+
+def _gate(rng: np.random.Generator, shell: Shell, rows: list[dict[str, Any]]) -> Shell:
+    """A wide opening, as garages have."""
+    for width in (2.6, 2.4, 2.2):
+        for _ in range(_MAX_TRIES // 2):
+            side, at, _ = _place(rng, shell, width)
+            if side is None:
+                continue
+            grown = _with(shell, Gap("opening", side, at, width, 0.0, 2.1))
+            if grown is not None:
+                rows.append(
+                    {"kind": "opening", "wall": side, "at": at, "width": width, "height": 2.1}
+                )
+                return grown
+    return shell
+
+
+def _place(rng: np.random.Generator, shell: Shell, width: float) -> tuple[int | None, float, bool]:
+    """A wall and a place in it: near a corner more often than not."""
+    lengths = np.array([side.length for side in shell.sides])
+    room = np.maximum(lengths - width - 2 * _END_GAP_M, 0.0)
+    if not room.any():
+        return None, 0.0, False
+    weights = np.where(room > 0.0, lengths, 0.0)
+    side = int(rng.choice(len(lengths), p=weights / weights.sum()))
+    away = min(float(rng.exponential(0.25)) if rng.random() < 0.7 else 99.0, room[side])
+    if away == room[side]:
+        away = float(rng.uniform(0.0, room[side]))
+    near_start = bool(rng.random() < 0.5)
+    at = _END_GAP_M + 0.5 * width + away
+    at = at if near_start else lengths[side] - at
+    return side, round(float(at), 2), bool(at < 0.5 * lengths[side])
+
+
+def _with(shell: Shell, gap: Gap) -> Shell | None:
+    """The room with one more opening; None where it is in the way of another or of a wall."""
+    one = Shell(shell.corners, shell.height, (gap,))
+    side = one.sides[gap.side]
+    for other in shell.gaps:
+        clear = abs(other.at - gap.at) - 0.5 * (other.width + gap.width)
+        if other.side == gap.side and clear < _GAP_M:
+            return None
+    if gap.kind != "window":
+        before = one.kept.copy()
+        before[:, :2] += 0.02 * side.inward
+        if overlap(before, shell.walls).any() or overlap(before, shell.kept).any():
+            return None
+        if not bool(shell.contains(before[:, :2]).all()):
+            return None
+    return Shell(shell.corners, shell.height, (*shell.gaps, gap))
+
+
+def _windows(
+    rng: np.random.Generator, shell: Shell, program: Program, rows: list[dict[str, Any]]
+) -> Shell:
+    """Windows in one or two outer walls, alike and evenly spaced in each."""
+    least, most = program.windows
+    wanted = int(rng.integers(least, most + 1))
+    wanted = min(wanted, max(least, int(np.ceil(shell.area / 6.0))))
+    width, height, sill = _window_size(rng, shell, program)
+    lengths = np.array([side.length for side in shell.sides])
+    used = {gap.side for gap in shell.doors}
+    outer = sorted(
+        range(len(lengths)), key=lambda i: (i in used, -lengths[i] * rng.uniform(0.6, 1))
+    )
+    for side in outer[:3]:
+        if wanted <= 0:
+            break
+        fit = int((lengths[side] - 2 * _END_GAP_M + _GAP_M) // (width + _GAP_M))
+        count = min(wanted, fit)
+        pitch = (lengths[side] - 2 * _END_GAP_M) / max(count, 1)
+        for i in range(count):
+            at = round(float(_END_GAP_M + (i + 0.5) * pitch), 2)
+            gap = Gap("window", side, at, width, sill, round(sill + height, 2))
+            grown = _with(shell, gap)
+            if grown is not None:
+                shell = grown
+                wanted -= 1
+                rows.append({"kind": "window", "wall": side, "at": at, "width": width,
+                             "height": height, "sill": sill})  # fmt: skip
+    return shell
+
+
+def _window_size(
+    rng: np.random.Generator, shell: Shell, program: Program
+) -> tuple[float, float, float]:
+    """Width, height and sill, metres."""
+    if program.high_windows:
+        height = float(rng.choice((0.4, 0.5, 0.6)))
+        sill = round(min(1.7, shell.height - height - 0.2), 2)
+        return float(rng.choice((0.6, 0.8, 1.0))), height, sill
+    if rng.random() < program.glazed:
+        return float(rng.choice((1.4, 1.8, 2.2))), round(min(2.2, shell.height - 0.35), 2), 0.1
+    sill = float(rng.choice(program.sills))
+    height = round(min(float(rng.choice((1.2, 1.3, 1.4, 1.5))), shell.height - sill - 0.2), 2)
+    return float(rng.choice((1.0, 1.2, 1.4, 1.6, 1.8))), height, sill

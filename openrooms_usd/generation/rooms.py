@@ -1,0 +1,291 @@
+"""A room from nothing: draw its shell, fill it group by group, and draw again what did not fit."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd.description.styles import InteriorStyle
+from openrooms_usd.draws import generator
+from openrooms_usd.errors import InputError
+from openrooms_usd.generation.backsplashes import backsplashes
+from openrooms_usd.generation.boxes import Pose
+from openrooms_usd.generation.clutter.living import lived_in
+from openrooms_usd.generation.coatracks import coat_racks
+from openrooms_usd.generation.curtains import curtains
+from openrooms_usd.generation.finishing import Finishing, finished, finishing, shell_style
+from openrooms_usd.generation.fittings import Fitter
+from openrooms_usd.generation.items import Item
+from openrooms_usd.generation.kit import Kit
+from openrooms_usd.generation.moments import closes
+from openrooms_usd.generation.openings import openings
+from openrooms_usd.generation.placement import Arrangement
+from openrooms_usd.generation.polygons import floor_plan
+from openrooms_usd.generation.programs import PROGRAMS, Program, Want
+from openrooms_usd.generation.shapes import Shapes
+from openrooms_usd.generation.shell import Shell
+from openrooms_usd.generation.walls import ceiling_lamps, hang
+from openrooms_usd.library.styles.assignment.weights import drawn
+from openrooms_usd.library.styles.interiors import INTERIORS, Interior
+
+# How often a room is drawn again when what it is for found no place.
+_MAX_DRAFTS: Final = 6
+# What a group asks for at each try: 0 is all that it likes, 1 as little as can be.
+_MODESTY: Final = {True: (0.0, 0.3, 0.6, 0.9), False: (0.0, 0.6)}
+# Groups of things that have nothing to do with each other.
+ON_WALLS: Final = "on the walls"
+FITTINGS: Final = "fittings"
+LIGHT: Final = "light"
+USUAL_CLUTTER: Final = 2
+"""How much lies about in rooms from nothing where nobody says: they are lived in."""
+LEAST_AREA: Final = 2.0
+MOST_AREA: Final = 400.0
+
+
+@dataclass(frozen=True, eq=False)
+class Furnishing:
+    """What stands in a room.
+
+    Attributes:
+        groups: Titles and items, in the room's frame.
+        missing: How many groups found no place that the room is for.
+    """
+
+    groups: list[tuple[str, list[Item]]]
+    missing: int
+
+
+@dataclass(frozen=True, eq=False)
+class Generated:
+    """A room from nothing.
+
+    Attributes:
+        room_type: One of the 27.
+        seed: What it was drawn by.
+        shell: Its walls and openings.
+        openings: The openings as the description has them.
+        furnishing: What stands in it.
+        style: What its furniture, materials and colours go together by; None: by nothing.
+        clutter: How much lies about.
+        finish: What its shell wears.
+    """
+
+    room_type: str
+    seed: int
+    shell: Shell
+    openings: list[dict[str, Any]]
+    furnishing: Furnishing = field(default_factory=lambda: Furnishing([], 0))
+    style: InteriorStyle | None = None
+    clutter: int = 0
+    finish: Finishing = field(default_factory=Finishing)
+
+    @property
+    def interior(self) -> Interior | None:
+        """What rooms of its style have."""
+        return INTERIORS[self.style] if self.style else None
+
+
+def program_of(room_type: str) -> Program:
+    """What a kind of room is like.
+
+    Raises:
+        InputError: There is no such kind.
+    """
+    if room_type not in PROGRAMS:
+        raise InputError(
+            f"no room type is named {room_type!r}", remedy=f"known: {', '.join(PROGRAMS)}"
+        )
+    return PROGRAMS[room_type]
+
+
+def style_of(room_type: str, seed: int) -> InteriorStyle:
+    """The style that a room is generated in where nobody asks for one."""
+    rng = generator(seed, "generate", room_type, "style")
+    return drawn(rng, dict.fromkeys(INTERIORS, 1.0))
+
+
+def generate(
+    room_type: str,
+    seed: int,
+    area: float | None = None,
+    style: InteriorStyle | None = None,
+    clutter: int = 0,
+    *,
+    seen: bool = True,
+    shapes: Shapes | None = None,
+) -> Generated:
+    """Make a room; equal arguments give equal rooms, in any process.
+
+    Args:
+        room_type: One of the 27.
+        seed: Fixes everything that is drawn.
+        area: Of the floor, square metres; drawn by default.
+        style: Of furniture, materials and colours; drawn by default.
+        clutter: How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.
+        seen: Whether the room is seen at its own moment, by which curtains close.
+        shapes: Takes in the forms of all things that are built on the way.
+
+    Raises:
+        InputError: There is no such room type or style, or no room of that area can be made.
+    """
+    style = style or style_of(room_type, seed)
+    if style not in INTERIORS:
+        raise InputError(f"no style is named {style!r}", remedy=f"known: {', '.join(INTERIORS)}")
+    best: tuple[Generated, Arrangement] | None = None
+    shapes = shapes or Shapes(seed)
+    closed = seen and closes(room_type, seed)
+    for attempt in range(_MAX_DRAFTS):
+        shell, rows = draw_shell(room_type, seed, area, attempt)
+        finish = finishing(room_type, seed, shell, style)
+        shell = finished(shell, finish)
+        made, room = _furnished(room_type, shapes, shell, attempt, style, closed)
+        found = Generated(room_type, seed, shell, rows, made, style, finish=finish)
+        if best is None or found.furnishing.missing < best[0].furnishing.missing:
+            best = found, room
+        if not best[0].furnishing.missing:
+            break
+    assert best is not None
+    return _lived_in(*best, shapes, clutter)
+
+
+def _lived_in(room: Generated, arrangement: Arrangement, shapes: Shapes, clutter: int) -> Generated:
+    """The same room with what lies about in it."""
+    groups = lived_in(
+        room.furnishing.groups, arrangement, shapes, room.room_type, room.seed, clutter
+    )
+    made = Furnishing(groups, room.furnishing.missing)
+    return replace(room, furnishing=made, clutter=clutter)
+
+
+def draw_shell(
+    room_type: str, seed: int, area: float | None = None, attempt: int = 0
+) -> tuple[Shell, list[dict[str, Any]]]:
+    """Walls and openings alone.
+
+    Raises:
+        InputError: There is no such room type, or no room of that area can be made.
+    """
+    program = program_of(room_type)
+    if area is not None and not LEAST_AREA <= area <= MOST_AREA:
+        raise InputError(
+            f"a room of {area:g} m2 cannot be generated",
+            remedy=f"give an area between {LEAST_AREA:g} and {MOST_AREA:g} square metres",
+        )
+    rng = generator(seed, "generate", room_type, "shell", attempt)
+    least, usual, most = program.area
+    wanted = float(rng.triangular(least, usual, most)) if area is None else area
+    corners = floor_plan(rng, wanted, program.aspect, program.shapes)
+    height = round(float(rng.uniform(*program.height)), 2)
+    return openings(rng, Shell(corners, height), program)
+
+
+def furnish(
+    room_type: str,
+    seed: int,
+    shell: Shell,
+    style: InteriorStyle | None = None,
+    clutter: int = 0,
+) -> Generated:
+    """Furniture for a given room, of a style where one is given.
+
+    Raises:
+        InputError: There is no such room type.
+    """
+    shapes = Shapes(seed)
+    found = (_furnished(room_type, shapes, shell, attempt, style) for attempt in range(_MAX_DRAFTS))
+    best = next(found)
+    for other in found:
+        if not best[0].missing:
+            break
+        best = min(best, other, key=lambda made: made[0].missing)
+    made = Generated(room_type, seed, shell, [], best[0], style)
+    return _lived_in(made, best[1], shapes, clutter)
+
+
+def _furnished(
+    room_type: str,
+    shapes: Shapes,
+    shell: Shell,
+    attempt: int,
+    style: InteriorStyle | None,
+    closed: bool = False,
+) -> tuple[Furnishing, Arrangement]:
+    program = program_of(room_type)
+    room = Arrangement(shell)
+    sides = np.ptp(shell.corners, axis=0)
+    kit = Kit(
+        generator(shapes.seed, "generate", room_type, "furniture", attempt), shapes, shell.height,
+        (float(sides.max()), float(sides.min())), INTERIORS[style] if style else None,
+        shell.clear_height,
+    )  # fmt: skip
+    missing = 0
+    for want in program.wants:
+        count = _count(want, shell.area, kit)
+        placed = sum(_place(room, kit, want, number < want.least) for number in range(count))
+        missing += max(0, want.least - placed)
+    own = replace(kit, rng=generator(shapes.seed, "generate", room_type, "fittings", attempt))
+    fitter = Fitter(room, own, shell_style(style), room_type)
+    heaters = fitter.heating()
+    lamps = ceiling_lamps(room, kit)
+    cloths = curtains(room, kit, room_type, program.curtains, closed)
+    hooks = coat_racks(room, own, room_type)
+    hung = [*hooks, *hang(room, kit, program.hangs)]
+    tiles = backsplashes(room, kit)
+    fitted = [*heaters, *fitter.wiring(lamps)]
+    groups = [*room.items, (ON_WALLS, [*tiles, *cloths, *hung]), (FITTINGS, fitted), (LIGHT, lamps)]
+    missing += not lamps
+    return Furnishing([group for group in groups if group[1]], missing), room
+
+
+def _count(want: Want, area: float, kit: Kit) -> int:
+    """How many groups of a kind a room gets."""
+    if want.least == 0 and not kit.chance(want.chance):
+        return 0
+    if want.each:
+        number = round(area / want.each * float(kit.rng.uniform(0.7, 1.2)))
+    else:
+        number = int(kit.rng.integers(max(want.least, 1), want.most + 1))
+    return int(np.clip(number, want.least, want.most))
+
+
+def _place(room: Arrangement, kit: Kit, want: Want, needed: bool) -> bool:
+    facing = _pose_of(room, want.faces)
+    for modesty in _MODESTY[needed]:
+        kit.modesty = modesty
+        made = want.build(kit)
+        group = kit.apart(made) if made else None
+        if group is not None and room.place(group, kit.rng, facing):
+            kit.modesty = 0.0
+            return True
+    kit.modesty = 0.0
+    return False
+
+
+def _pose_of(room: Arrangement, title: str) -> Pose | None:
+    """Where the first item of a group stands."""
+    for name, items in room.items:
+        if title and name == title:
+            return items[0].x, items[0].y, items[0].yaw
+    return None
+
+
+def named(groups: Sequence[tuple[str, Sequence[Item]]]) -> Iterator[tuple[str, str, Item, str]]:
+    """Every item with its prim name: its category, and a number where there are several.
+
+    Yields:
+        The title of its group, its name, the item, and what carries it by name.
+    """
+    totals: dict[str, int] = {}
+    for _, items in groups:
+        for item in items:
+            totals[item.category] = totals.get(item.category, 0) + 1
+    numbers: dict[str, int] = {}
+    for title, items in groups:
+        names = {"floor": "floor", "ceiling": "ceiling", "wall": "wall"}
+        for item in items:
+            number = numbers.get(item.category, 0)
+            numbers[item.category] = number + 1
+            single = totals[item.category] == 1
+            names[item.key] = item.category if single else f"{item.category}_{number}"
+            yield title, names[item.key], item, names[item.on]

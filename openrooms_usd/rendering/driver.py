@@ -1,0 +1,144 @@
+"""Renders the cameras of a stage into files: pictures, ground truth and one manifest."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from openrooms_usd import claims, ledger
+from openrooms_usd.description.rendering import RenderSettings
+from openrooms_usd.exporters import Report
+from openrooms_usd.progress import Progress, part, silent
+from openrooms_usd.rendering import folder, manifest
+from openrooms_usd.rendering.contract import View, ViewProgress
+from openrooms_usd.rendering.run import Run, raw_bytes
+from openrooms_usd.rendering.writer import ViewWriter, view_writer
+
+if TYPE_CHECKING:
+    from openrooms_usd.rendering.context import RenderContext
+
+
+@dataclass(frozen=True)
+class RenderSummary:
+    """What a run wrote.
+
+    Attributes:
+        out: The folder.
+        manifest: What stands in ``manifest.json``.
+        timing: What stands in ``timing.json``.
+        stay: Views of an earlier run that are not described any more, and not ours to remove.
+        report: What became of every prim.
+    """
+
+    out: Path
+    manifest: Mapping[str, Any]
+    timing: Mapping[str, Any]
+    stay: tuple[Path, ...] = ()
+    report: Report = field(default_factory=Report)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The summary as plain data."""
+        return {"out": str(self.out), "manifest": self.manifest, "timing": self.timing}
+
+
+def render_stage(
+    path: Path,
+    out: Path,
+    settings: RenderSettings | None = None,
+    *,
+    cameras: Sequence[str] = (),
+    progress: Progress = silent,
+) -> RenderSummary:
+    """Render cameras of a USD stage with their ground truth.
+
+    ``out`` then holds a folder for every view (``channels.exr``, ``radiance.exr``, a PNG for every
+    channel), ``contact_sheet.png``, ``manifest.json`` and ``timing.json``, and no view of an
+    earlier run. Views appear whole: whatever interrupts the run, the finished ones stay and the
+    manifest lists them.
+
+    Args:
+        path: The USD file.
+        out: The folder to write.
+        settings: What is asked for.
+        cameras: Names or prim paths; all cameras where empty, and a framing camera where the stage
+            has none.
+        progress: Called with the view's name and the finished fraction of the whole run.
+
+    Returns:
+        What was written.
+
+    Raises:
+        InputError: The stage is unreadable, or a name is unknown.
+        MissingPackageError: The renderer or the denoiser needs a package that is not installed.
+        OutputError: The folder cannot be written.
+        RenderError: The renderer cannot do it.
+    """
+    from openrooms_usd.rendering.opening import check_settings, open_for_rendering
+
+    # 1. Refuse what cannot work before anything slow begins.
+    settings = settings or RenderSettings()
+    check_settings(settings)
+    folder.check_writable(out)
+    with claims.claimed(out, ledger.RENDER_FILE) as kept:
+        # 2. Translate the stage.
+        context = open_for_rendering(path, settings, cameras=cameras)
+        # 3. Render view by view.
+        views = {name: partial(context.view, name) for name in context.views}
+        return write_views(context, out, kept, views, progress)
+
+
+def write_views(
+    context: "RenderContext",
+    out: Path,
+    kept: ledger.Ledger,
+    views: Mapping[str, Callable[[ViewProgress], View]],
+    progress: Progress = silent,
+) -> RenderSummary:
+    """Render views of an opened stage into files; each is written beside the next.
+
+    Args:
+        context: The opened stage.
+        out: The folder, which this process has claimed.
+        kept: The ledger of the folder.
+        views: What renders each view, by its name.
+        progress: Called with the view's name and the finished fraction of the whole run.
+
+    Raises:
+        OutputError: The folder cannot be written.
+        RenderError: The renderer cannot do it.
+    """
+    listed, settings, report = context.listed, context.settings, context.report
+    folder.check_replaceable(out, views)
+    folder.check_space(out, raw_bytes(listed, len(context.lights)))
+    run = Run(
+        out,
+        context.entry(),
+        report,
+        kept,
+        context.lights,
+        storage=settings.storage,
+        tone=settings.tone,
+    )
+    run.timing |= {
+        "machine": manifest.machine_entry(context.session.backend),
+        "translation": context.translation,
+    }
+    with view_writer() as writer:
+        for index, (name, render) in enumerate(views.items()):
+            share = part(partial(_checked, writer, progress), name, index, len(views))
+            began = time.perf_counter()
+            view = render(share)
+            took = time.perf_counter() - began
+            shown = context.photograph(name) if name in context.views else None
+            # What is told of the next view is no part of this one's manifest.
+            told = report.as_dict()
+            writer.put(view, partial(run.add, name, view, listed, took, shown, told))
+    return RenderSummary(out, run.manifest, run.timing, tuple(run.stay), report)
+
+
+def _checked(writer: ViewWriter, progress: Progress, what: str, fraction: float) -> None:
+    """Progress of what is rendered while a view before is written, which may fail."""
+    writer.check()
+    progress(what, fraction)

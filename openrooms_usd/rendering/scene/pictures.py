@@ -1,0 +1,272 @@
+"""Textures as linear arrays, and their lookup: bilinear between the centres of texels.
+
+All colour decoding happens here, once, so that every backend and the ground-truth channels see
+the same numbers.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrooms_usd.colorimetry import linear_from_srgb
+from openrooms_usd.errors import InputError
+from openrooms_usd.rendering.scene.wrapping import framed
+from openrooms_usd.usd.shading.surfaces import Texture
+from openrooms_usd.usd.shading.textures import read_texture
+
+Array = NDArray[np.float64]
+Limits = tuple[float, float]
+
+# Half precision keeps 11 bits: better than the 8 of most pictures, at half the memory.
+_HALF_MAX: Final = 6e4
+# The longest side of a picture that is kept as it is; longer ones are halved until they fit.
+MAX_SIDE: Final = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A texture whose values are ready to use.
+
+    Attributes:
+        texels: (H, W, C) values in half or float32, or the rows of ``coding`` in 8 bits; C = 1 or
+            3, the first row at v = 0 (the bottom).
+        wrap: ``repeat``, ``mirror`` or ``clamp``, in both directions.
+        uv: (3, 3) from the mesh's texture coordinates to the picture's.
+        losses: What could not be kept, in words.
+        coding: What texels of 8 bits mean; None where they are values.
+    """
+
+    texels: NDArray[Any]
+    wrap: str = "repeat"
+    uv: Array = field(default_factory=lambda: np.eye(3))
+    losses: tuple[str, ...] = ()
+    coding: "Coding | None" = None
+
+    @cached_property
+    def pixels(self) -> NDArray[np.floating]:
+        """(H, W, C) values in half or float32."""
+        return self._values(self.texels)
+
+    def halves(self) -> NDArray[np.floating]:
+        """The same, in half precision where that holds them; not kept."""
+        if self.coding is None or np.abs(self.coding.levels).max() >= _HALF_MAX:
+            return self._values(self.texels)
+        return self._values(self.texels).astype(np.float16)
+
+    @property
+    def channels(self) -> int:
+        """1 or 3."""
+        return int(self.texels.shape[2])
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it takes the mesh's texture coordinates as they are."""
+        return np.array_equal(self.uv, np.eye(3))
+
+    def lookup(self, st: Array) -> Array:
+        """Bilinear values at texture coordinates.
+
+        Args:
+            st: (..., 2) the mesh's texture coordinates.
+
+        Returns:
+            (..., C) values.
+        """
+        height, width, _ = self.texels.shape
+        uv = st @ self.uv[:2, :2].T + self.uv[:2, 2]
+        x, y = uv[..., 0] * width - 0.5, uv[..., 1] * height - 0.5
+        x0, y0 = np.floor(x), np.floor(y)
+        fx, fy = (x - x0)[..., None], (y - y0)[..., None]
+        columns = [_wrapped(x0 + step, width, self.wrap) for step in (0, 1)]
+        rows = [_wrapped(y0 + step, height, self.wrap) for step in (0, 1)]
+        low, high = (
+            self._values(self.texels[row, columns[0]]) * (1 - fx)
+            + self._values(self.texels[row, columns[1]]) * fx
+            for row in rows
+        )
+        return np.asarray(low * (1 - fy) + high * fy, dtype=np.float64)
+
+    def _values(self, texels: NDArray[Any]) -> NDArray[np.floating]:
+        if self.coding is None:
+            return texels
+        levels = self.coding.levels
+        values = [levels[texels[..., channel], channel] for channel in range(self.channels)]
+        return np.stack(values, axis=-1)
+
+
+@dataclass(frozen=True)
+class Coding:
+    """What the 256 codes of a picture of 8 bits mean: decoded, scaled, offset and clipped.
+
+    Attributes:
+        srgb: Whether the codes are decoded as sRGB.
+        scale: Factor of each channel.
+        bias: Offset of each channel.
+        limits: The least and the greatest value.
+    """
+
+    srgb: bool
+    scale: tuple[float, ...]
+    bias: tuple[float, ...]
+    limits: tuple[float, float]
+
+    @cached_property
+    def levels(self) -> NDArray[np.float32]:
+        """(256, C) values."""
+        codes = np.arange(256, dtype=np.float32) / np.float32(255.0)
+        linear = linear_from_srgb(codes) if self.srgb else codes
+        scaled = linear[:, None] * np.array(self.scale, np.float32)
+        return np.asarray(np.clip(scaled + np.array(self.bias, np.float32), *self.limits))
+
+
+Value = float | tuple[float, float, float] | Picture
+
+
+def evaluate(value: Value, st: Array, channels: int) -> Array:
+    """A constant or a picture at texture coordinates.
+
+    Args:
+        value: What a surface says.
+        st: (..., 2) the mesh's texture coordinates.
+        channels: 1 or 3.
+
+    Returns:
+        (..., channels) values.
+    """
+    if isinstance(value, Picture):
+        return np.broadcast_to(value.lookup(st), (*st.shape[:-1], channels))
+    return np.broadcast_to(np.asarray(value, dtype=np.float64), (*st.shape[:-1], channels))
+
+
+def load(
+    texture: Texture,
+    channels: int,
+    limits: tuple[float, float],
+    uv: Array,
+    side: int = MAX_SIDE,
+) -> Picture:
+    """Read a texture and apply its colour space, scale, bias and channel.
+
+    Args:
+        texture: What the material says; a file that cannot be read gives its fallback.
+        channels: 1 or 3: what the input needs.
+        limits: The least and the greatest value that make sense.
+        uv: (3, 3) from the mesh's texture coordinates to the picture's.
+        side: The longest side that is kept as it is, pixels.
+    """
+    losses: list[str] = []
+    try:
+        stored = read_texture(texture.file)
+    except InputError as error:
+        losses.append(f"{texture.file}: {error.message}; its fallback colour is used")
+        values = np.array(texture.fallback, dtype=np.float32).reshape(1, 1, 4)
+    else:
+        if max(stored.shape[:2]) > side:
+            losses.append(made_smaller(texture.file, side))
+        stored, damaged = mended(stored)
+        if damaged:
+            losses.append(f"{texture.file}: {damaged} texels are no numbers; mended by neighbours")
+        rgba = _rgba(within(stored, side))
+        if texture.color_space == "sRGB":
+            rgba[..., :3] = linear_from_srgb(rgba[..., :3])
+        values = rgba * np.array(texture.scale, np.float32) + np.array(texture.bias, np.float32)
+    picked = _picked(values, texture.channel, channels)
+    if limits[0] < 0.0:
+        picked, reason = _directed(picked)
+        losses += [f"{texture.file}: {reason}"] if reason else []
+    if not np.isfinite(picked).all():
+        losses.append(f"{texture.file}: pixels that are no numbers are taken as {limits[0]:g}")
+        picked = np.nan_to_num(picked, nan=limits[0], posinf=limits[0], neginf=limits[0])
+    pixels = np.clip(picked, *limits)[::-1]
+    kind = np.float16 if pixels.max() < _HALF_MAX else np.float32
+    beyond = np.array(texture.bias, np.float32).reshape(1, 1, 4)
+    black = np.clip(_picked(beyond, texture.channel, channels)[0, 0], *limits)
+    pixels, wrap, where, found = framed(pixels, texture, None if limits[0] < 0.0 else black)
+    texels = np.ascontiguousarray(pixels, dtype=kind)
+    return Picture(texels, wrap, placed(where, uv), (*losses, *found))
+
+
+def placed(where: Array, uv: Array) -> Array:
+    """One after the other; exactly the second where the first does nothing."""
+    return uv if np.array_equal(where, np.eye(3)) else where @ uv
+
+
+def mended(stored: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
+    """Replace values that are no finite numbers.
+
+    Each becomes the mean of the finite ones among its eight neighbours (the picture repeats), or of
+    the whole channel where there is none, or 0.
+
+    Args:
+        stored: (H, W, C) values.
+
+    Returns:
+        The values, and how many texels were mended.
+    """
+    good = np.isfinite(stored)
+    if good.all():
+        return stored, 0
+    values, weights = np.where(good, stored, 0.0).astype(np.float64), good.astype(np.float64)
+    around, count = np.zeros_like(values), np.zeros_like(weights)
+    for step in ((i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)):
+        around += np.roll(values, step, axis=(0, 1))
+        count += np.roll(weights, step, axis=(0, 1))
+    channel = values.sum(axis=(0, 1)) / np.maximum(weights.sum(axis=(0, 1)), 1.0)
+    mean = np.where(count > 0, around / np.maximum(count, 1.0), channel)
+    damaged = int((~good).any(axis=2).sum())
+    return np.where(good, stored, mean).astype(np.float32), damaged
+
+
+def _directed(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], str]:
+    """Normals that are directions, and what was lost: a picture without hue holds none."""
+    flat = np.array([0.0, 0.0, 1.0], dtype=np.float32)
+    if np.ptp(normals, axis=2).max(initial=0.0) < 1e-3:
+        return flat.reshape(1, 1, 3), "a grey-scale picture is no normal map; left out"
+    nowhere = np.linalg.norm(normals, axis=2, keepdims=True) < 1e-3
+    if not nowhere.any():
+        return normals, ""
+    return np.where(nowhere, flat, normals), "normals without length point outwards"
+
+
+def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
+    count = stored.shape[2]
+    color = stored[..., :3] if count >= 3 else np.repeat(stored[..., :1], 3, axis=2)
+    alpha = stored[..., -1:] if count in (2, 4) else np.ones_like(stored[..., :1])
+    return np.concatenate([color, alpha], axis=2)
+
+
+def _picked(rgba: NDArray[np.float32], channel: str, channels: int) -> NDArray[np.float32]:
+    if channel == "rgb":
+        # A single number that is fed by a colour takes its first channel, as Hydra does.
+        return rgba[..., :channels]
+    index = "rgba".index(channel)
+    return np.repeat(rgba[..., index : index + 1], channels, axis=2)
+
+
+def made_smaller(file: str, side: int) -> str:
+    """What is lost of a picture that is longer than is kept."""
+    return f"{file}: longer than {side} pixels, made smaller"
+
+
+def within(stored: NDArray[np.float32], side: int = MAX_SIDE) -> NDArray[np.float32]:
+    """Halve a picture until its longer side fits."""
+    while max(stored.shape[:2]) > side:
+        height, width = (length // 2 * 2 for length in stored.shape[:2])
+        even = stored[: max(height, 1), : max(width, 1)]
+        rows = even if height == 0 else (even[::2] + even[1::2]) / 2
+        halved = rows if width == 0 else (rows[:, ::2] + rows[:, 1::2]) / 2
+        stored = np.asarray(halved, dtype=np.float32)
+    return stored
+
+
+def _wrapped(index: Array, size: int, mode: str) -> NDArray[np.intp]:
+    whole = index.astype(np.intp)
+    if mode == "clamp":
+        return np.clip(whole, 0, size - 1)
+    if mode == "mirror":
+        folded = np.mod(whole, 2 * size)
+        return np.where(folded < size, folded, 2 * size - 1 - folded)
+    return np.mod(whole, size)

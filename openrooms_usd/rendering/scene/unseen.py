@@ -1,0 +1,149 @@
+"""Names what of a stage is not in the picture, and why: prims, and what somebody wrote of them."""
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from pxr import Usd, UsdGeom, UsdLux, UsdShade
+
+from openrooms_usd.exporters import Report
+from openrooms_usd.usd import mapping
+from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.rendersettings import asked_purposes
+
+_PURPOSE: Final = "its purpose is"
+
+
+def report_unseen(stage: Usd.Stage, report: Report) -> None:
+    """Say of each prim what might be expected in a picture, and neither is there nor told of yet.
+
+    Args:
+        stage: The composed stage.
+        report: Rows of what was translated; more are added.
+    """
+    known = {path for path, _, _ in report.rows}
+    for prim, reason in _hidden(stage):
+        if str(prim.GetPath()) not in known:
+            report.add(prim.GetPath(), "skipped", reason)
+    report.lose(dict(_unheeded(stage)))
+
+
+def is_aside(reason: str) -> bool:
+    """Whether a prim is left out for its purpose: no picture lacks what only aids other uses."""
+    return reason.startswith(_PURPOSE)
+
+
+# Prims.
+
+
+def _hidden(stage: Usd.Stage) -> Iterator[tuple[Usd.Prim, str]]:
+    instancers: list[str] = []
+    for prim in stage.Traverse():
+        if prim.IsA(UsdGeom.PointInstancer):
+            targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetTargets()
+            instancers += map(str, targets)
+        if prim.IsA(UsdGeom.Gprim) or prim.HasAPI(UsdLux.LightAPI):
+            inside = any(str(prim.GetPath()).startswith(target) for target in instancers)
+            if not inside:
+                yield prim, _why(prim)
+        elif reason := _foreign(str(prim.GetTypeName())):
+            yield prim, reason
+
+
+def _foreign(kind: str) -> str:
+    """Why a type is in no picture; empty for what shapes others, or belongs to other uses."""
+    row = mapping.row_of_type(kind)
+    if row is None:
+        return f"{kind} has no place in a picture" if kind else ""
+    return f"{kind}: {row.becomes}" if row.outcome == "reported" else ""
+
+
+def _why(prim: Usd.Prim) -> str:
+    shown = UsdGeom.Imageable(prim)
+    if shown and shown.ComputeVisibility(TIME) == UsdGeom.Tokens.invisible:
+        return "invisible"
+    purpose = shown.ComputePurpose() if shown else UsdGeom.Tokens.default_
+    if purpose not in asked_purposes(prim.GetStage()):
+        return f"{_PURPOSE} {purpose}"
+    return f"{prim.GetTypeName() or 'it'} has nothing to draw"
+
+
+# What somebody wrote of them.
+
+
+def _unheeded(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
+    """(prim path, reason) of what the table alone tells of; inside instances of the first."""
+    for prim in stage.Traverse():
+        if lost := list(_losses(prim)):
+            yield str(prim.GetPath()), "; ".join(lost)
+    homes: dict[str, str] = {}
+    for prototype in stage.GetPrototypes():
+        for prim in Usd.PrimRange(prototype):
+            if lost := list(_losses(prim)):
+                yield _standing(prim, homes), "; ".join(lost)
+
+
+def _losses(prim: Usd.Prim) -> Iterator[str]:
+    applied = prim.GetAppliedSchemas()
+    for api in applied:
+        row = mapping.row_of_type(api.partition(":")[0])
+        if row is not None and row.is_told_here:
+            yield f"{api}: {row.becomes}"
+    for name in sorted(mapping.told_of().intersection(prim.GetAuthoredPropertyNames())):
+        schemas = mapping.lineage(str(prim.GetTypeName()), tuple(applied))
+        row = mapping.row_of_property(schemas, name)
+        if row is not None and row.is_told_here and _says_something(prim.GetAttribute(name)):
+            yield f"{name}: {row.becomes}"
+    if prim.IsA(UsdGeom.Subset) and (lost := _colourless(UsdGeom.Subset(prim))):
+        yield lost
+    if prim.IsA(UsdShade.Material) and _moves(UsdShade.Material(prim)):
+        yield f"{UsdShade.Tokens.outputsDisplacement}: nothing is moved"
+
+
+def _moves(material: UsdShade.Material) -> bool:
+    """Whether it has a displacement of its own, which UsdPreviewSurface tells of itself."""
+    shader = UsdShade.Shader(material.ComputeDisplacementSource()[0])
+    return bool(shader) and shader.GetShaderId() != "UsdPreviewSurface"
+
+
+def _says_something(attribute: Usd.Attribute) -> bool:
+    """Whether an attribute has another value than one that nobody wrote."""
+    if attribute.HasAuthoredConnections():
+        return True
+    name, value = attribute.GetName(), attribute.Get(TIME)
+    usual = attribute.GetPrim().GetPrimDefinition().GetAttributeFallbackValue(name)
+    empty = hasattr(value, "__len__") and not len(value)
+    return not (value is None or empty or value == usual or value in mapping.neutral(name))
+
+
+def _colourless(subset: UsdGeom.Subset) -> str:
+    """Why the material of a subset is not shown; empty where it is, or where there is none."""
+    prim: Any = subset.GetPrim()
+    if subset.GetFamilyNameAttr().Get() != UsdShade.Tokens.materialBind:
+        return ""
+    element = subset.GetElementTypeAttr().Get()
+    if prim.GetParent().IsA(UsdGeom.Mesh) and element == UsdGeom.Tokens.face:
+        return ""
+    return f"its material is left out: it has {element}s of a {prim.GetParent().GetTypeName()}"
+
+
+def _home(prototype: Usd.Prim, known: dict[str, str]) -> str:
+    """Where a prototype stands in the stage: the first of its instances by the alphabet.
+
+    Args:
+        prototype: It.
+        known: The homes that have been found; more are added.
+    """
+    path = str(prototype.GetPath())
+    if path not in known:
+        every = prototype.GetInstances()
+        seen = [one for one in every if not one.IsAbstract()] or every
+        known[path] = min(_standing(one, known) for one in seen)
+    return known[path]
+
+
+def _standing(prim: Usd.Prim, known: dict[str, str]) -> str:
+    path = prim.GetPath()
+    if not prim.IsInPrototype():
+        return str(path)
+    prototype = prim.GetStage().GetPrimAtPath(path.GetPrefixes()[0])
+    return _home(prototype, known) + str(path)[len(str(prototype.GetPath())) :]

@@ -1,0 +1,108 @@
+"""What is in no picture is named: attributes and schemas that nobody reads, where they stand."""
+
+from pxr import Sdf, Usd, UsdGeom, UsdShade
+
+from openrooms_usd.rendering.scene.translate import translate
+
+
+def told(stage: Usd.Stage) -> dict[str, str]:
+    rows = translate(stage).report.losses()
+    found: dict[str, str] = {}
+    for prim, _, reason in rows:
+        assert prim not in found, "a prim is named once"
+        found[prim] = reason
+    return found
+
+
+def model(stage: Usd.Stage, path: str) -> Usd.Prim:
+    """A body with a draw mode that nobody reads."""
+    prim = stage.DefinePrim(path, "Cube")
+    UsdGeom.ModelAPI.Apply(prim).CreateModelDrawModeAttr("cards")
+    return prim
+
+
+def test_what_the_table_tells_of_is_named_with_what_was_lost_before() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    model(stage, "/Body").ApplyAPI("LODRootAPI")
+    assert told(stage) == {
+        "/Body": "it has no material: taken as grey; "
+        "LODRootAPI: all levels of detail are drawn at once; "
+        "model:drawMode: models are drawn whole"
+    }
+
+
+def test_values_that_mean_nothing_are_not_told_of() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    prim = model(stage, "/Body")
+    prim.ApplyAPI("ColorSpaceAPI")
+    UsdGeom.TetMesh.Define(stage, "/Body/Empty").CreateNormalsAttr([])
+    for mode in ("default", "inherited"):
+        prim.GetAttribute("model:drawMode").Set(mode)
+        for space in ("", "lin_rec709_scene"):
+            prim.GetAttribute("colorSpace:name").Set(space)
+            assert told(stage)["/Body"] == "it has no material: taken as grey"
+    prim.GetAttribute("colorSpace:name").Set("lin_ap1_scene")
+    assert "colorSpace:name" in told(stage)["/Body"]
+    assert "normals" not in told(stage)["/Body/Empty"]
+
+
+def test_inside_of_instances_the_first_is_named() -> None:
+    """Also where the instance is itself inside of an instance."""
+    stage = Usd.Stage.CreateInMemory()
+    model(stage, "/Inner/Body")
+    for outer, inner in (("/Outer/a", "/Inner"), ("/World/b", "/Outer"), ("/World/c", "/Outer")):
+        prim = stage.DefinePrim(outer, "Xform")
+        prim.GetReferences().AddInternalReference(inner)
+        prim.SetInstanceable(True)
+    for path in ("/Inner", "/Outer"):
+        stage.GetPrimAtPath(path).SetSpecifier(Sdf.SpecifierClass)
+    named = {path for path, why in told(stage).items() if "drawMode" in why}
+    assert named == {"/World/b/a/Body"}
+
+
+def test_subsets_whose_material_is_not_shown_are_named() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    for kind, elements in (("TetMesh", "face"), ("Mesh", "face"), ("Mesh", "edge")):
+        path = f"/{kind}_{elements}"
+        stage.DefinePrim(path, kind)
+        subset = UsdGeom.Subset.Define(stage, f"{path}/Part")
+        subset.CreateElementTypeAttr(elements)
+        subset.CreateFamilyNameAttr(UsdShade.Tokens.materialBind)
+    UsdGeom.Subset.Define(stage, "/TetMesh_face/Group").CreateFamilyNameAttr("of_people")
+    said = {path: why for path, why in told(stage).items() if "/Part" in path or "/Group" in path}
+    assert said == {
+        "/TetMesh_face/Part": "its material is left out: it has faces of a TetMesh",
+        "/Mesh_edge/Part": "its material is left out: it has edges of a Mesh",
+    }
+
+
+def test_types_of_others_are_named() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    for kind in ("OfNobody", "Volume", "OpenVDBAsset", "PhysicsScene", "Backdrop", ""):
+        stage.DefinePrim(f"/{kind or 'Plain'}", kind)
+    assert told(stage) == {
+        "/OfNobody": "OfNobody has no place in a picture",
+        "/Volume": "Volume without a surface that is known here",
+        "/OpenVDBAsset": "OpenVDBAsset: volumes are not drawn",
+    }
+
+
+def test_a_volume_of_a_material_is_named_where_something_makes_it() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    plain, fog = (UsdShade.Material.Define(stage, f"/{name}") for name in ("Plain", "Fog"))
+    shader = UsdShade.Shader.Define(stage, "/Fog/Shader")
+    output = shader.CreateOutput("volume", Sdf.ValueTypeNames.Token)
+    fog.CreateVolumeOutput().ConnectToSource(output)
+    plain.CreateVolumeOutput()
+    assert told(stage) == {"/Fog": "outputs:volume: what is inside of it is empty"}
+
+
+def test_a_displacement_is_named_where_its_shader_does_not_tell_of_it() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    for name, kind in (("Preview", "UsdPreviewSurface"), ("Other", "ND_displacement_float")):
+        material = UsdShade.Material.Define(stage, f"/{name}")
+        shader = UsdShade.Shader.Define(stage, f"/{name}/Shader")
+        shader.CreateIdAttr(kind)
+        output = shader.CreateOutput("displacement", Sdf.ValueTypeNames.Token)
+        material.CreateDisplacementOutput().ConnectToSource(output)
+    assert told(stage) == {"/Other": "outputs:displacement: nothing is moved"}
