@@ -87,13 +87,24 @@ def main(
     pixels = size[0] * size[1]
     beside = [compared(run, pixels) for run in runs]
     heads = (
-        "samples", "robust error", "views an hour", "s a view", "MB a view", *PHASES, "starting s",
-        "runner % besides", "processor s a view",
-    )  # fmt: skip
+        "samples",
+        "robust error",
+        "views an hour",
+        "s a view",
+        "MB a view",
+        *PHASES,
+        "starting s",
+        "runner % besides",
+        "processor s a view",
+    )
     other_heads = (
-        "samples", "robust error", "us a pixel", "OpenRooms', times as long",
-        "core-us a pixel", "Hypersim's, times as long",
-    )  # fmt: skip
+        "samples",
+        "robust error",
+        "us a pixel",
+        "OpenRooms', times as long",
+        "core-us a pixel",
+        "Hypersim's, times as long",
+    )
     markdown = table(heads, [list(row.values()) for row in runs])
     others = table(other_heads, [list(row.values()) for row in beside])
     plan = table(("units", "processor s", "MiB"), [list(planning.values())])
@@ -160,8 +171,10 @@ def measure_planning(folder: Path, units: int) -> dict[str, float]:
     file.write_text(f"rooms: [{{count: {units // 10}}}]\nviews: {{count: 10}}\n")
     done = subprocess.run(
         [sys.executable, "-P", "-c", _PLANNING, file, folder / "plan.jsonl"],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     count, seconds, memory = map(float, done.stdout.split())
     return {"units": int(count), "processor_s": seconds, "MiB": memory}
 

@@ -44,9 +44,12 @@ class Tally:
 @click.option("--timed", type=int, default=27, show_default=True, help="How many are timed.")
 @click.option("--seed", type=int, default=0, show_default=True, help="Of the first rooms.")
 @click.option(
-    "--clutter", type=click.IntRange(0, 3), default=USUAL_CLUTTER, show_default=True,
+    "--clutter",
+    type=click.IntRange(0, 3),
+    default=USUAL_CLUTTER,
+    show_default=True,
     help="How much lies about.",
-)  # fmt: skip
+)
 @click.option("--quick", is_flag=True, help="Two rooms only.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
 def main(rooms: int, timed: int, seed: int, clutter: int, quick: bool, target: Path | None) -> None:
@@ -103,9 +106,12 @@ def _timed(room_type: str, seed: int, clutter: int) -> dict[str, Any]:
         composed = time.perf_counter()
         files, uses = _textures(Path(name) / "out/layers")
         return {
-            "room": f"{room_type} {seed}", "generate_s": generated - began,
-            "compose_s": composed - generated, "textures": files, "texture_uses": uses,
-        }  # fmt: skip
+            "room": f"{room_type} {seed}",
+            "generate_s": generated - began,
+            "compose_s": composed - generated,
+            "textures": files,
+            "texture_uses": uses,
+        }
 
 
 def _textures(layers: Path) -> tuple[int, int]:
@@ -139,8 +145,17 @@ def _results(tally: Tally, speeds: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _markdown(data: dict[str, Any]) -> str:
-    titles = ("room type", "rooms", "area m2", "least", "most", "objects", "classes", "free floor",
-              "most common, objects a room")  # fmt: skip
+    titles = (
+        "room type",
+        "rooms",
+        "area m2",
+        "least",
+        "most",
+        "objects",
+        "classes",
+        "free floor",
+        "most common, objects a room",
+    )
     rows = [[kind, *row.values()] for kind, row in data["types"].items()]
     found = list(chain(data["violations"][:20], ["..."] * (len(data["violations"]) > 20)))
     facts = [

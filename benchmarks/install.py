@@ -28,8 +28,13 @@ BASE: Final = "(none)"
 DEMO_SAMPLES: Final = 4
 LIGHT: Final = ("irradiance", "radiance_i")
 TITLES: Final = (
-    "extra", "MB installed", "install s", "demo s", "view with light s", "demo without LLVM s",
-)  # fmt: skip
+    "extra",
+    "MB installed",
+    "install s",
+    "demo s",
+    "view with light s",
+    "demo without LLVM s",
+)
 
 
 @click.command(help=__doc__)
@@ -94,15 +99,23 @@ def measure(folder: Path, python: str, wheel: Path, extra: str) -> dict[str, Any
     plain = orusd("demo", "-o", "plain", "--spp", DEMO_SAMPLES, environment=without)
     refused = subprocess.run(
         [bin_ / "orusd", "render", stage, "-o", "none", *map(str, (*how, *asked))],
-        env=without, cwd=folder, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        env=without,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     said = refused.stderr
     if refused.returncode == 0 or "Traceback" in said or "irradiance" not in said:
         raise SystemExit(f"{extra}: light without LLVM is not refused:\n{said}")
     return {
-        "extra": extra, "megabytes": size / 1e6, "install_s": installed, "demo_s": demo,
-        "light_s": light, "without_llvm_s": plain,
-    }  # fmt: skip
+        "extra": extra,
+        "megabytes": size / 1e6,
+        "install_s": installed,
+        "demo_s": demo,
+        "light_s": light,
+        "without_llvm_s": plain,
+    }
 
 
 def run(
@@ -115,9 +128,13 @@ def run(
     """
     began = time.perf_counter()
     done = subprocess.run(
-        list(map(str, command)), env=environment, cwd=folder, capture_output=True, text=True,
+        list(map(str, command)),
+        env=environment,
+        cwd=folder,
+        capture_output=True,
+        text=True,
         check=False,
-    )  # fmt: skip
+    )
     if done.returncode:
         said = f"{done.stdout}\n{done.stderr}".strip()
         raise SystemExit(f"{' '.join(map(str, command))} failed:\n{said}")

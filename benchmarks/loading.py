@@ -98,13 +98,26 @@ def main(
         kept.mkdir(parents=True, exist_ok=True)
         (kept / "room.yaml").write_text(SMALL_ROOM)
         rows = list(measure(kept, wanted, rounds, workers))
-    heads = ("form", "MB a view", "channels", *(f"views/s, {n} workers" for n in workers),
-             "processor ms a view", "error of radiance", "of depth")  # fmt: skip
+    heads = (
+        "form",
+        "MB a view",
+        "channels",
+        *(f"views/s, {n} workers" for n in workers),
+        "processor ms a view",
+        "error of radiance",
+        "of depth",
+    )
     cells = [
-        (r["form"], r["MB_a_view"], r["channels"], *r["views_a_second"], r["processor_ms"],
-         *r["errors"].values())
+        (
+            r["form"],
+            r["MB_a_view"],
+            r["channels"],
+            *r["views_a_second"],
+            r["processor_ms"],
+            *r["errors"].values(),
+        )
         for r in rows
-    ]  # fmt: skip
+    ]
     publish("loading", {"rows": rows}, table(heads, cells), target)
 
 

@@ -60,13 +60,18 @@ def sampling(quick: bool) -> Section:
     """Variance at equal time."""
     surfaces = _Surfaces(1 << (14 if quick else 21))
     rows = [
-        {"metallic": metallic, "roughness": R, "view": view, "light": light,
-         **surfaces.compared((R, metallic), cosine, light)}
+        {
+            "metallic": metallic,
+            "roughness": R,
+            "view": view,
+            "light": light,
+            **surfaces.compared((R, metallic), cosine, light),
+        }
         for metallic in (0.0, 1.0)
         for R in (ROUGHNESSES[::3] if quick else ROUGHNESSES)
         for view, cosine in VIEWS.items()
         for light in ("even", "cells")
-    ]  # fmt: skip
+    ]
     titles = (
         "metallic",
         "roughness",
@@ -200,14 +205,29 @@ def albedo(quick: bool) -> Section:
             for cosine in COSINES:
                 a, b = (surfaces.albedo(bsdf, cosine) for bsdf in (ours, preview))
                 exact = BASE * (1 - metallic) + _lobe(R, cosine, F0 + (BASE - F0) * metallic)
-                rows.append({"metallic": metallic, "roughness": R, "cosine": cosine, "ours": a,
-                             "preview": b, "error": a / exact - 1})  # fmt: skip
+                rows.append(
+                    {
+                        "metallic": metallic,
+                        "roughness": R,
+                        "cosine": cosine,
+                        "ours": a,
+                        "preview": b,
+                        "error": a / exact - 1,
+                    }
+                )
     worst = max(abs(row["error"]) for row in rows)
     wide = [
-        [m, R, *(f"{r['ours']:.3f} {r['preview'] - r['ours']:+.3f}" for r in rows
-                 if (r["metallic"], r["roughness"]) == (m, R))]
+        [
+            m,
+            R,
+            *(
+                f"{r['ours']:.3f} {r['preview'] - r['ours']:+.3f}"
+                for r in rows
+                if (r["metallic"], r["roughness"]) == (m, R)
+            ),
+        ]
         for m, R in dict.fromkeys((r["metallic"], r["roughness"]) for r in rows)
-    ]  # fmt: skip
+    ]
     titles = ("metallic", "roughness", *(f"cos {c:g}: ours, preview - ours" for c in COSINES))
     said = f"Largest relative error of our sampling against quadrature: {worst:.2g}."
     return Section({"rows": rows, "largest_error": worst}, f"{table(titles, wide)}\n\n{said}")

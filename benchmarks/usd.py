@@ -147,20 +147,41 @@ def measured(python: str, code: str, *words: object) -> dict[str, float]:
 
 def _table(rows: list[dict[str, Any]]) -> str:
     titles = (
-        "of", "number", "triangles", "error, m", "opened, s", "translated, s", "first pixel, s",
+        "of",
+        "number",
+        "triangles",
+        "error, m",
+        "opened, s",
+        "translated, s",
+        "first pixel, s",
         "MB",
-        "scalar: first pixel, s", "MB", "arrays alone, s", "Blender's importer, s", "MB",
-    )  # fmt: skip
+        "scalar: first pixel, s",
+        "MB",
+        "arrays alone, s",
+        "Blender's importer, s",
+        "MB",
+    )
     lines = []
     for row in rows:
         ours, scalar, arrays = row["auto"], row["scalar"], row["arrays"]
         other = row["blender"] or {}
         lines.append(
-            [row["kind"], row["count"], int(scalar["triangles"]), scalar["error"],
-             ours["looked"], ours["translated"], ours["first"], ours["megabytes"], scalar["first"],
-             scalar["megabytes"],
-             arrays["first"], other.get("first"), other.get("megabytes")]
-        )  # fmt: skip
+            [
+                row["kind"],
+                row["count"],
+                int(scalar["triangles"]),
+                scalar["error"],
+                ours["looked"],
+                ours["translated"],
+                ours["first"],
+                ours["megabytes"],
+                scalar["first"],
+                scalar["megabytes"],
+                arrays["first"],
+                other.get("first"),
+                other.get("megabytes"),
+            ]
+        )
     return table(titles, lines)
 
 

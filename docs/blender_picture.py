@@ -31,8 +31,19 @@ _ROOT: Final = Path(__file__).parents[1]
 def ours(scene: Path, folder: Path) -> Radiance:
     """Our radiance, denoised."""
     size = f"{SIZE[0]}x{SIZE[1]}"
-    orusd("render", scene, "-o", folder / "ours", "--camera", CAMERA, "--resolution", size,
-          "--spp", SAMPLES, "--denoise")  # fmt: skip
+    orusd(
+        "render",
+        scene,
+        "-o",
+        folder / "ours",
+        "--camera",
+        CAMERA,
+        "--resolution",
+        size,
+        "--spp",
+        SAMPLES,
+        "--denoise",
+    )
     [picture] = (folder / "ours").glob("*/denoised.exr")
     return _read(picture)
 
@@ -42,8 +53,13 @@ def theirs(scene: Path, folder: Path) -> Radiance:
     python = os.environ.get("ORUSD_BLENDER_PYTHON", str(_ROOT / ".venv-blender/bin/python"))
     picture, job = folder / "cycles.exr", folder / "job.json"
     shot = {"samples": SAMPLES, "seed": 1, "denoise": True, "picture": str(picture)}
-    told = {"scene": str(scene), "camera": CAMERA, "size": SIZE, "shots": [shot],
-            "report": str(folder / "report.json")}  # fmt: skip
+    told = {
+        "scene": str(scene),
+        "camera": CAMERA,
+        "size": SIZE,
+        "shots": [shot],
+        "report": str(folder / "report.json"),
+    }
     job.write_text(json.dumps(told))
     work = Path(__file__).with_name("in_blender.py")
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}

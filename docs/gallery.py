@@ -49,9 +49,13 @@ CHANNELS: Final = "radiance,depth,normal_geometric,instance,semantic_nyu40"
 WIDTH, HEIGHT = 960, 720
 # Those of the sheet that the README shows, and their width there.
 SHEET: Final = (
-    "living_room_scandinavian", "kitchen_industrial", "bedroom_mid_century",
-    "dining_room_mid_century", "office_industrial", "bathroom_scandinavian",
-)  # fmt: skip
+    "living_room_scandinavian",
+    "kitchen_industrial",
+    "bedroom_mid_century",
+    "dining_room_mid_century",
+    "office_industrial",
+    "bathroom_scandinavian",
+)
 _SHEET_WIDTH: Final = 480
 # JPEG's: no blocks can be seen from here on.
 _QUALITY: Final = "jpeg:90"
@@ -61,13 +65,34 @@ def room(shown: Shown, folder: Path, samples: int, size: str) -> Path:
     """Make a room and render its first view; the denoised picture of it."""
     home = folder / shown.name
     if not (home / "render" / "manifest.json").is_file():
-        orusd("generate", "--type", shown.kind, "--seed", shown.seed, "--style", shown.style,
-              "-o", home)  # fmt: skip
+        orusd(
+            "generate",
+            "--type",
+            shown.kind,
+            "--seed",
+            shown.seed,
+            "--style",
+            shown.style,
+            "-o",
+            home,
+        )
         orusd("compose", home / "room.yaml", "-o", home / "out")
         orusd("validate", home / "out" / "scene.usda", "--strict")
-        orusd("render", home / "out" / "scene.usda", "-o", home / "render", "--camera", "view_0",
-              "--resolution", size, "--spp", samples, "--denoise",
-              "--channels", CHANNELS)  # fmt: skip
+        orusd(
+            "render",
+            home / "out" / "scene.usda",
+            "-o",
+            home / "render",
+            "--camera",
+            "view_0",
+            "--resolution",
+            size,
+            "--spp",
+            samples,
+            "--denoise",
+            "--channels",
+            CHANNELS,
+        )
     return next((home / "render").glob("*/denoised.png"))
 
 

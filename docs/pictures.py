@@ -41,8 +41,15 @@ def room(kind: str, seed: int, folder: Path, size: str, *quality: str) -> Path:
         orusd("generate", "--type", kind, "--seed", seed, "-o", home)
         orusd("compose", home / "room.yaml", "-o", home / "out")
         orusd("validate", home / "out" / "scene.usda", "--strict")
-        orusd("render", home / "out" / "scene.usda", "-o", home / "render", "--resolution", size,
-              *quality)  # fmt: skip
+        orusd(
+            "render",
+            home / "out" / "scene.usda",
+            "-o",
+            home / "render",
+            "--resolution",
+            size,
+            *quality,
+        )
     return min(path.parent for path in (home / "render").glob("*/radiance.exr"))
 
 
@@ -75,9 +82,25 @@ def light(folder: Path, samples: str) -> None:
     """Every channel of one view of the example, of two of its lights: ``docs/light.png``."""
     home = folder / "light"
     orusd("compose", "openrooms_usd/demo/room.yaml", "-o", home / "out")
-    orusd("render", home / "out" / "scene.usda", "-o", home / "render", "--camera", "dining",
-          "--resolution", "160x120", "--grid", "40x30", "--spp", samples, "--channels", "all",
-          "--denoise", "--method", "cache")  # fmt: skip
+    orusd(
+        "render",
+        home / "out" / "scene.usda",
+        "-o",
+        home / "render",
+        "--camera",
+        "dining",
+        "--resolution",
+        "160x120",
+        "--grid",
+        "40x30",
+        "--spp",
+        samples,
+        "--channels",
+        "all",
+        "--denoise",
+        "--method",
+        "cache",
+    )
     manifest = json.loads((home / "render/manifest.json").read_text("utf-8"))
     (view,) = manifest["views"].values()
     named = {light["name"]: light["number"] for light in manifest["lights"]}

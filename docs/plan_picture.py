@@ -49,8 +49,12 @@ def scanned_room(folder: Path, kind: str, seed: int, name: str) -> Path:
         shades = np.random.default_rng(7).integers(90, 230, (4096, 3), np.uint8)
         home.mkdir(parents=True, exist_ok=True)
         colors = shades[(cloud.label * 97 + cloud.instance) % len(shades)]
-        np.savez(home / "scan.npz", points=cloud.points, colors=colors,
-                 sensor_origins=cloud.sensor_origins)  # fmt: skip
+        np.savez(
+            home / "scan.npz",
+            points=cloud.points,
+            colors=colors,
+            sensor_origins=cloud.sensor_origins,
+        )
     if (home / name / ROOM).is_file():
         return home / name / ROOM
     return import_capture("scan", home / "scan.npz", home / name).file

@@ -30,8 +30,14 @@ def draw(folder: Path, target: Path) -> None:
 def photograph(chromium: str, page: Path, target: Path) -> None:
     """Take a picture of the beginning of a page."""
     command = [
-        chromium, "--headless", "--no-sandbox", "--hide-scrollbars", "--disable-gpu",
-        f"--window-size={SIZE[0]},{SIZE[1]}", f"--force-device-scale-factor={SCALE}",
-        f"--screenshot={target.absolute()}", page.absolute().as_uri(),
-    ]  # fmt: skip
+        chromium,
+        "--headless",
+        "--no-sandbox",
+        "--hide-scrollbars",
+        "--disable-gpu",
+        f"--window-size={SIZE[0]},{SIZE[1]}",
+        f"--force-device-scale-factor={SCALE}",
+        f"--screenshot={target.absolute()}",
+        page.absolute().as_uri(),
+    ]
     subprocess.run(command, check=True, capture_output=True)

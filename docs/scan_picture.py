@@ -45,15 +45,31 @@ def scanned(
     home = folder / f"{kind}_{seed}" / "scanned"
     _write(home, scan, camera, size)
     if not (home / "room/room.yaml").is_file():
-        orusd("import", "scan", home / "scan.npz", "--frames", home / "frames.json",
-              "-o", home / "room")  # fmt: skip
+        orusd(
+            "import",
+            "scan",
+            home / "scan.npz",
+            "--frames",
+            home / "frames.json",
+            "-o",
+            home / "room",
+        )
     orusd("compose", home / "room/room.yaml", "-o", home / "out")
     orusd("validate", home / "out/scene.usda", "--strict")
     views = []
     for scene, name in ((stage, CAMERA), (home / "out/scene.usda", f"frame_{CAMERA}")):
         target = home / f"render_{name}"
-        orusd("render", scene, "-o", target, "--camera", name, "--resolution",
-              "x".join(map(str, size)), *quality)  # fmt: skip
+        orusd(
+            "render",
+            scene,
+            "-o",
+            target,
+            "--camera",
+            name,
+            "--resolution",
+            "x".join(map(str, size)),
+            *quality,
+        )
         views.append(_read(target / name / "denoised.png"))
     plan = _fitted(home / "out/overlay.png", size)
     tiles = zip(CAPTIONS, (views[0], seen(scan, camera, size), views[1]), strict=True)
@@ -68,9 +84,11 @@ def _write(home: Path, scan: Scan, camera: PinholeCamera, size: tuple[int, int])
     }
     np.savez(home / "scan.npz", **arrays)
     frame = {
-        "id": CAMERA, "resolution": size, "K": camera.K.tolist(),
+        "id": CAMERA,
+        "resolution": size,
+        "K": camera.K.tolist(),
         "world_from_camera": camera.world_from_camera.tolist(),
-    }  # fmt: skip
+    }
     (home / "frames.json").write_text(json.dumps([frame]))
 
 

@@ -36,8 +36,10 @@ def page() -> str:
     # A row belongs where it is first met.
     for name, (module, properties) in schemas.items():
         inherited = mapping.lineage(name)
-        rows = (mapping.row_of_type(name), *(mapping.row_of_property(inherited, one)
-                                             for one in properties))  # fmt: skip
+        rows = (
+            mapping.row_of_type(name),
+            *(mapping.row_of_property(inherited, one) for one in properties),
+        )
         found.setdefault(_titled(module), {}).update(_named(rows))
     every = [*mapping.rows("types"), *mapping.rows("properties")]
     taken: set[str] = set()

@@ -97,8 +97,9 @@ def _draw_times(folder: Path, target: Path) -> None:
 
 
 def _bake(out: Path, lit: Path, paths: int = PATHS) -> None:
-    orusd("bake", out / "scene.usda", "-o", lit, "--texel", TEXEL, "--spp", paths,
-          "--method", "cache")  # fmt: skip
+    orusd(
+        "bake", out / "scene.usda", "-o", lit, "--texel", TEXEL, "--spp", paths, "--method", "cache"
+    )
 
 
 @contextmanager

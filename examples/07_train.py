@@ -25,11 +25,14 @@ def main(out: Path) -> None:
 
     torch.manual_seed(0)
     network = nn.Sequential(
-        nn.Conv2d(3, 16, 5, padding=2), nn.ReLU(),
-        nn.Conv2d(16, 16, 3, padding=4, dilation=4), nn.ReLU(),
-        nn.Conv2d(16, 16, 3, padding=8, dilation=8), nn.ReLU(),
+        nn.Conv2d(3, 16, 5, padding=2),
+        nn.ReLU(),
+        nn.Conv2d(16, 16, 3, padding=4, dilation=4),
+        nn.ReLU(),
+        nn.Conv2d(16, 16, 3, padding=8, dilation=8),
+        nn.ReLU(),
         nn.Conv2d(16, 1, 1),
-    )  # fmt: skip
+    )
     optimizer = torch.optim.Adam(network.parameters(), lr=3e-3)
     losses: list[float] = []
     while len(losses) < 50:

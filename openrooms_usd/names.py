@@ -81,10 +81,21 @@ PART: Final = "part"  # semantic parts, named as PartNet does
 # The categories that the room itself is made of.
 SHELL: Final = frozenset(
     {
-        "beam", "ceiling", "ceiling_grid", "cladding", "cornice", "door", "floor", "opening",
-        "picture_rail", "skirting", "wainscot", "wall", "window",
+        "beam",
+        "ceiling",
+        "ceiling_grid",
+        "cladding",
+        "cornice",
+        "door",
+        "floor",
+        "opening",
+        "picture_rail",
+        "skirting",
+        "wainscot",
+        "wall",
+        "window",
     }
-)  # fmt: skip
+)
 
 # Name of the texture coordinates, in metres.
 ST: Final = "st"

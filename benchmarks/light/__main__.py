@@ -61,19 +61,26 @@ SECTIONS: Final[dict[str, Measure]] = {
 @click.option("--quick", is_flag=True, help="Small pictures, few samples, few rooms.")
 @click.option("--room", "rooms", multiple=True, help="Repeatable; all of a section by default.")
 @click.option(
-    "--references", type=click.Path(path_type=Path),
+    "--references",
+    type=click.Path(path_type=Path),
     help="A folder where references are kept; without it they are made every time.",
-)  # fmt: skip
+)
 @click.option(
-    "--results", type=click.Path(path_type=Path),
+    "--results",
+    type=click.Path(path_type=Path),
     help="A folder where sections are kept as they are finished, and not measured again.",
-)  # fmt: skip
+)
 @click.option("--minutes", type=float, help="After so many no further section is begun.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
 def main(
-    chosen: tuple[str, ...], quick: bool, rooms: tuple[str, ...], references: Path | None,
-    results: Path | None, minutes: float | None, target: Path | None,
-) -> None:  # fmt: skip
+    chosen: tuple[str, ...],
+    quick: bool,
+    rooms: tuple[str, ...],
+    references: Path | None,
+    results: Path | None,
+    minutes: float | None,
+    target: Path | None,
+) -> None:
     sections: dict[str, Section] = {}
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:

@@ -37,9 +37,11 @@ class Bias:
     def columns(self) -> dict[str, float]:
         """In percent, for a table."""
         return {
-            "bias, %": 100 * self.total, "+-": 100 * self.deviation,
-            "worst tenth, %": 100 * self.worst, "+- ": 100 * self.worst_deviation,
-        }  # fmt: skip
+            "bias, %": 100 * self.total,
+            "+-": 100 * self.deviation,
+            "worst tenth, %": 100 * self.worst,
+            "+- ": 100 * self.worst_deviation,
+        }
 
 
 def bias_of(found: Pair, truth: Pair, tile: int = 2) -> Bias:

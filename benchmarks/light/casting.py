@@ -44,8 +44,12 @@ def hemispheres(room: Room, grid: tuple[int, int]) -> tuple[int, float]:
         part = points.rows(slice(start, start + batch))
         d = np.einsum("cr,prk->pck", inner, part.frames)
         origin = np.broadcast_to(part.position[:, None] + 1e-4 * part.geometric[:, None], d.shape)
-        ray = mi.Ray3f(*(make(np.float32(x.reshape(-1, 3).T))
-                         for make, x in ((mi.Point3f, origin), (mi.Vector3f, d))))  # fmt: skip
+        ray = mi.Ray3f(
+            *(
+                make(np.float32(x.reshape(-1, 3).T))
+                for make, x in ((mi.Point3f, origin), (mi.Vector3f, d))
+            )
+        )
         total += _seconds(room.built, ray)
     return len(points) * len(inner), total
 

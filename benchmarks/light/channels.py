@@ -23,9 +23,16 @@ LIT: Final = tuple(
 _TILE: Final = 4
 _AGREEING: Final = 0.8
 _COLUMNS: Final = (
-    "estimated", "relative MSE", "robust error", "bias, %", "+-", "worst tenth, %", "+- ",
-    "worst light: robust", "worst light: bias, %",
-)  # fmt: skip
+    "estimated",
+    "relative MSE",
+    "robust error",
+    "bias, %",
+    "+-",
+    "worst tenth, %",
+    "+- ",
+    "worst light: robust",
+    "worst light: bias, %",
+)
 
 
 def channels(setting: Setting) -> Section:

@@ -21,8 +21,9 @@ from openrooms_usd.description.rendering import DEFAULT_GRID
 _SAMPLES: Final = 16
 _CAMERA: Final = "dining"
 _ESTIMATES: Final = {
-    "worst relative MSE": "estimated_error", "worst robust": "estimated_robust_error",
-}  # fmt: skip
+    "worst relative MSE": "estimated_error",
+    "worst robust": "estimated_robust_error",
+}
 _LIT: Final = tuple(
     name for name in RENDERED if CHANNELS[name].kind == "light" and CHANNELS[name].scope != "grid"
 )
@@ -44,15 +45,29 @@ def complete(setting: Setting) -> Section:
             for what, asked in _SETS.items():
                 cost = opened.cost(asked, _SAMPLES, views=1, grid=grid)
                 alone = alone or cost.view
-                rows.append({"room": name, "method": method, "samples": _SAMPLES, "set": what,
-                             "s, one view": cost.views(1), "s, further view": cost.view,
-                             "further view / radiance": cost.view / alone})  # fmt: skip
-    return section(rows, [
-        Target(f"{row['set']}, {row['room']}: over the radiance alone", 2.0,
-               row["further view / radiance"])
-        for row in rows
-        if row["method"] == rows[-1]["method"] and row["set"] != "radiance"
-    ])  # fmt: skip
+                rows.append(
+                    {
+                        "room": name,
+                        "method": method,
+                        "samples": _SAMPLES,
+                        "set": what,
+                        "s, one view": cost.views(1),
+                        "s, further view": cost.view,
+                        "further view / radiance": cost.view / alone,
+                    }
+                )
+    return section(
+        rows,
+        [
+            Target(
+                f"{row['set']}, {row['room']}: over the radiance alone",
+                2.0,
+                row["further view / radiance"],
+            )
+            for row in rows
+            if row["method"] == rows[-1]["method"] and row["set"] != "radiance"
+        ],
+    )
 
 
 def view(setting: Setting) -> Section:
@@ -63,18 +78,45 @@ def view(setting: Setting) -> Section:
     for method in methods_of(Room(ROOMS["plain"].build(setting.folder), 4, 3)):
         target = setting.folder / f"view_{method}"
         ran = run(
-            *ORUSD, "render", stage, "-o", target, "--camera", _CAMERA, "--channels", "all",
-            "--dataset", target.with_suffix(".openrooms"), "--resolution", resolution,
-            "--grid", grid, "--spp", _SAMPLES, "--method", method,
-        )  # fmt: skip
-        rows.append({"method": method, "samples": _SAMPLES, "s of all cores": ran.seconds,
-                     "s by the clock": ran.elapsed, "peak GiB": ran.peak_gib}
-                    | _worst(target))  # fmt: skip
-    return section(rows, [
-        Target("a complete view, s by the clock", 60.0, rows[-1]["s by the clock"]),
-        Target("its worst channel of light, estimated robust error", 0.01,
-               rows[-1]["worst robust"]),
-    ])  # fmt: skip
+            *ORUSD,
+            "render",
+            stage,
+            "-o",
+            target,
+            "--camera",
+            _CAMERA,
+            "--channels",
+            "all",
+            "--dataset",
+            target.with_suffix(".openrooms"),
+            "--resolution",
+            resolution,
+            "--grid",
+            grid,
+            "--spp",
+            _SAMPLES,
+            "--method",
+            method,
+        )
+        rows.append(
+            {
+                "method": method,
+                "samples": _SAMPLES,
+                "s of all cores": ran.seconds,
+                "s by the clock": ran.elapsed,
+                "peak GiB": ran.peak_gib,
+            }
+            | _worst(target)
+        )
+    return section(
+        rows,
+        [
+            Target("a complete view, s by the clock", 60.0, rows[-1]["s by the clock"]),
+            Target(
+                "its worst channel of light, estimated robust error", 0.01, rows[-1]["worst robust"]
+            ),
+        ],
+    )
 
 
 def _worst(target: Path) -> dict[str, Any]:

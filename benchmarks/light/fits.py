@@ -37,12 +37,25 @@ def fits(setting: Setting) -> Section:
             each = (time.process_time() - began) / len(light)
             error = np.sort(spherical_gaussians.error(light, lobes))
             worst = error[-(len(error) + 9) // 10 :]
-            rows.append({"room": name, "method": method, "hemispheres": len(light),
-                         "s of a full grid": each * DEFAULT_GRID[0] * DEFAULT_GRID[1],
-                         "error: mean": float(error.mean()), "median": float(np.median(error)),
-                         "worst tenth": float(worst.mean())})  # fmt: skip
-    return section(rows, [
-        Target(f"fits of a full grid, {row['room']}, {row['method']}, s", 40.0,
-               row["s of a full grid"])
-        for row in rows
-    ])  # fmt: skip
+            rows.append(
+                {
+                    "room": name,
+                    "method": method,
+                    "hemispheres": len(light),
+                    "s of a full grid": each * DEFAULT_GRID[0] * DEFAULT_GRID[1],
+                    "error: mean": float(error.mean()),
+                    "median": float(np.median(error)),
+                    "worst tenth": float(worst.mean()),
+                }
+            )
+    return section(
+        rows,
+        [
+            Target(
+                f"fits of a full grid, {row['room']}, {row['method']}, s",
+                40.0,
+                row["s of a full grid"],
+            )
+            for row in rows
+        ],
+    )

@@ -50,13 +50,18 @@ def grids(setting: Setting) -> Section:
                 if reference:
                     paper = cost.views(1)
                 rows.append(
-                    {"room": name, "method": _THEIRS if reference else method,
-                     "samples a cell": samples, "s, one view": cost.views(1),
-                     f"s, of {_VIEWS} views": cost.views(_VIEWS), "s, rays alone": alone,
-                     "paper / one view": (paper or 0.0) / cost.views(1),
-                     "further view / rays": cost.view / alone}
+                    {
+                        "room": name,
+                        "method": _THEIRS if reference else method,
+                        "samples a cell": samples,
+                        "s, one view": cost.views(1),
+                        f"s, of {_VIEWS} views": cost.views(_VIEWS),
+                        "s, rays alone": alone,
+                        "paper / one view": (paper or 0.0) / cost.views(1),
+                        "further view / rays": cost.view / alone,
+                    }
                     | _errors(opened, samples, coarse, truth)
-                )  # fmt: skip
+                )
     return section(rows, _targets(rows))
 
 
@@ -70,8 +75,10 @@ def _targets(rows: Sequence[dict[str, Any]]) -> Iterator[Target]:
         title = f"grid, {name}: "
         yield Target(
             f"{title}the paper's {paper['samples a cell']} samples over one view at their error",
-            30.0, best and best["paper / one view"], at_least=True,
-        )  # fmt: skip
+            30.0,
+            best and best["paper / one view"],
+            at_least=True,
+        )
         for row in good[:1] or ours[-1:]:
             yield Target(f"{title}further view over its rays", 2.0, row["further view / rays"])
             yield Target(f"{title}bias, %", 1.0, row["bias, %"])

@@ -19,9 +19,13 @@ CAMERA: Final = "/Camera"
 _CORNERS: Final = [(x, y, z) for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)]
 # Its faces as seen from inside.
 _FACES: Final = {
-    "floor": (0, 1, 3, 2), "ceiling": (4, 6, 7, 5), "front": (0, 4, 5, 1), "back": (2, 3, 7, 6),
-    "left": (0, 2, 6, 4), "right": (1, 5, 7, 3),
-}  # fmt: skip
+    "floor": (0, 1, 3, 2),
+    "ceiling": (4, 6, 7, 5),
+    "front": (0, 4, 5, 1),
+    "back": (2, 3, 7, 6),
+    "left": (0, 2, 6, 4),
+    "right": (1, 5, 7, 3),
+}
 
 
 class Shell:
@@ -138,9 +142,15 @@ _HOLE: Final = (-0.5, -0.3, 0.5, 0.6)
 
 
 def lamp_room(
-    *, unit: float = 1.0, at: Point = (0, 0, 0), size: Point = (0.4, 0.3), z: float = 0.9,
-    nits: float = 50.0, color: float = 0.6, **walls: Any,
-) -> Shell:  # fmt: skip
+    *,
+    unit: float = 1.0,
+    at: Point = (0, 0, 0),
+    size: Point = (0.4, 0.3),
+    z: float = 0.9,
+    nits: float = 50.0,
+    color: float = 0.6,
+    **walls: Any,
+) -> Shell:
     """Walls, a box, and a lamp that shines down."""
     shell = Shell(unit, at)
     grey = shell.material(base_color=(color,) * 3)
@@ -151,9 +161,13 @@ def lamp_room(
 
 
 def window_room(
-    folder: Path, holes: Sequence[Sequence[float]] = (_HOLE,), *, sun: float = 0.0,
-    floor: dict[str, Any] | None = None, lamp: float = 0.0,
-) -> Shell:  # fmt: skip
+    folder: Path,
+    holes: Sequence[Sequence[float]] = (_HOLE,),
+    *,
+    sun: float = 0.0,
+    floor: dict[str, Any] | None = None,
+    lamp: float = 0.0,
+) -> Shell:
     """Walls with a window in the back one and the sky behind it."""
     shell = Shell()
     grey = shell.material(base_color=(0.6,) * 3)

@@ -26,14 +26,19 @@ def hard(setting: Setting) -> Section:
             images = [shot.images["radiance"] for shot in shots]
             found: Pair = images[0].pixels, images[1].pixels
             bias = bias_of(found, truth)
-            rows.append({
-                "case": name, "condition": case.condition, "method": method, "samples": samples,
-                "s": shots[1].seconds,
-                "estimated": float(np.mean([image.error or 0.0 for image in images])),
-                "relative MSE": float(np.mean([mse_of(x, truth) for x in found])),
-                "robust error": float(np.mean([robust_of(x, truth) for x in found])),
-        **bias.columns,
-                "finite": "yes" if all(np.isfinite(x).all() for x in found) else "NO",
-                "replaced pixels": sum(image.replaced for image in images),
-            })  # fmt: skip
+            rows.append(
+                {
+                    "case": name,
+                    "condition": case.condition,
+                    "method": method,
+                    "samples": samples,
+                    "s": shots[1].seconds,
+                    "estimated": float(np.mean([image.error or 0.0 for image in images])),
+                    "relative MSE": float(np.mean([mse_of(x, truth) for x in found])),
+                    "robust error": float(np.mean([robust_of(x, truth) for x in found])),
+                    **bias.columns,
+                    "finite": "yes" if all(np.isfinite(x).all() for x in found) else "NO",
+                    "replaced pixels": sum(image.replaced for image in images),
+                }
+            )
     return section(rows)

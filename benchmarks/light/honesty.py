@@ -78,8 +78,10 @@ def _ratios(image: Image, truth: Pair) -> dict[str, float | None]:
     """An estimate over the truth by figure, of those that the reference can tell."""
     reference = 0.5 * (truth[0].astype(np.float64) + truth[1])
     own = estimate(*truth)
-    stated = {"relative MSE": (image.error, own.relative_mse),
-              "robust": (image.robust_error, own.robust)}  # fmt: skip
+    stated = {
+        "relative MSE": (image.error, own.relative_mse),
+        "robust": (image.robust_error, own.robust),
+    }
     ratios: dict[str, float | None] = {}
     for figure, (said, its_own) in stated.items():
         made = _FIGURES[figure](image.pixels, reference)

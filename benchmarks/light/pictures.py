@@ -35,9 +35,12 @@ def pictures(setting: Setting) -> Section:
             named
             | dict.fromkeys(rows[-1])
             | named
-            | {"method": "the reference itself", "samples": 2 * many,
-               "robust error": robust_error(*truth) / 4.0}
-        )  # fmt: skip
+            | {
+                "method": "the reference itself",
+                "samples": 2 * many,
+                "robust error": robust_error(*truth) / 4.0,
+            }
+        )
     return section(rows)
 
 
@@ -84,9 +87,12 @@ def _row(
 ) -> dict[str, Any]:
     apart = bias_of(found, truth)
     return {
-        "method": method, "samples": samples, "s, one view": cost.views(1),
-        f"s, of {_VIEWS} views": cost.views(_VIEWS), "s, rays alone": rays,
+        "method": method,
+        "samples": samples,
+        "s, one view": cost.views(1),
+        f"s, of {_VIEWS} views": cost.views(_VIEWS),
+        "s, rays alone": rays,
         "relative MSE": float(np.mean([mse_of(x, truth) for x in found])),
         "robust error": float(np.mean([robust_of(x, truth) for x in found])),
         **apart.columns,
-    }  # fmt: skip
+    }

@@ -94,10 +94,16 @@ class OpenedRoom:
             how: What else is asked of a `RenderRequest`.
         """
         asked: dict[str, Any] = {
-            "camera": self._room.path, "channels": channels, "samples": samples, "seed": seed,
-            "width": self._room.size[0], "height": self._room.size[1],
-            "bounces": self._room.bounces, "method": self.method, "measure_bias": False,
-        }  # fmt: skip
+            "camera": self._room.path,
+            "channels": channels,
+            "samples": samples,
+            "seed": seed,
+            "width": self._room.size[0],
+            "height": self._room.size[1],
+            "bounces": self._room.bounces,
+            "method": self.method,
+            "measure_bias": False,
+        }
         request = RenderRequest(**{**asked, **how})
         camera = turned(self._room.seen_at(request.width, request.height), view * _TURN_DEG)
         began = time.process_time()

@@ -35,8 +35,12 @@ def listed(targets: Sequence[Target]) -> str:
     return table(
         ("target", "limit", "found", "met"),
         [
-            (target.what, f"{'>=' if target.at_least else '<='} {target.limit:g}", target.found,
-             "yes" if target.met else "no")
+            (
+                target.what,
+                f"{'>=' if target.at_least else '<='} {target.limit:g}",
+                target.found,
+                "yes" if target.met else "no",
+            )
             for target in targets
         ],
-    )  # fmt: skip
+    )

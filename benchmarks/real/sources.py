@@ -20,9 +20,15 @@ _S3DIS: Final = (
     "S3DIS: research only",
 )
 _ROOMS: Final = (
-    "copyRoom_1", "hallway_3", "hallway_5", "office_10", "office_17", "office_26", "office_36",
+    "copyRoom_1",
+    "hallway_3",
+    "hallway_5",
+    "office_10",
+    "office_17",
+    "office_26",
+    "office_36",
     "pantry_1",
-)  # fmt: skip
+)
 
 SOURCES: Final = (
     *(

@@ -20,9 +20,22 @@ from openrooms_usd.draws import generator
 DEVELOPMENT_SEEDS: Final = (1,)
 TEST_SEEDS: Final = (9003,)
 DEVELOPMENT_TYPES: Final = (
-    "apartment", "bathroom", "bedroom", "classroom", "dining_room", "garage", "hallway", "hotel",
-    "kitchen", "laundry_room", "library", "living_room", "lobby", "office", "storage",
-)  # fmt: skip
+    "apartment",
+    "bathroom",
+    "bedroom",
+    "classroom",
+    "dining_room",
+    "garage",
+    "hallway",
+    "hotel",
+    "kitchen",
+    "laundry_room",
+    "library",
+    "living_room",
+    "lobby",
+    "office",
+    "storage",
+)
 TEST_TYPES: Final = (*DEVELOPMENT_TYPES, "basement", "conference_room", "game_room", "lounge")
 QUICK_TYPES: Final = ("bathroom",)
 

@@ -37,9 +37,12 @@ def with_corridors(room: SimulatedRoom) -> SimulatedRoom:
         parts += [Part(number_of(name, names.NYU40), 0) for name in ("floor", "ceiling", "wall")]
         part.append(first + np.array([0, 0, 1, 1] + [2] * (len(faces) - 4)))
     return SimulatedRoom(
-        np.concatenate(points), np.concatenate(triangles), np.concatenate(part), tuple(parts),
+        np.concatenate(points),
+        np.concatenate(triangles),
+        np.concatenate(part),
+        tuple(parts),
         room.truth,
-    )  # fmt: skip
+    )
 
 
 def corridor_plan(hole: Array) -> Array:

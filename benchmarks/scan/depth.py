@@ -85,9 +85,13 @@ class View(NamedTuple):
 
 
 def take(
-    room: SimulatedRoom, caster: RayCaster, camera: Array, how: Scanner,
-    random: np.random.Generator, missed: frozenset[int] = frozenset(),
-) -> View:  # fmt: skip
+    room: SimulatedRoom,
+    caster: RayCaster,
+    camera: Array,
+    how: Scanner,
+    random: np.random.Generator,
+    missed: frozenset[int] = frozenset(),
+) -> View:
     """One depth picture from a true pose (4, 4) of the camera, OpenCV axes."""
     width, height = (side // how.reduce for side in SIZE)
     focal = FOCAL / how.reduce
@@ -115,9 +119,12 @@ def take(
 
 
 def trace(
-    room: SimulatedRoom, caster: RayCaster, origin: Array, directions: Array,
+    room: SimulatedRoom,
+    caster: RayCaster,
+    origin: Array,
+    directions: Array,
     random: np.random.Generator,
-) -> tuple[Array, Ints, Array]:  # fmt: skip
+) -> tuple[Array, Ints, Array]:
     """What comes back along rays: through glass mostly nothing, off mirrors the room in them.
 
     Returns:

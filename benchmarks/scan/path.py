@@ -27,9 +27,13 @@ LOWERED: Final = (-30.0, 20.0)
 
 
 def walk(
-    room: SimulatedRoom, caster: RayCaster, frames: int, random: np.random.Generator, *,
+    room: SimulatedRoom,
+    caster: RayCaster,
+    frames: int,
+    random: np.random.Generator,
+    *,
     lowered: bool = False,
-) -> Array:  # fmt: skip
+) -> Array:
     """(frames, 4, 4) world_from_camera (OpenCV) along a walk with the camera panning.
 
     Args:

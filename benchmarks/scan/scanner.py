@@ -56,9 +56,12 @@ class Scan:
 
 
 def simulate(
-    room: SimulatedRoom | Path | str, seed: int, scanner: Scanner | None = None, *,
+    room: SimulatedRoom | Path | str,
+    seed: int,
+    scanner: Scanner | None = None,
+    *,
     keep_frames: bool = False,
-) -> Scan:  # fmt: skip
+) -> Scan:
     """Scan a room.
 
     Args:

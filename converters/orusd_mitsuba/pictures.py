@@ -92,7 +92,12 @@ class Pictures:
             if halves:
                 told = halves.estimate_of_ratio if is_ratio else halves.estimate
             images[name] = Image(
-                kept.pixels, sum(samples), seconds, told.relative_mse, replaced,
-                halves if keep else None, robust_error=told.robust,
-            )  # fmt: skip
+                kept.pixels,
+                sum(samples),
+                seconds,
+                told.relative_mse,
+                replaced,
+                halves if keep else None,
+                robust_error=told.robust,
+            )
         return images

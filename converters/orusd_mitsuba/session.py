@@ -255,9 +255,15 @@ class MitsubaSession:
         reference = self._integrator(render_pass, camera, alike, channels)
         assert isinstance(integrator, SparseIntegrator) and isinstance(reference, SparseIntegrator)
         return with_bias(
-            images, changes, render_pass, integrator, reference, request, wanted,
+            images,
+            changes,
+            render_pass,
+            integrator,
+            reference,
+            request,
+            wanted,
             len(self._sources),
-        )  # fmt: skip
+        )
 
     def _integrator(
         self,
@@ -284,9 +290,15 @@ class MitsubaSession:
         if render_pass is ENVIRONMENT:
             seen = replace(camera, K=coarse(camera, size, request.grid))
             return HemisphereIntegrator(
-                self._scene, self._built, self._index, self.tracer, seen, request.grid,
-                request.bounces + 1, arrival=light.arriving() if light else None,
-            )  # fmt: skip
+                self._scene,
+                self._built,
+                self._index,
+                self.tracer,
+                seen,
+                request.grid,
+                request.bounces + 1,
+                arrival=light.arriving() if light else None,
+            )
         depth = request.bounces + 1
         by_light = any(CHANNELS[name].scope == "light" for name in channels)
         if render_pass is COMPLETE:
@@ -306,11 +318,17 @@ class MitsubaSession:
             )
             return CompleteIntegrator(
                 self._complete, scattered, camera, *size, depth, wanted, paths
-            )  # fmt: skip
+            )
         return PathIntegrator(
-            self._built, self._index, camera, *size, self._scene.origin, depth, by_light=by_light,
+            self._built,
+            self._index,
+            camera,
+            *size,
+            self._scene.origin,
+            depth,
+            by_light=by_light,
             paths=light.paths(by_light=by_light) if light else None,
-        )  # fmt: skip
+        )
 
     def _room_light(self, method: Method, bounces: int) -> RoomLight | None:
         """The cache that light is looked up in, if the method does that."""

@@ -89,9 +89,14 @@ class PreviewSession:
         }
         rng = np.random.default_rng(_seed(request.seed, request.camera))
         free = openness(
-            self.tracer.caster, hits.position, seen["normal_geometric"], rays, self._reach, rng,
+            self.tracer.caster,
+            hits.position,
+            seen["normal_geometric"],
+            rays,
+            self._reach,
+            rng,
             progress,
-        )  # fmt: skip
+        )
         found = np.tile(BACKGROUND, (width * height, 1))
         found[hits.pixels] = shade(seen, hits.directions, free)
         fine_shape = request.height, _POINTS_A_SIDE, request.width, _POINTS_A_SIDE, 3

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from openrooms_usd.description.rendering import RenderSettings
+    from openrooms_usd.edits.views import SceneCamera
     from openrooms_usd.rendering.context import RenderContext
     from openrooms_usd.rendering.contract import View as RenderedImages
 
@@ -144,14 +145,14 @@ class OpenRenderer:
     @takes_settings(*PICTURE[1:])
     def render(
         self,
-        camera: str | Camera,
+        camera: "str | Camera | SceneCamera",
         channels: str | Iterable[str] | None = None,
         **fields: Any,
     ) -> Picture:
         """Render what a camera sees; nothing is written.
 
         Args:
-            camera: A name among `cameras`, a prim path, or any camera.
+            camera: A name among `cameras`, a prim path, one of `Scene.cameras`, or any camera.
             channels: Names (docs/channels.md); by default those that the scene was opened for.
             **fields: Other settings than those that the scene was opened with, by name:
 
@@ -167,7 +168,7 @@ class OpenRenderer:
 
     def render_batch(
         self,
-        cameras: Iterable[str | Camera],
+        cameras: "Iterable[str | Camera | SceneCamera]",
         channels: str | Iterable[str] | None = None,
         **fields: Any,
     ) -> Iterator[Picture]:
@@ -253,7 +254,7 @@ class OpenRenderer:
             return self._context
         return self._context.with_settings(settings_of(self._context.settings, asked, PICTURE))
 
-    def _shot(self, context: "RenderContext", camera: str | Camera) -> Any:
+    def _shot(self, context: "RenderContext", camera: "str | Camera | SceneCamera") -> Any:
         """What renders a camera: a function of what it calls with its progress."""
         if isinstance(camera, Camera):
             size = camera.resolution
@@ -261,6 +262,7 @@ class OpenRenderer:
             return partial(context.shoot, pinhole, camera.name, size=size)
         from openrooms_usd.rendering.plan import choose_cameras
 
+        camera = camera if isinstance(camera, str) else camera.path
         if camera in context.views:
             return partial(context.view, camera)
         path = next(iter(choose_cameras([camera], context.cameras).values()))

@@ -13,13 +13,17 @@ _OUT: Final = ("-o", "--out")
 
 _ROOM: Final = click.argument("room", type=click.Path(path_type=Path), metavar="STAGE|room.yaml")
 _DESCRIPTION: Final = click.option(
-    "--description", type=click.Path(path_type=Path), metavar="ROOM.yaml",
+    "--description",
+    type=click.Path(path_type=Path),
+    metavar="ROOM.yaml",
     help="What STAGE is composed from: the page can then compose it again.",
-)  # fmt: skip
+)
 _COMPOSED: Final = click.option(
-    "-o", "--out", type=click.Path(path_type=Path),
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
     help="Where a room.yaml is composed to.  [default: composed, beside it]",
-)  # fmt: skip
+)
 
 
 class _Commands(click.Group):
@@ -47,10 +51,18 @@ def annotate() -> None:
 
 @annotate.command(context_settings={"ignore_unknown_options": False})
 @click.argument("source", type=click.Path(path_type=Path), metavar="SCAN|room.yaml")
-@click.option("-o", "--out", type=click.Path(path_type=Path),
-              help="Where a SCAN is imported to; a room.yaml needs none.")  # fmt: skip
-@click.option("--importer", default="scan", show_default=True,
-              help="What reads the SCAN: a kind of `orusd import`.")  # fmt: skip
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Where a SCAN is imported to; a room.yaml needs none.",
+)
+@click.option(
+    "--importer",
+    default="scan",
+    show_default=True,
+    help="What reads the SCAN: a kind of `orusd import`.",
+)
 @page_options
 def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:
     """Correct the walls, doors, windows and height of a room over the points of its scan."""

@@ -12,12 +12,30 @@ from openrooms_usd.description.rendering import RenderSettings
 @click.command()
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--texel", type=float, default=0.05, show_default=True, metavar="METRES",
-              help="Side of a texel on the surfaces.")  # fmt: skip
-@click.option("--max-texels", type=int, default=1 << 22, show_default=True,
-              help="Of all atlases together; texels grow until there are no more.")  # fmt: skip
-@click.option("--atlas", "side", type=int, default=4096, show_default=True, metavar="TEXELS",
-              help="Side of an atlas at most.")  # fmt: skip
+@click.option(
+    "--texel",
+    type=float,
+    default=0.05,
+    show_default=True,
+    metavar="METRES",
+    help="Side of a texel on the surfaces.",
+)
+@click.option(
+    "--max-texels",
+    type=int,
+    default=1 << 22,
+    show_default=True,
+    help="Of all atlases together; texels grow until there are no more.",
+)
+@click.option(
+    "--atlas",
+    "side",
+    type=int,
+    default=4096,
+    show_default=True,
+    metavar="TEXELS",
+    help="Side of an atlas at most.",
+)
 @settings_options(
     "samples",
     "seed",

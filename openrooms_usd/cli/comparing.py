@@ -17,13 +17,19 @@ if TYPE_CHECKING:
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
 @click.option(
-    "--room", "description", type=click.Path(path_type=Path), metavar="ROOM.yaml",
+    "--room",
+    "description",
+    type=click.Path(path_type=Path),
+    metavar="ROOM.yaml",
     help="What the stage was composed from; by default beside its folder.",
-)  # fmt: skip
+)
 @click.option(
-    "--photographs", "pictures", type=click.Path(path_type=Path), metavar="DIR",
+    "--photographs",
+    "pictures",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
     help="Where the pictures lie; by default where the capture does.",
-)  # fmt: skip
+)
 @click.option("--frame", "frames", multiple=True, metavar="ID", help="Repeatable.")
 @click.option("--count", type=int, default=8, show_default=True, help="Frames, evenly spread.")
 @click.option("--width", type=int, default=480, show_default=True, help="Of pictures, pixels.")

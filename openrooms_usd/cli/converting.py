@@ -25,9 +25,11 @@ _FLAGS: Final = {"true": True, "false": False}
 )
 @click.option("--profile", metavar="NAME", help="Of a USDZ file: default, exchange or arkit.")
 @click.option(
-    "--time-code", type=float, metavar="T",
+    "--time-code",
+    type=float,
+    metavar="T",
     help="The moment to write of a stage that moves; by default the first sample of everything.",
-)  # fmt: skip
+)
 @click.option("--include-outside", is_flag=True, help="Copy pictures outside STAGE's folder too.")
 @report_option
 @json_option

@@ -50,8 +50,12 @@ def dataset() -> None:
 
 @dataset.command()
 @_FILE
-@click.option("-o", "--out", type=click.Path(path_type=Path),
-              help="Write the plan there; to standard output by default.")  # fmt: skip
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Write the plan there; to standard output by default.",
+)
 def plan(file: Path, out: Path | None) -> None:
     """Print what a dataset.yaml stands for: a line of JSON for each view of each room."""
     from openrooms_usd.dataset.plan import lines, plan_jobs
@@ -68,16 +72,40 @@ def plan(file: Path, out: Path | None) -> None:
 
 @dataset.command()
 @_FILE
-@click.option("-o", "--out", type=_root, required=True,
-              help="The dataset's folder, or a URL such as s3://bucket/name.")  # fmt: skip
-@click.option("--workers", type=click.IntRange(1, 1024), default=1, show_default=True,
-              help="How many rooms are worked on at once.")  # fmt: skip
-@click.option("--executor", default="local", show_default=True, metavar="NAME",
-              help="Who works: local, ray, or another that is installed.")  # fmt: skip
-@click.option("--address", metavar="HOST:PORT",
-              help="The cluster of an executor. Short for --option address=…")  # fmt: skip
-@click.option("--option", "pairs", multiple=True, callback=pairs_of, metavar="NAME=VALUE",
-              help="Something that this executor can be asked for. Repeatable.")  # fmt: skip
+@click.option(
+    "-o",
+    "--out",
+    type=_root,
+    required=True,
+    help="The dataset's folder, or a URL such as s3://bucket/name.",
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 1024),
+    default=1,
+    show_default=True,
+    help="How many rooms are worked on at once.",
+)
+@click.option(
+    "--executor",
+    default="local",
+    show_default=True,
+    metavar="NAME",
+    help="Who works: local, ray, or another that is installed.",
+)
+@click.option(
+    "--address",
+    metavar="HOST:PORT",
+    help="The cluster of an executor. Short for --option address=…",
+)
+@click.option(
+    "--option",
+    "pairs",
+    multiple=True,
+    callback=pairs_of,
+    metavar="NAME=VALUE",
+    help="Something that this executor can be asked for. Repeatable.",
+)
 @json_option
 def run(
     file: Path,
@@ -186,12 +214,26 @@ def stats(folder: "Root", as_json: bool) -> None:
 
 @dataset.command()
 @_FOLDER
-@click.option("-o", "--out", type=click.Path(path_type=Path), metavar="PAGE.html",
-              help="The page; by default report.html beside the data, or here.")  # fmt: skip
-@click.option("--pictures", type=click.IntRange(1, 1000), default=72, show_default=True,
-              help="How many views it shows at most.")  # fmt: skip
-@click.option("--price", type=click.FloatRange(0.0), metavar="MONEY",
-              help="What an hour of a core costs: the page says what 1,000 views do.")  # fmt: skip
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="PAGE.html",
+    help="The page; by default report.html beside the data, or here.",
+)
+@click.option(
+    "--pictures",
+    type=click.IntRange(1, 1000),
+    default=72,
+    show_default=True,
+    help="How many views it shows at most.",
+)
+@click.option(
+    "--price",
+    type=click.FloatRange(0.0),
+    metavar="MONEY",
+    help="What an hour of a core costs: the page says what 1,000 views do.",
+)
 @json_option
 def report(
     folder: "Root", out: Path | None, pictures: int, price: float | None, as_json: bool
@@ -215,32 +257,67 @@ def _number(value: float) -> str:
 
 
 @dataset.command()
-@click.argument("renders", type=click.Path(path_type=Path), nargs=-1, required=True,
-                metavar="RENDER...")  # fmt: skip
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True,
-              help="The dataset's folder.")  # fmt: skip
-@click.option("--as", "kind", default="openrooms", show_default=True, metavar="KIND",
-              help="Whose: openrooms, nerf, webdataset, hypersim, coco, parquet, or another that "
-              "is installed.")  # fmt: skip
+@click.argument(
+    "renders", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RENDER..."
+)
+@click.option(
+    "-o", "--out", type=click.Path(path_type=Path), required=True, help="The dataset's folder."
+)
+@click.option(
+    "--as",
+    "kind",
+    default="openrooms",
+    show_default=True,
+    metavar="KIND",
+    help="Whose: openrooms, nerf, webdataset, hypersim, coco, parquet, or another that "
+    "is installed.",
+)
 @click.option("--scene", default="scene0000_00", show_default=True, help="The scene's name in it.")
-@click.option("--split", "splits", multiple=True, default=("main_xml",), show_default=True,
-              help="What a render is, once for each: main_xml, mainDiffMat_xml, "
-              "mainDiffLight_xml, or these with xml1.")  # fmt: skip
+@click.option(
+    "--split",
+    "splits",
+    multiple=True,
+    default=("main_xml",),
+    show_default=True,
+    help="What a render is, once for each: main_xml, mainDiffMat_xml, "
+    "mainDiffLight_xml, or these with xml1.",
+)
 @click.option(
     "--subset", type=click.Choice(["train", "val", "test"]), default="train", show_default=True
 )
-@click.option("--layout", type=click.Choice(["split", "merged"]), default="split",
-              show_default=True, help="A tree for each channel, or one folder.")  # fmt: skip
-@click.option("--imenv-order", "order", type=click.Choice(["legacy", "rgb"]), default="legacy",
-              show_default=True, help="Channels of environment maps: as the released loaders take "
-              "them, or red first.")  # fmt: skip
-@click.option("--crowded", type=click.Choice(["leave-out", "drop", "keep"]), default="leave-out",
-              show_default=True, help="Views with more than 3 windows or 7 lamps, which released "
-              "loaders cannot hold: leave them out, drop the least lights, or keep.")  # fmt: skip
+@click.option(
+    "--layout",
+    type=click.Choice(["split", "merged"]),
+    default="split",
+    show_default=True,
+    help="A tree for each channel, or one folder.",
+)
+@click.option(
+    "--imenv-order",
+    "order",
+    type=click.Choice(["legacy", "rgb"]),
+    default="legacy",
+    show_default=True,
+    help="Channels of environment maps: as the released loaders take them, or red first.",
+)
+@click.option(
+    "--crowded",
+    type=click.Choice(["leave-out", "drop", "keep"]),
+    default="leave-out",
+    show_default=True,
+    help="Views with more than 3 windows or 7 lamps, which released "
+    "loaders cannot hold: leave them out, drop the least lights, or keep.",
+)
 @click.option("--first", type=int, default=1, show_default=True, help="The first view's number.")
-@click.option("--stage", "stages", multiple=True, type=click.Path(path_type=Path), metavar="STAGE",
-              help="The composed stage of each RENDER, in their order: its meshes, materials and "
-              "main.xml go beside the pictures.")  # fmt: skip
+@click.option(
+    "--stage",
+    "stages",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="STAGE",
+    help="The composed stage of each RENDER, in their order: its meshes, materials and "
+    "main.xml go beside the pictures.",
+)
 @json_option
 def write(
     renders: tuple[Path, ...],

@@ -14,21 +14,39 @@ _MOST: Final = 100_000
 
 @click.command()
 @click.option(
-    "--type", "room_type", type=click.Choice(get_args(RoomType)), required=True, metavar="TYPE",
+    "--type",
+    "room_type",
+    type=click.Choice(get_args(RoomType)),
+    required=True,
+    metavar="TYPE",
     help="The kind of room, such as living_room.",
-)  # fmt: skip
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True,
-              help="Fixes everything that is drawn.")  # fmt: skip
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**63 - 1),
+    default=0,
+    show_default=True,
+    help="Fixes everything that is drawn.",
+)
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--count", type=click.IntRange(1, _MOST),
-              help="Write this many rooms, each into a folder OUT/TYPE_SEED.")  # fmt: skip
+@click.option(
+    "--count",
+    type=click.IntRange(1, _MOST),
+    help="Write this many rooms, each into a folder OUT/TYPE_SEED.",
+)
 @click.option("--area", type=click.FloatRange(2, 400), help="Floor area, square metres.")
 @click.option(
-    "--style", type=click.Choice(get_args(InteriorStyle)),
+    "--style",
+    type=click.Choice(get_args(InteriorStyle)),
     help="What furniture, materials and colours go together; drawn by default.",
-)  # fmt: skip
-@click.option("--clutter", type=click.IntRange(0, 3), default=2, show_default=True,
-              help="How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.")  # fmt: skip
+)
+@click.option(
+    "--clutter",
+    type=click.IntRange(0, 3),
+    default=2,
+    show_default=True,
+    help="How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.",
+)
 @json_option
 def generate(
     room_type: str,

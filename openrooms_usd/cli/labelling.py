@@ -9,14 +9,22 @@ from openrooms_usd.cli.console import echo, json_option, print_json
 
 
 @click.command()
-@click.argument("renders", type=click.Path(path_type=Path), nargs=-1, required=True,
-                metavar="RENDER...")  # fmt: skip
+@click.argument(
+    "renders", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RENDER..."
+)
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
-@click.option("--format", "form", type=click.Choice(["coco", "boxes"]), default="coco",
-              show_default=True)  # fmt: skip
-@click.option("--classes", "--taxonomy", "taxonomy",
-              type=click.Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
-              default="category", show_default=True, help="Whose classes, for coco.")  # fmt: skip
+@click.option(
+    "--format", "form", type=click.Choice(["coco", "boxes"]), default="coco", show_default=True
+)
+@click.option(
+    "--classes",
+    "--taxonomy",
+    "taxonomy",
+    type=click.Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
+    default="category",
+    show_default=True,
+    help="Whose classes, for coco.",
+)
 @click.option("--stage", type=click.Path(path_type=Path), help="What was rendered, for boxes.")
 @json_option
 def labels(

@@ -44,23 +44,32 @@ def list_(as_json: bool) -> None:
 
 @library.command()
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path), required=True, metavar="FILE.png",
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="FILE.png",
     help="The picture to write.",
-)  # fmt: skip
+)
 @click.option("--category", "categories", multiple=True, metavar="NAME", help="Repeatable.")
 @click.option("--all", "every_style", is_flag=True, help="Every style, not one a category.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
 @click.option(
-    "--size", type=click.IntRange(16, 2048), default=160, show_default=True,
+    "--size",
+    type=click.IntRange(16, 2048),
+    default=160,
+    show_default=True,
     help="Pixels along each side of a picture.",
-)  # fmt: skip
+)
 @click.option(
     "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
 )
 @click.option(
-    "--width", type=click.IntRange(64, 65536), metavar="PIXELS",
+    "--width",
+    type=click.IntRange(64, 65536),
+    metavar="PIXELS",
     help="Reduce a sheet that is wider.",
-)  # fmt: skip
+)
 @renderer_options
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (needs the extra 'denoise').")
 @json_option
@@ -85,9 +94,17 @@ def sheet(
     shown = exhibits(categories, every_style=every_style)
     with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
         draw_sheet(
-            out, shown, seed=seed, size=size, samples=spp, renderer=renderer, options=options,
-            denoise=denoise, widest=width, progress=progress,
-        )  # fmt: skip
+            out,
+            shown,
+            seed=seed,
+            size=size,
+            samples=spp,
+            renderer=renderer,
+            options=options,
+            denoise=denoise,
+            widest=width,
+            progress=progress,
+        )
     if as_json:
         print_json({"file": str(out), "shown": [[item.category, item.style] for item in shown]})
         return

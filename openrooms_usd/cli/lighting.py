@@ -46,10 +46,22 @@ def _positions(
 @click.command()
 @click.argument("view", type=click.Path(path_type=Path), metavar="VIEW")
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--light", "scales", multiple=True, callback=_pairs, metavar="NAME=FACTOR",
-              help="What a light is multiplied by: a number, off or on. Repeatable.")  # fmt: skip
-@click.option("--temperature", "kelvin", multiple=True, callback=_pairs, metavar="NAME=KELVIN",
-              help="A lamp's new colour temperature. Repeatable.")  # fmt: skip
+@click.option(
+    "--light",
+    "scales",
+    multiple=True,
+    callback=_pairs,
+    metavar="NAME=FACTOR",
+    help="What a light is multiplied by: a number, off or on. Repeatable.",
+)
+@click.option(
+    "--temperature",
+    "kelvin",
+    multiple=True,
+    callback=_pairs,
+    metavar="NAME=KELVIN",
+    help="A lamp's new colour temperature. Repeatable.",
+)
 @json_option
 def relight(
     view: Path, out: Path, scales: dict[str, float], kelvin: dict[str, float], as_json: bool
@@ -75,8 +87,13 @@ def relight(
 @click.command()
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--at", multiple=True, callback=_positions, metavar="X,Y,Z",
-              help="A position, world, metres. Repeatable.")  # fmt: skip
+@click.option(
+    "--at",
+    multiple=True,
+    callback=_positions,
+    metavar="X,Y,Z",
+    help="A position, world, metres. Repeatable.",
+)
 @click.option("--openings", is_flag=True, help="Also in the centre of every opening.")
 @settings_options(
     "resolution",

@@ -48,17 +48,24 @@ def list_(as_json: bool) -> None:
 
 @materials.command()
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path), required=True, metavar="DIR",
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="DIR",
     help="Folder for the pictures, one a substance.",
-)  # fmt: skip
+)
 @click.option(
     "--substance", "substances", multiple=True, type=_SUBSTANCES, help="Repeatable; all by default."
 )
 @click.option("--number", type=click.IntRange(0), default=0, show_default=True)
 @click.option(
-    "--size", type=click.IntRange(16, 2048), default=160, show_default=True,
+    "--size",
+    type=click.IntRange(16, 2048),
+    default=160,
+    show_default=True,
     help="Pixels along each side of a picture.",
-)  # fmt: skip
+)
 @click.option(
     "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
 )
@@ -83,9 +90,16 @@ def sheet(
     started = time.perf_counter()
     with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
         files = draw_material_sheets(
-            out, substances, number=number, size=size, samples=spp, renderer=renderer,
-            options=options, denoise=denoise, progress=progress,
-        )  # fmt: skip
+            out,
+            substances,
+            number=number,
+            size=size,
+            samples=spp,
+            renderer=renderer,
+            options=options,
+            denoise=denoise,
+            progress=progress,
+        )
     if as_json:
         print_json({"files": [str(file) for file in files]})
         return

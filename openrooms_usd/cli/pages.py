@@ -14,15 +14,26 @@ Function = Callable[..., Any]
 
 def page_options(function: Function) -> Function:
     """The options of a page: where it is served, and whether it is one file instead."""
-    for option in reversed((
-        click.option("--export", type=click.Path(path_type=Path), metavar="PAGE.html",
-                     help="Write the page as one file to look at, without a server, and end."),
-        click.option("--host", default="127.0.0.1", show_default=True,
-                     help="The address to listen on."),
-        click.option("--port", type=click.IntRange(0, 65535), default=0,
-                     help="By default any that is free."),
-        click.option("--no-open", is_flag=True, help="Do not open the browser."),
-    )):  # fmt: skip
+    for option in reversed(
+        (
+            click.option(
+                "--export",
+                type=click.Path(path_type=Path),
+                metavar="PAGE.html",
+                help="Write the page as one file to look at, without a server, and end.",
+            ),
+            click.option(
+                "--host", default="127.0.0.1", show_default=True, help="The address to listen on."
+            ),
+            click.option(
+                "--port",
+                type=click.IntRange(0, 65535),
+                default=0,
+                help="By default any that is free.",
+            ),
+            click.option("--no-open", is_flag=True, help="Do not open the browser."),
+        )
+    ):
         function = option(function)
     return function
 

@@ -76,26 +76,37 @@ _SETTINGS: Final = (
     },
 )
 @click.option(
-    "--path", "spec", metavar="PATH",
+    "--path",
+    "spec",
+    metavar="PATH",
     help="Write a video instead: walk, a camera that moves, or a file of keys (docs/paths.md).",
-)  # fmt: skip
+)
 @click.option("--duration", type=float, help="Seconds of the video; 10 for a walk.")
 @click.option("--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default.")
 @click.option(
-    "--frames", is_flag=False, flag_value=_EVERY, metavar="[A:B:STEP]",
+    "--frames",
+    is_flag=False,
+    flag_value=_EVERY,
+    metavar="[A:B:STEP]",
     help="Render a stage that moves at these time codes, into a folder for each; alone, with "
     "--path: write every frame of the video too.",
-)  # fmt: skip
+)
 @click.option(
-    "--dataset", "root", type=click.Path(path_type=Path), metavar="ROOT",
+    "--dataset",
+    "root",
+    type=click.Path(path_type=Path),
+    metavar="ROOT",
     help="Also write OpenRooms' files there, as `orusd dataset write` does.",
-)  # fmt: skip
+)
 @click.option(
-    "--dataset-layout", "layout", type=click.Choice(["split", "merged"]), default="split",
+    "--dataset-layout",
+    "layout",
+    type=click.Choice(["split", "merged"]),
+    default="split",
     show_default=True,
     help="With --dataset: a tree for each channel as released, or one folder, which is what the "
     "published loaders read.",
-)  # fmt: skip
+)
 @report_option
 @json_option
 def render(

@@ -13,9 +13,12 @@ if TYPE_CHECKING:
     from openrooms_usd.exporters import Report
 
 report_option: Final = click.option(
-    "--report", "report_file", type=click.Path(path_type=Path), metavar="FILE.json",
+    "--report",
+    "report_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE.json",
     help="Write what became of every prim there.",
-)  # fmt: skip
+)
 
 
 def check_report(file: Path | None, stage: Path, out: Path) -> None:

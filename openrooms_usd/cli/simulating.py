@@ -19,9 +19,11 @@ _SHOWN = 12
 @click.command()
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path),
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
     help="The layer to write; of a composed room by default layers/settled.usda.",
-)  # fmt: skip
+)
 @click.option("--engine", default="mujoco", show_default=True, help="mujoco or pybullet.")
 @click.option("--seconds", type=float, default=2.0, show_default=True, help="How long.")
 @click.option(

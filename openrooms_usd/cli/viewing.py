@@ -14,17 +14,34 @@ _STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
 
 @click.command()
 @click.argument("what", type=click.Path(path_type=Path), metavar="STAGE|RENDER|SCAN")
-@click.option("--light", type=click.Path(path_type=Path), metavar="LIT", multiple=True,
-              help="What `orusd bake` wrote of STAGE. Several are of times of day, in their order: "
-              "a slider goes from one to the next.")  # fmt: skip
-@click.option("--render", type=click.Path(path_type=Path), metavar="RENDER",
-              help="A finished render of STAGE, to be shown from its cameras.")  # fmt: skip
-@click.option("--photographs", type=click.Path(path_type=Path), metavar="DIR",
-              help="Where the photographs of STAGE's capture lie.")  # fmt: skip
-@click.option("--importer", default="scan", show_default=True, metavar="KIND",
-              help="What reads SCAN.")  # fmt: skip
-@click.option("--include-outside", is_flag=True,
-              help="Show pictures outside the folders of STAGE and LIT too.")  # fmt: skip
+@click.option(
+    "--light",
+    type=click.Path(path_type=Path),
+    metavar="LIT",
+    multiple=True,
+    help="What `orusd bake` wrote of STAGE. Several are of times of day, in their order: "
+    "a slider goes from one to the next.",
+)
+@click.option(
+    "--render",
+    type=click.Path(path_type=Path),
+    metavar="RENDER",
+    help="A finished render of STAGE, to be shown from its cameras.",
+)
+@click.option(
+    "--photographs",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Where the photographs of STAGE's capture lie.",
+)
+@click.option(
+    "--importer", default="scan", show_default=True, metavar="KIND", help="What reads SCAN."
+)
+@click.option(
+    "--include-outside",
+    is_flag=True,
+    help="Show pictures outside the folders of STAGE and LIT too.",
+)
 @page_options
 def view(
     what: Path,
@@ -66,6 +83,7 @@ def _stage_of(render: Path) -> Path:
         if untrusted.kind_of(folder / name) == "a file":
             return folder / name
     raise InputError(
-        "the stage of this render is not beside it", place=render,
+        "the stage of this render is not beside it",
+        place=render,
         remedy=f"orusd view STAGE --render {render}",
-    )  # fmt: skip
+    )

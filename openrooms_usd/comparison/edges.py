@@ -120,9 +120,9 @@ def match_edges(rendered: EdgeMap, photographed: EdgeMap) -> EdgeMatch | None:
     reach = _NEAR_SHARE * float(np.hypot(height, width))
     close = _within(photographed, reach)
     met = rendered.mask & np.take_along_axis(close, rendered.bins[None], axis=0)[0]
-    shifts = [
-        (sign * round(_SHIFT_SHARE * height), 0) for sign in (-1, 1)
-    ] + [(0, sign * round(_SHIFT_SHARE * width)) for sign in (-1, 1)]  # fmt: skip
+    shifts = [(sign * round(_SHIFT_SHARE * height), 0) for sign in (-1, 1)] + [
+        (0, sign * round(_SHIFT_SHARE * width)) for sign in (-1, 1)
+    ]
     chances = [_met_share(rendered, np.roll(close, shift, axis=(1, 2))) for shift in shifts]
     share = float(met.sum() / rendered.mask.sum())
     return EdgeMatch(share, float(np.mean(chances)), met)

@@ -14,13 +14,19 @@ _READERS: Final = {
         (".ply", ".pcd", ".obj", ".glb", ".stl", ".off", ".las", ".laz", ".e57", ".xyz", ".pts"),
         "scan",
     ),
-    ".usdz": "roomplan", ".pkl": "sunrgbd", ".sens": "scannet", ".xml": "openrooms-xml",
-}  # fmt: skip
+    ".usdz": "roomplan",
+    ".pkl": "sunrgbd",
+    ".sens": "scannet",
+    ".xml": "openrooms-xml",
+}
 # What folders hold that an importer reads whole.
 _FOLDERS: Final = (
-    ("*_vh_clean_2.ply", "scannet"), ("*.sens", "scannet"), ("*_3dod_mesh.ply", "arkitscenes"),
-    ("Annotations", "s3dis"), ("full_annotations.json", "scan2cad"),
-)  # fmt: skip
+    ("*_vh_clean_2.ply", "scannet"),
+    ("*.sens", "scannet"),
+    ("*_3dod_mesh.ply", "arkitscenes"),
+    ("Annotations", "s3dis"),
+    ("full_annotations.json", "scan2cad"),
+)
 # Scans whose walls stand all round, this part of the azimuths, are not searched for rooms.
 _ALL_ROUND: Final = 0.75
 

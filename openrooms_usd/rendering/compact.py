@@ -86,8 +86,9 @@ class CompactChannels(Mapping[str, Pixels]):
         if not sources or not {*sources} <= {*self._names}:
             raise InputError(
                 f"the manifest says of no file that it holds the channel {name!r}",
-                place=self._folder, remedy=AGAIN,
-            )  # fmt: skip
+                place=self._folder,
+                remedy=AGAIN,
+            )
         parts = {source: self[source] for source in sources}
         pose = np.array(self._entry.world_from_camera, np.float64)
         return restored(name, parts, np.array(self._entry.K, np.float64), pose)

@@ -25,9 +25,14 @@ Denoise = bool | Literal["all"]
 
 REFLECTED: Final = ("direct", "indirect", "diffuse", "specular", "radiance_i")
 RECEIVED: Final = (
-    "irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i", "direct_i",
-    "unoccluded_i", "irradiance_unoccluded_i",
-)  # fmt: skip
+    "irradiance",
+    "irradiance_direct",
+    "irradiance_indirect",
+    "irradiance_i",
+    "direct_i",
+    "unoccluded_i",
+    "irradiance_unoccluded_i",
+)
 RATIOS: Final = ("visibility_i",)
 # Blocks in which the mean of a denoised picture is compared with the raw one.
 _BLOCK_PIXELS: Final = 16
@@ -101,9 +106,10 @@ def energy_change(
     blocks, noise = _summed(change.mean(axis=-1)), _summed(spread)
     beyond = np.abs(blocks) > _BEYOND_STANDARD_ERRORS * np.sqrt(noise)
     return EnergyChange(
-        bias, float(np.sqrt(spread.sum())) / (raw.shape[0] * raw.shape[1] * mean),
+        bias,
+        float(np.sqrt(spread.sum())) / (raw.shape[0] * raw.shape[1] * mean),
         float(beyond.mean()),
-    )  # fmt: skip
+    )
 
 
 def _summed(plane: NDArray[np.float64]) -> NDArray[Any]:

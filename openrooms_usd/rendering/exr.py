@@ -193,8 +193,9 @@ def _check_parts(path: Path, layer: str, parts: Iterable[str]) -> None:
         raise InputError(
             f"the channel {layer!r} has the parts {', '.join(sorted(parts))}, not "
             f"{', '.join(wanted)}",
-            place=path, remedy=_AGAIN,
-        )  # fmt: skip
+            place=path,
+            remedy=_AGAIN,
+        )
 
 
 def _read(path: Path, size: tuple[int, int] | None) -> tuple[list[str], Pixels]:
@@ -227,8 +228,9 @@ def _check_header(path: Path, source: Any, size: tuple[int, int] | None, bytes_t
         raise InputError(
             f"the picture has {spec.width}x{spec.height} pixels, the manifest says "
             f"{size[0]}x{size[1]}",
-            place=path, remedy=_AGAIN,
-        )  # fmt: skip
+            place=path,
+            remedy=_AGAIN,
+        )
     numbers = spec.width * spec.height * spec.nchannels
     lossy = str(spec.getattribute("compression")).startswith("dwa")
     ratio = _MOST_DWA_RATIO if lossy else _MOST_RATIO
@@ -236,8 +238,9 @@ def _check_header(path: Path, source: Any, size: tuple[int, int] | None, bytes_t
         raise InputError(
             f"it claims {spec.width}x{spec.height} pixels of {spec.nchannels} numbers in "
             f"{bytes_there:,} bytes",
-            place=path, remedy=_AGAIN,
-        )  # fmt: skip
+            place=path,
+            remedy=_AGAIN,
+        )
 
 
 def _reason(text: str) -> str:

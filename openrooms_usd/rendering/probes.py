@@ -109,8 +109,9 @@ def openings(stage: Any) -> list[Place]:
     short = [place.name.rpartition(".")[2] for place in found]
     if len(set(short)) < len(short):
         return found
-    return [Place(name, p.position, p.opening, p.outwards)
-            for name, p in zip(short, found, strict=True)]  # fmt: skip
+    return [
+        Place(name, p.position, p.opening, p.outwards) for name, p in zip(short, found, strict=True)
+    ]
 
 
 def probe_stage(

@@ -159,8 +159,9 @@ class RenderedView:
             raise InputError(
                 f"{width}x{height} is no grid of hemispheres of "
                 f"{HEMISPHERE.columns}x{HEMISPHERE.rows}",
-                place=path, remedy=AGAIN,
-            )  # fmt: skip
+                place=path,
+                remedy=AGAIN,
+            )
         return untiled(picture)
 
     def fit(self, name: str) -> Pixels | None:
@@ -180,8 +181,9 @@ class RenderedView:
         if found.shape[-1] != _FITS[name]:
             raise InputError(
                 f"{found.shape[-1]} numbers are no {name}, which has {_FITS[name]}",
-                place=path, remedy=AGAIN,
-            )  # fmt: skip
+                place=path,
+                remedy=AGAIN,
+            )
         return np.asarray(found, np.float32)
 
     @property

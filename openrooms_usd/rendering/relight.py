@@ -181,9 +181,10 @@ def _check_light(name: str, known: Mapping[str, LightRecord], place: Path) -> No
         near = difflib.get_close_matches(name, known, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise InputError(
-            f"no light is named {name!r}", place=place,
+            f"no light is named {name!r}",
+            place=place,
             remedy=f"{hint}there are: {', '.join(known) or 'none'}",
-        )  # fmt: skip
+        )
     if not known[name].on:
         raise InputError(
             f"the light {name!r} was off when this was rendered: nothing is known of what it does",
@@ -195,9 +196,10 @@ def _check_light(name: str, known: Mapping[str, LightRecord], place: Path) -> No
 def _scale(scale: float, name: str, place: Path) -> NDArray[np.float64]:
     if not 0.0 <= scale < np.inf:
         raise InputError(
-            f"the light {name!r} cannot be {scale} times as bright", place=place,
+            f"the light {name!r} cannot be {scale} times as bright",
+            place=place,
             remedy="give off, on, or a number that is not negative",
-        )  # fmt: skip
+        )
     return np.full(3, scale)
 
 
@@ -207,9 +209,10 @@ def _tint(light: LightRecord, wanted: float | None, place: Path) -> NDArray[np.f
     name, was = light.name, light.kelvin
     if was is None:
         raise InputError(
-            f"the light {name!r} has no colour temperature to be changed", place=place,
+            f"the light {name!r} has no colour temperature to be changed",
+            place=place,
             remedy="only lights whose manifest entry has kelvin do",
-        )  # fmt: skip
+        )
     low, high = _KELVIN
     if not low <= wanted <= high:
         raise InputError(
@@ -218,9 +221,10 @@ def _tint(light: LightRecord, wanted: float | None, place: Path) -> NDArray[np.f
     before, after = blackbody(was), blackbody(wanted)
     if np.any((before <= 0.0) & (after > 0.0)):
         raise InputError(
-            f"at {was:g} K the light {name!r} lacks a colour that {wanted:g} K needs", place=place,
+            f"at {was:g} K the light {name!r} lacks a colour that {wanted:g} K needs",
+            place=place,
             remedy="render again with the other colour temperature",
-        )  # fmt: skip
+        )
     return np.divide(after, before, out=np.zeros(3), where=before > 0.0)
 
 
@@ -229,9 +233,10 @@ def _check_out(out: Path) -> None:
     rendered = any(os.path.lexists(out / name) for name in (CHANNELS_FILE, LIGHTS_FILE))
     if rendered or foreign:
         raise OutputError(
-            "what lies here is no earlier relit picture and would be lost", place=out,
+            "what lies here is no earlier relit picture and would be lost",
+            place=out,
             remedy="choose another output folder",
-        )  # fmt: skip
+        )
 
 
 def _open(view: Path) -> tuple[RenderedScene, RenderedView]:
@@ -269,9 +274,11 @@ def _contributions(scene: RenderedScene, view: RenderedView) -> Mapping[int, NDA
 
 
 def _entry(
-    scene: RenderedScene, view: RenderedView, relighting: Relighting,
+    scene: RenderedScene,
+    view: RenderedView,
+    relighting: Relighting,
     factors: Mapping[int, NDArray[np.float64]],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     lights = [
         {
             "number": light.number,

@@ -91,9 +91,12 @@ class Shading:
 
 
 def _make(
-    images: dict[str, Image], name: str, sources: tuple[str, ...], rule: Callable[..., Pixels],
+    images: dict[str, Image],
+    name: str,
+    sources: tuple[str, ...],
+    rule: Callable[..., Pixels],
     light: int | None,
-) -> None:  # fmt: skip
+) -> None:
     """Add one image, where all that it is made of is there."""
 
     def single(channel: str) -> str:
@@ -108,11 +111,14 @@ def _make(
     lit = [part for part in whole if part.error != 0.0]
     halves = _halves(rule, whole) if all(part.halves for part in lit) else None
     images[single(name)] = Image(
-        pixels, min(part.samples for part in lit or whole), time.perf_counter() - began,
-        halves.error if halves else None, max(part.replaced for part in whole),
+        pixels,
+        min(part.samples for part in lit or whole),
+        time.perf_counter() - began,
+        halves.error if halves else None,
+        max(part.replaced for part in whole),
         KeptHalves.made(pixels, halves) if halves else None,
         robust_error=halves.robust_error if halves else None,
-    )  # fmt: skip
+    )
 
 
 def _halves(rule: Callable[..., Pixels], parts: Sequence[Image]) -> Halves | None:
@@ -122,10 +128,12 @@ def _halves(rule: Callable[..., Pixels], parts: Sequence[Image]) -> Halves | Non
         return None
     known = [part.halves.halves if part.halves else None for part in parts]
     a, b = (
-        rule(*(
-            getattr(pair, side) if pair else part.pixels
-            for part, pair in zip(parts, known, strict=True)
-        ))
+        rule(
+            *(
+                getattr(pair, side) if pair else part.pixels
+                for part, pair in zip(parts, known, strict=True)
+            )
+        )
         for side in ("a", "b")
-    )  # fmt: skip
+    )
     return Halves(a, b, min(counts))

@@ -12,9 +12,16 @@ from openrooms_usd.lettering import lettered, stamp
 from openrooms_usd.rendering.previews import Bytes, Preview
 
 MAIN: Final = (
-    "radiance", "denoised", "depth", "normal", "base_color", "roughness", "semantic", "instance",
+    "radiance",
+    "denoised",
+    "depth",
+    "normal",
+    "base_color",
+    "roughness",
+    "semantic",
+    "instance",
     "material",
-)  # fmt: skip
+)
 MOST_VIEWS: Final = 32
 _TILE_WIDTH: Final = 256
 # Of the small letters above a tile.

@@ -98,9 +98,13 @@ def _place(stage: Usd.Stage, sample: Sample, x: float, material: UsdShade.Materi
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
     eye, target = (np.array(at) * sample.size + [x, 0.0, 0.0] for at in (_EYE, _TARGET))
     define_camera(
-        stage, ball_camera(sample), world_from_camera=look_at(eye, target),
-        fov_degrees=_FOV_DEG, resolution=(1, 1), exposure=_EXPOSURE_FACTOR * EXPOSURE,
-    )  # fmt: skip
+        stage,
+        ball_camera(sample),
+        world_from_camera=look_at(eye, target),
+        fov_degrees=_FOV_DEG,
+        resolution=(1, 1),
+        exposure=_EXPOSURE_FACTOR * EXPOSURE,
+    )
 
 
 def _material(stage: Usd.Stage, sample: Sample, resolution: int, folder: Path) -> UsdShade.Material:

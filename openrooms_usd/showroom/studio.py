@@ -103,10 +103,16 @@ def triangles_of(stage: Usd.Stage, exhibit: Exhibit) -> int:
 
 def _description(exhibits: Sequence[Exhibit], seed: int) -> dict[str, object]:
     objects = [
-        {"name": item.name, "category": item.category, "style": item.style, "size": item.size,
-         "at": [0, 0, 0], "on": "floor"}
+        {
+            "name": item.name,
+            "category": item.category,
+            "style": item.style,
+            "size": item.size,
+            "at": [0, 0, 0],
+            "on": "floor",
+        }
         for item in exhibits
-    ]  # fmt: skip
+    ]
     return {
         "seed": seed,
         "alignment": {"objects": objects},
@@ -143,9 +149,13 @@ def _place(stage: Usd.Stage, spot: _Spot) -> None:
             define_mesh_light(prim, nits=_BULB_NITS, kelvin=_BULB_KELVIN)
     middle = np.array([spot.x, back, spot.z + 0.5 * item.size[2]])
     define_camera(
-        stage, camera_of(item), world_from_camera=_looking_at(middle, item),
-        fov_degrees=_FOV_DEG, resolution=(1, 1), exposure=EXPOSURE,
-    )  # fmt: skip
+        stage,
+        camera_of(item),
+        world_from_camera=_looking_at(middle, item),
+        fov_degrees=_FOV_DEG,
+        resolution=(1, 1),
+        exposure=EXPOSURE,
+    )
 
 
 def _looking_at(middle: Array, item: Exhibit) -> Array:
@@ -154,8 +164,13 @@ def _looking_at(middle: Array, item: Exhibit) -> Array:
     flat = 0.0 if item.support == "ceiling" else max(0.0, 1.0 - size[2] / min(size[:2]))
     degrees = _ELEVATIONS_DEG[0] + (_ELEVATIONS_DEG[1] - _ELEVATIONS_DEG[0]) * flat
     azimuth, elevation = math.radians(_AZIMUTH_DEG), math.radians(degrees)
-    forward = np.array([-math.sin(azimuth) * math.cos(elevation),
-                        math.cos(azimuth) * math.cos(elevation), -math.sin(elevation)])  # fmt: skip
+    forward = np.array(
+        [
+            -math.sin(azimuth) * math.cos(elevation),
+            math.cos(azimuth) * math.cos(elevation),
+            -math.sin(elevation),
+        ]
+    )
     right = np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
     rotation = np.stack([right, np.cross(forward, right), forward], axis=1)
     signs = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)

@@ -148,8 +148,10 @@ def sizes(subject: Subject) -> Iterator[Complaint]:
         if thing.category not in BUILT:
             continue
         spec = category(thing.category)
-        least, most = (np.array(size) * share for size, share in
-                       zip((spec.min_size, spec.max_size), _SIZE_SHARES, strict=True))  # fmt: skip
+        least, most = (
+            np.array(size) * share
+            for size, share in zip((spec.min_size, spec.max_size), _SIZE_SHARES, strict=True)
+        )
         size = _level_sorted(thing.size)
         if (size < _level_sorted(least)).any() or (size > _level_sorted(most)).any():
             yield (

@@ -125,9 +125,13 @@ class RoomView:
         corners = np.concatenate([self._corners(mesh) for mesh in meshes])
         label = read_label(prim, names.CATEGORY)
         return RoomObject(
-            path, label or "", axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-12),
-            tuple(meshes), corners.min(axis=0), corners.max(axis=0),
-        )  # fmt: skip
+            path,
+            label or "",
+            axes / np.maximum(np.linalg.norm(axes, axis=0), 1e-12),
+            tuple(meshes),
+            corners.min(axis=0),
+            corners.max(axis=0),
+        )
 
     @cached_property
     def _boxes(self) -> dict[int, Array]:

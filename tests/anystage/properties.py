@@ -45,8 +45,11 @@ def views(stage: Usd.Stage) -> dict[str, np.ndarray]:
 
 def faults(scene: Scene) -> list[str]:
     """What is wrong with a scene in itself; nothing where all is well."""
-    found = [f"{name} is not finite" for name, value in _numbers(scene, "scene", set())
-             if not np.isfinite(value).all()]  # fmt: skip
+    found = [
+        f"{name} is not finite"
+        for name, value in _numbers(scene, "scene", set())
+        if not np.isfinite(value).all()
+    ]
     rows = Counter((path, outcome) for path, outcome, _ in scene.report.rows)
     found += [f"{path} is {outcome} {n} times" for (path, outcome), n in rows.items() if n > 1]
     triangles = scene.triangles

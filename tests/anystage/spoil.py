@@ -10,22 +10,82 @@ from pxr import Sdf, Tf, Usd, Vt
 from tests.anystage.stages import random_stage
 
 ODD_NUMBERS = (
-    0.0, -0.0, -1.0, 1.0, math.nan, math.inf, -math.inf, 1e300, -1e300, 1e-310, 3e38, 1e-45,
-)  # fmt: skip
+    0.0,
+    -0.0,
+    -1.0,
+    1.0,
+    math.nan,
+    math.inf,
+    -math.inf,
+    1e300,
+    -1e300,
+    1e-310,
+    3e38,
+    1e-45,
+)
 ODD_INTEGERS = (0, -1, 1, 2, 7, 1000, 2**31 - 1, -(2**31))
 WORDS = ("", "none", "vertex", "nonsense", "constant", "uniform", "faceVarying", "leftHanded", "X")
 TYPES = (
-    "Mesh", "Cube", "Sphere", "BasisCurves", "NurbsCurves", "HermiteCurves", "NurbsPatch",
-    "Points", "TetMesh", "PointInstancer", "Xform", "Scope", "Camera", "SphereLight", "DomeLight_1",
-    "PortalLight", "GeometryLight", "PluginLight", "Material", "Shader", "GeomSubset", "SkelRoot",
-    "Skeleton", "SkelAnimation", "Volume", "RenderSettings", "Plane", "Nonsense", "",
-)  # fmt: skip
-VALUES = ("float", "int", "string", "token", "asset", "point3f[]", "int[]", "float[]", "color3f",
-          "texCoord2f[]", "matrix4d", "bool", "double", "quatf[]", "token[]", "half3[]",
-          "opaque")  # fmt: skip
+    "Mesh",
+    "Cube",
+    "Sphere",
+    "BasisCurves",
+    "NurbsCurves",
+    "HermiteCurves",
+    "NurbsPatch",
+    "Points",
+    "TetMesh",
+    "PointInstancer",
+    "Xform",
+    "Scope",
+    "Camera",
+    "SphereLight",
+    "DomeLight_1",
+    "PortalLight",
+    "GeometryLight",
+    "PluginLight",
+    "Material",
+    "Shader",
+    "GeomSubset",
+    "SkelRoot",
+    "Skeleton",
+    "SkelAnimation",
+    "Volume",
+    "RenderSettings",
+    "Plane",
+    "Nonsense",
+    "",
+)
+VALUES = (
+    "float",
+    "int",
+    "string",
+    "token",
+    "asset",
+    "point3f[]",
+    "int[]",
+    "float[]",
+    "color3f",
+    "texCoord2f[]",
+    "matrix4d",
+    "bool",
+    "double",
+    "quatf[]",
+    "token[]",
+    "half3[]",
+    "opaque",
+)
 # Schemas that change what a prim is.
-APPLIED = ("MeshLightAPI", "LightAPI", "MaterialBindingAPI", "SkelBindingAPI", "ShapingAPI",
-           "CollectionAPI:lightLink", "ShadowAPI", "Nonsense")  # fmt: skip
+APPLIED = (
+    "MeshLightAPI",
+    "LightAPI",
+    "MaterialBindingAPI",
+    "SkelBindingAPI",
+    "ShapingAPI",
+    "CollectionAPI:lightLink",
+    "ShadowAPI",
+    "Nonsense",
+)
 
 Spoiler = Callable[[Usd.Stage, Random], None]
 
@@ -134,8 +194,15 @@ def _targets(stage: Usd.Stage, rng: Random) -> None:
     prim = stage.GetPrimAtPath(_prim(stage, rng).path)
     found = prim.GetRelationships() or [prim.CreateRelationship("prototypes")]
     own = prim.GetPath()
-    to = (own, own.GetParentPath(), Sdf.Path("/nowhere"), _prim(stage, rng).path,
-          own.AppendProperty("material:binding"), Sdf.Path("/"), found[0].GetPath())  # fmt: skip
+    to = (
+        own,
+        own.GetParentPath(),
+        Sdf.Path("/nowhere"),
+        _prim(stage, rng).path,
+        own.AppendProperty("material:binding"),
+        Sdf.Path("/"),
+        found[0].GetPath(),
+    )
     rng.choice(found).SetTargets(rng.sample(to, rng.randint(0, 3)))
 
 
@@ -186,8 +253,15 @@ def _metadata(stage: Usd.Stage, rng: Random) -> None:
 def _operations(stage: Usd.Stage, rng: Random) -> None:
     prim = stage.GetPrimAtPath(_prim(stage, rng).path)
     order = prim.CreateAttribute("xformOpOrder", Sdf.ValueTypeNames.TokenArray)
-    names = [*(order.Get() or []), "xformOp:nonsense", "!resetXformStack!", "xformOp:translate",
-             "!invert!xformOp:scale", "", "xformOp:transform"]  # fmt: skip
+    names = [
+        *(order.Get() or []),
+        "xformOp:nonsense",
+        "!resetXformStack!",
+        "xformOp:translate",
+        "!invert!xformOp:scale",
+        "",
+        "xformOp:transform",
+    ]
     order.Set(rng.choices(names, k=rng.randint(0, 4)))
 
 
@@ -199,6 +273,21 @@ def _words(stage: Usd.Stage, rng: Random) -> None:
 
 
 _SPOILERS: tuple[Spoiler, ...] = (
-    _value, _value, _value, _schema_value, _schema_value, _another_type, _another_type, _samples,
-    _targets, _targets, _connections, _kind, _schemas, _arcs, _metadata, _operations, _words,
-)  # fmt: skip
+    _value,
+    _value,
+    _value,
+    _schema_value,
+    _schema_value,
+    _another_type,
+    _another_type,
+    _samples,
+    _targets,
+    _targets,
+    _connections,
+    _kind,
+    _schemas,
+    _arcs,
+    _metadata,
+    _operations,
+    _words,
+)

@@ -111,8 +111,12 @@ def _authored(stage: Usd.Stage) -> Iterator[Usd.Prim]:
 
 
 SAME: list[Callable[[Usd.Stage], Usd.Stage]] = [
-    copied, flattened, layered, without_instances, by_matrices,
-]  # fmt: skip
+    copied,
+    flattened,
+    layered,
+    without_instances,
+    by_matrices,
+]
 
 
 @pytest.mark.one_in(2)

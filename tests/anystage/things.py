@@ -85,9 +85,11 @@ def dress(mesh: UsdGeom.Mesh, rng: Random) -> None:
     """Normals, texture coordinates and colours of any interpolation, some indexed."""
     counts = mesh.GetFaceVertexCountsAttr().Get()
     numbers = {
-        "constant": 1, "uniform": len(counts), "vertex": len(mesh.GetPointsAttr().Get()),
+        "constant": 1,
+        "uniform": len(counts),
+        "vertex": len(mesh.GetPointsAttr().Get()),
         "faceVarying": sum(counts),
-    }  # fmt: skip
+    }
     api = UsdGeom.PrimvarsAPI(mesh)
     for name, kind in (
         ("st", Sdf.ValueTypeNames.TexCoord2fArray),
@@ -230,6 +232,13 @@ def extent(rng: Random) -> float:
 
 
 # Faces of these are flat, and what stands where is exact.
-FLAT: dict[Maker, int] = {prism: 6, sheet: 3, degenerate: 2, nothing: 1, box: 3, plane: 2,
-                          tetrahedron: 2}  # fmt: skip
+FLAT: dict[Maker, int] = {
+    prism: 6,
+    sheet: 3,
+    degenerate: 2,
+    nothing: 1,
+    box: 3,
+    plane: 2,
+    tetrahedron: 2,
+}
 ANY: dict[Maker, int] = {**FLAT, cage: 1, round_shape: 3, curves: 1, points: 1}

@@ -13,9 +13,21 @@ import pytest
 import openrooms_usd as ou
 
 ASKED = {
-    "bake", "compose", "convert", "generate", "import_capture", "load_room", "new_room",
-    "open_scene", "probe", "relight", "render", "run_dataset", "simulate", "write_dataset",
-}  # fmt: skip
+    "bake",
+    "compose",
+    "convert",
+    "generate",
+    "import_capture",
+    "load_room",
+    "new_room",
+    "open_scene",
+    "probe",
+    "relight",
+    "render",
+    "run_dataset",
+    "simulate",
+    "write_dataset",
+}
 FUNCTIONS = [name for name in dir(ou) if inspect.isfunction(getattr(ou, name))]
 
 
@@ -77,9 +89,16 @@ def test_a_function_explains_itself(name: str) -> None:
 def test_what_takes_long_tells_its_progress_in_one_way(name: str) -> None:
     parameters = inspect.signature(getattr(ou, name)).parameters
     takes_long = name in {
-        "bake", "compare", "compose", "probe", "render", "render_path", "run_dataset", "simulate",
+        "bake",
+        "compare",
+        "compose",
+        "probe",
+        "render",
+        "render_path",
+        "run_dataset",
+        "simulate",
         "write_dataset",
-    }  # fmt: skip
+    }
     assert ("progress" in parameters) == takes_long
     if takes_long:
         assert str(parameters["progress"].annotation).endswith("[[str, float], None]")

@@ -25,9 +25,15 @@ def test_arrays_are_those_that_the_files_hold(
     picture = renderer.render(name, CHANNELS)
     assert set(picture) == set(CHANNELS)
     written = ou.render(
-        scene, tmp_path / "out", cameras=name, channels=CHANNELS, samples=2, resolution=SIZE,
-        grid=(3, 2), method="reference",
-    )  # fmt: skip
+        scene,
+        tmp_path / "out",
+        cameras=name,
+        channels=CHANNELS,
+        samples=2,
+        resolution=SIZE,
+        grid=(3, 2),
+        method="reference",
+    )
     for channel in CHANNELS:
         kept, seen = written[name][channel], picture[channel]
         assert (kept.shape, kept.dtype.kind) == (seen.shape, seen.dtype.kind), channel
@@ -66,6 +72,14 @@ def test_a_camera_of_ones_own_sees_what_the_stages_camera_sees(
     flip = np.diag([1.0, -1.0, -1.0, 1.0])
     opengl = ou.Camera.from_opengl(own.K, own.world_from_camera @ flip, SIZE)
     assert np.array_equal(renderer.render(opengl, "depth")["depth"], own["depth"])
+
+
+def test_a_camera_of_the_scene_is_the_one_of_its_name(
+    renderer: ou.OpenRenderer, scene: ou.Scene
+) -> None:
+    name = renderer.cameras[0]
+    pictures = [renderer.render(one, "radiance") for one in (name, scene.cameras[name])]
+    assert np.array_equal(*(picture["radiance"] for picture in pictures))
 
 
 def test_depth_of_a_wall_by_hand(renderer: ou.OpenRenderer) -> None:

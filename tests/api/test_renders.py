@@ -61,8 +61,10 @@ def test_what_is_relit_is_written_where_it_is_wanted(rendered: ou.Render, here: 
     assert list(here.iterdir()) == []
     ou.relight(str(rendered["left"].folder), {"window_0": 0.5}, out="relit")
     assert {path.name for path in Path("relit").iterdir()} == {
-        "manifest.json", "radiance.exr", "radiance.png"
-    }  # fmt: skip
+        "manifest.json",
+        "radiance.exr",
+        "radiance.png",
+    }
 
 
 def test_a_name_that_is_not_there_is_a_key_error_with_a_remedy(rendered: ou.Render) -> None:
@@ -139,8 +141,13 @@ def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:
 
 def test_what_a_renderer_can_be_asked_for_reaches_it(scene: ou.Scene, here: Path) -> None:
     how = {"samples": 1, "resolution": (16, 12)}
-    shown = ou.render(scene, here / "out", channels="radiance", **how,  # type: ignore[arg-type]
-                      options={"variant": "scalar"})  # fmt: skip
+    shown = ou.render(
+        scene,
+        here / "out",
+        channels="radiance",
+        **how,  # type: ignore[arg-type]
+        options={"variant": "scalar"},
+    )
     assert "scalar_rgb" in shown.rendered.manifest.renderer["backend"]
     for ask in (ou.render, ou.probe):
         given = {"at": [(1, 1, 1)]} if ask is ou.probe else {}
@@ -152,9 +159,13 @@ def test_what_a_renderer_can_be_asked_for_reaches_it(scene: ou.Scene, here: Path
 def test_a_probe_is_read_like_a_render(scene: ou.Scene, here: Path) -> None:
     seen: list[float] = []
     probes = ou.probe(
-        scene, here / "probes", at=[(2, 1.5, 1.2)], resolution=(16, 8), samples=1,
+        scene,
+        here / "probes",
+        at=[(2, 1.5, 1.2)],
+        resolution=(16, 8),
+        samples=1,
         progress=lambda what, done: seen.append(done),
-    )  # fmt: skip
+    )
     assert list(probes) == ["probe_0"] and seen[-1] == 1.0
     probe = probes["probe_0"]
     assert probe.position == (2, 1.5, 1.2)

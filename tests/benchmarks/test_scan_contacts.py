@@ -9,9 +9,11 @@ pytest.importorskip("fcl")
 pytest.importorskip("embreex")
 
 ROOM = FoundRoom(
-    np.array([0, 0, 1.0]), np.zeros(3),
-    np.array([[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0.0]]), ceiling=2.5,
-)  # fmt: skip
+    np.array([0, 0, 1.0]),
+    np.zeros(3),
+    np.array([[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0.0]]),
+    ceiling=2.5,
+)
 
 
 def thing(number, at, cad="box"):
@@ -68,9 +70,13 @@ def test_walls_are_left_by_as_much_as_a_box_reaches_out(cads):
 
 def test_floating_is_the_gap_to_whatever_is_below(cads):
     found = measured(
-        cads, thing(1, (1, 1, 0.04)), thing(2, (2.5, 1, 0), "table"), thing(3, (2.5, 1, 0.77)),
-        thing(4, (2.5, 2, 0)), thing(5, (2.7, 2.1, 0.49)),
-    )  # fmt: skip
+        cads,
+        thing(1, (1, 1, 0.04)),
+        thing(2, (2.5, 1, 0), "table"),
+        thing(3, (2.5, 1, 0.77)),
+        thing(4, (2.5, 2, 0)),
+        thing(5, (2.7, 2.1, 0.49)),
+    )
     gaps = [0.04, 0, 0.02, 0, 0]
     assert [found.floating[n] for n in range(1, 6)] == pytest.approx(gaps, abs=1e-6)
     assert found.summary()["floating"] == 2

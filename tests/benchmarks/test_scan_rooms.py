@@ -76,8 +76,14 @@ def test_openings_are_holes_in_their_walls_counter_clockwise_from_inside(read):
             flat = np.linalg.norm(n, axis=1) > 1e-9
             faces, n = faces[flat], n[flat]
             on = (np.abs((faces - middle) @ inward) < 1e-5).all(axis=1)
-            sides = [np.einsum("ij,ij->i", n[on], np.cross(faces[on, (i + 1) % 3] - faces[on, i],
-                     middle - faces[on, i])) for i in range(3)]  # fmt: skip
+            sides = [
+                np.einsum(
+                    "ij,ij->i",
+                    n[on],
+                    np.cross(faces[on, (i + 1) % 3] - faces[on, i], middle - faces[on, i]),
+                )
+                for i in range(3)
+            ]
             assert not (np.stack(sides) > 1e-9).all(axis=0).any()
 
 

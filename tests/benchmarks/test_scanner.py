@@ -7,8 +7,7 @@ import pytest
 
 pytest.importorskip("embreex")
 
-PERFECT = {"noise": 0.0, "wrong_labels": 0.0, "frames": 12, "reduce": 8, "voxel": 0.02,
-           "fewest": 1}  # fmt: skip
+PERFECT = {"noise": 0.0, "wrong_labels": 0.0, "frames": 12, "reduce": 8, "voxel": 0.02, "fewest": 1}
 
 
 @pytest.fixture(scope="module")

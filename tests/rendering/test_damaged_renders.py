@@ -185,7 +185,7 @@ NO_ARRAYS = {
     "indented": npy("  \n  x\n y"),
     "another version": npy(FLOATS % "(1, 1, 1)", b"\0" * 4, b"\7\0"),
     "no text": npy(FLOATS % "(1, 1, 1)").replace(b"descr", b"d\xffscr"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("data", NO_ARRAYS.values(), ids=NO_ARRAYS)
@@ -218,9 +218,16 @@ def test_a_fit_has_the_numbers_of_its_kind(render: Path) -> None:
 def test_light_may_be_any_number(render: Path, tmp_path: Path, value: float) -> None:
     manifest = json.loads((render / "manifest.json").read_text())
     manifest["lights"] = [
-        {"number": 0, "name": "lamp", "kind": "lamp", "on": True, "size": [1, 1, 1],
-         "world_from_box": np.eye(4).tolist(), "radiance": [1, 1, 1]}
-    ]  # fmt: skip
+        {
+            "number": 0,
+            "name": "lamp",
+            "kind": "lamp",
+            "on": True,
+            "size": [1, 1, 1],
+            "world_from_box": np.eye(4).tolist(),
+            "radiance": [1, 1, 1],
+        }
+    ]
     manifest["views"]["left"]["exposure"] = 1e20
     (render / "manifest.json").write_text(json.dumps(manifest))
     write_exr(render / "left/lights.exr", [f"radiance_0.{part}" for part in "RGB"], value=value)

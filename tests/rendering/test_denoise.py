@@ -122,8 +122,13 @@ def test_the_raw_radiance_is_kept_beside_it(renderer, scene, tmp_path, numbers) 
     view = tmp_path / "out" / "left"
     names = {path.name for path in view.iterdir()}
     assert names == {
-        "channels.exr", "radiance.exr", "denoised.exr", "radiance.png", "denoised.png", "depth.png",
-    }  # fmt: skip
+        "channels.exr",
+        "radiance.exr",
+        "denoised.exr",
+        "radiance.png",
+        "denoised.png",
+        "depth.png",
+    }
     raw = (tmp_path / "raw" / "left" / "radiance.exr").read_bytes()
     assert (view / "radiance.exr").read_bytes() == raw
     stored = exr.read_channels(view / "channels.exr")

@@ -48,10 +48,14 @@ def test_every_channel_that_can_bear_it_is_denoised_and_raw_ones_stay(denoiser: 
     signed = picture(1.0, 0.1, 1)
     signed.pixels[0, 0] = -1.0
     raw = {
-        "direct": picture(30.0, 0.8, 2), "irradiance_3": picture(200.0, 0.8, 3),
-        "visibility_0": picture(0.3, 0.3, 4), "mask_0": picture(1.0, 0.0, 5), "residual": signed,
-        "specular": signed, "environment": picture(5.0, 0.1, 6),
-    }  # fmt: skip
+        "direct": picture(30.0, 0.8, 2),
+        "irradiance_3": picture(200.0, 0.8, 3),
+        "visibility_0": picture(0.3, 0.3, 4),
+        "mask_0": picture(1.0, 0.0, 5),
+        "residual": signed,
+        "specular": signed,
+        "environment": picture(5.0, 0.1, 6),
+    }
     seen = view(**raw)
     found = with_denoised_light(seen, denoiser)
     assert set(found.denoised) == {"direct", "irradiance_3", "visibility_0"}

@@ -41,13 +41,17 @@ def test_equal_grids_give_equal_files_and_no_others(tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
         assert write_fits(tmp_path / name, grid)["files"].keys() == {
-            "environment_shading", "environment_sg", "environment_sh",
-        }  # fmt: skip
+            "environment_shading",
+            "environment_sg",
+            "environment_sh",
+        }
     files = [{p.name: p.read_bytes() for p in (tmp_path / n).iterdir()} for n in ("a", "b")]
     assert files[0] == files[1]
     assert sorted(files[0]) == [
-        "environment_sg.npy", "environment_sh.npy", "environment_shading.exr",
-    ]  # fmt: skip
+        "environment_sg.npy",
+        "environment_sh.npy",
+        "environment_shading.exr",
+    ]
 
 
 def test_a_folder_that_is_none_is_refused(tmp_path: Path) -> None:

@@ -44,8 +44,13 @@ def test_every_pixel_by_its_material():
     material = np.random.default_rng(1).integers(0, 6, (*SIZE, 1)).astype(np.float32)
     valid = np.ones((*SIZE, 1), np.float32)
     valid[3:5] = 0
-    kinds = {1: Material("wood"), 2: Material("metal"), 3: Material(authored=0.25), 4: Material(),
-             5: Material("wood")}  # fmt: skip
+    kinds = {
+        1: Material("wood"),
+        2: Material("metal"),
+        3: Material(authored=0.25),
+        4: Material(),
+        5: Material("wood"),
+    }
     found = FrictionMap(kinds).pixels(albedo, roughness, material, valid)
     assert found.shape == (*SIZE, 1) and found.dtype == np.float32
     for number, substance in {0: None, 1: "wood", 2: "metal", 4: None, 5: "wood"}.items():
@@ -107,10 +112,16 @@ def test_the_files_of_a_run(renderer, tmp_path, numbers, monkeypatch):
     stored = exr.read_channels(out / "left" / "channels.exr")
     assert set(stored) == {"depth", "friction"}, "sources that nobody asked for are not written"
     assert set(renderer.requests[0].channels) == {
-        "depth", "base_color", "roughness", "material", "valid"
-    }  # fmt: skip
-    raw = {name: few_materials(name, numbers(name, 30, 40, 0))
-           for name in ("base_color", "roughness", "material", "valid")}  # fmt: skip
+        "depth",
+        "base_color",
+        "roughness",
+        "material",
+        "valid",
+    }
+    raw = {
+        name: few_materials(name, numbers(name, 30, 40, 0))
+        for name in ("base_color", "roughness", "material", "valid")
+    }
     mine = (raw["material"][..., 0] == 1) & (raw["valid"][..., 0] > 0)
     value = expected("wood", raw["base_color"][mine], raw["roughness"][mine])
     np.testing.assert_allclose(stored["friction"][mine][:, 0], value, atol=1e-3)

@@ -30,19 +30,36 @@ from openrooms_usd.rendering.scene.lights import Gaussian, LightRecord
 BOX = np.array([[0.0, -1, 0, 2], [1, 0, 0, 3], [0, 0, 1, 1], [0, 0, 0, 1]])
 LIGHTS = (
     LightRecord(
-        0, "lamp", "/World/Lamp", "lamp", True, BOX, np.array([0.2, 0.3, 0.1]),
-        np.array([900.0, 800, 500]), 700.0, kelvin=2700.0, instance=2,
+        0,
+        "lamp",
+        "/World/Lamp",
+        "lamp",
+        True,
+        BOX,
+        np.array([0.2, 0.3, 0.1]),
+        np.array([900.0, 800, 500]),
+        700.0,
+        kelvin=2700.0,
+        instance=2,
     ),
     LightRecord(
-        1, "window", "/World/Portal", "opening", True, BOX, np.array([1.2, 1.5, 0]),
-        np.array([5e3, 6e3, 7e3]), 2e4, fit_error=0.25,
+        1,
+        "window",
+        "/World/Portal",
+        "opening",
+        True,
+        BOX,
+        np.array([1.2, 1.5, 0]),
+        np.array([5e3, 6e3, 7e3]),
+        2e4,
+        fit_error=0.25,
         gaussians=(
             Gaussian("sun", np.array([1e9, 9e8, 8e8]), np.array([0.0, 0.6, 0.8]), 1e4),
             Gaussian("sky", np.array([4e3, 5e3, 6e3]), np.array([0.0, 0.0, 1.0]), 0.0),
         ),
     ),
     LightRecord(2, "elsewhere", "", "elsewhere", True, np.eye(4), np.zeros(3), np.ones(3), 0.0),
-)  # fmt: skip
+)
 CHANNELS = ("radiance", "depth", "instance", "semantic_nyu40")
 
 
@@ -96,8 +113,16 @@ def test_what_is_read_has_the_names_under_which_it_is_written(entry: Any, record
 
 def test_an_older_render_has_less(render: Path) -> None:
     later = (
-        "lights", "bounces", "seed", "method", "renderer", "stop", "conventions", "report", "format"
-    )  # fmt: skip
+        "lights",
+        "bounces",
+        "seed",
+        "method",
+        "renderer",
+        "stop",
+        "conventions",
+        "report",
+        "format",
+    )
 
     def age(manifest: dict[str, Any]) -> None:
         for name in later:
@@ -136,10 +161,22 @@ def paths(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
 
 GONE = object()
 ODD = {
-    "gone": GONE, "null": None, "true": True, "negative": -1, "zero": 0, "huge": 10**400,
-    "large": 1e308, "tiny": 1e-320, "text": "..", "absolute": "/etc/passwd", "list": [],
-    "nested": [[[1.0]]], "mapping": {"..": {}}, "infinite": float("inf"), "surrogate": "\ud800",
-}  # fmt: skip
+    "gone": GONE,
+    "null": None,
+    "true": True,
+    "negative": -1,
+    "zero": 0,
+    "huge": 10**400,
+    "large": 1e308,
+    "tiny": 1e-320,
+    "text": "..",
+    "absolute": "/etc/passwd",
+    "list": [],
+    "nested": [[[1.0]]],
+    "mapping": {"..": {}},
+    "infinite": float("inf"),
+    "surrogate": "\ud800",
+}
 
 
 @pytest.mark.one_in(225)
@@ -205,7 +242,7 @@ WRONG = [
     (view("files", {"channels": "left\\..\\channels.exr"}), "views.left.files.channels"),
     (view("files", {"channels": "right/channels.exr"}), "views"),
     (view("fits", {"files": {"environment_sg": "right/a.npy"}}), "views"),
-    (named(".."), "views[\"..\"]"),
+    (named(".."), 'views[".."]'),
     (named(""), "views['']"),
     (named("a/b"), "views['a/b']"),
     (named("x" * 300), "views"),
@@ -225,7 +262,7 @@ WRONG = [
     (lambda m: m["legend"].update(instance={"one": "/World"}), "legend.instance.one"),
     (lambda m: m["legend"].update(instance={"1": 1}), "legend.instance"),
     (lambda m: m.update(format="1"), "format"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("work", "place"), WRONG)

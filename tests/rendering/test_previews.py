@@ -84,8 +84,10 @@ def test_sheet_shows_every_view_and_channel(tmp_path, numbers):
     shown = {name: preview(name, numbers(name, 30, 40, 0)) for name in names}
     row = tiles("left", shown)
     assert [caption.split()[:2] for caption, _ in row] == [
-        ["left", "radiance"], ["left", "depth"], ["left", "instance"],
-    ]  # fmt: skip
+        ["left", "radiance"],
+        ["left", "depth"],
+        ["left", "instance"],
+    ]
     write_sheet(tmp_path / "sheet.png", [row, row[:1]])
     sheet = OpenImageIO.ImageBuf(str(tmp_path / "sheet.png")).get_pixels(OpenImageIO.UINT8)
     for _, picture in row:

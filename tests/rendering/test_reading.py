@@ -23,9 +23,12 @@ def write_exr(path: Path, names: list[str], pixels: np.ndarray) -> None:
 
 ENTRY = {"resolution": [8, 6], "K": np.eye(3).tolist(), "world_from_camera": np.eye(4).tolist()}
 LIGHT = {
-    "kind": "lamp", "on": True, "world_from_box": np.eye(4).tolist(), "size": [1.0, 1.0, 1.0],
+    "kind": "lamp",
+    "on": True,
+    "world_from_box": np.eye(4).tolist(),
+    "size": [1.0, 1.0, 1.0],
     "radiance": [1.0, 1.0, 1.0],
-}  # fmt: skip
+}
 
 
 @pytest.fixture

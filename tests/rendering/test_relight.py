@@ -14,8 +14,10 @@ from openrooms_usd.rendering.exr import read_picture
 from openrooms_usd.rendering.relight import Relighting, blackbody, relight
 
 SHAPE: dict[str, Any] = {
-    "world_from_box": np.eye(4).tolist(), "size": [1.0, 1.0, 1.0], "radiance": [1.0, 1.0, 1.0],
-}  # fmt: skip
+    "world_from_box": np.eye(4).tolist(),
+    "size": [1.0, 1.0, 1.0],
+    "radiance": [1.0, 1.0, 1.0],
+}
 LIGHTS = [
     {"number": 0, "name": "lamp_1", "kind": "lamp", "kelvin": 4000.0, "on": True, **SHAPE},
     {"number": 1, "name": "lamp_2", "kind": "lamp", "kelvin": 3000.0, "on": False, **SHAPE},
@@ -35,10 +37,20 @@ def view(tmp_path: Path) -> Path:
     images = {f"radiance_{number}": pixels for number, pixels in enumerate(parts())}
     exr.write_channels(folder / "lights.exr", images)
     exr.write_channels(folder / "channels.exr", {"radiance": sum(parts())})
-    entry = {"resolution": [8, 6], "exposure": 1e-9, "camera": "/World/Cameras/left",
-             "K": np.eye(3).tolist(), "world_from_camera": np.eye(4).tolist()}  # fmt: skip
-    manifest = {"views": {"left": entry}, "lights": LIGHTS, "stage": "scene.usda", "legend": {},
-                "generator": "openrooms_usd 0.1.0"}  # fmt: skip
+    entry = {
+        "resolution": [8, 6],
+        "exposure": 1e-9,
+        "camera": "/World/Cameras/left",
+        "K": np.eye(3).tolist(),
+        "world_from_camera": np.eye(4).tolist(),
+    }
+    manifest = {
+        "views": {"left": entry},
+        "lights": LIGHTS,
+        "stage": "scene.usda",
+        "legend": {},
+        "generator": "openrooms_usd 0.1.0",
+    }
     (tmp_path / "out/manifest.json").write_text(json.dumps(manifest))
     return folder
 
@@ -81,8 +93,10 @@ def test_files_say_what_was_done(view: Path) -> None:
     assert (by_name["lamp_1"]["scale"], by_name["lamp_1"]["kelvin"]) == (1.0, 5000.0)
     assert manifest["view"] == "left"
     assert sorted(path.name for path in out.iterdir()) == [
-        "manifest.json", "radiance.exr", "radiance.png",
-    ]  # fmt: skip
+        "manifest.json",
+        "radiance.exr",
+        "radiance.png",
+    ]
     before = [(out / name).read_bytes() for name in ("manifest.json", "radiance.exr")]
     relight(view, out, Relighting({"window_0": 0.5}, {"lamp_1": 5000.0}))
     assert [(out / name).read_bytes() for name in ("manifest.json", "radiance.exr")] == before

@@ -295,7 +295,8 @@ def test_a_floor_is_measured_as_far_as_it_is_not_grazed() -> None:
     depth = np.where(down > 0.0, 1.4 / np.maximum(down, 1e-9), 0.0)[..., None]
     normal = np.tile([0.0, -1.0, 0.0], (HEIGHT, WIDTH, 1))
     floor = plane(1.0, size=(HEIGHT, WIDTH)) | {
-        "depth": depth.astype(np.float32), "normal_geometric": normal.astype(np.float32)
-    }  # fmt: skip
+        "depth": depth.astype(np.float32),
+        "normal_geometric": normal.astype(np.float32),
+    }
     found = wall(DepthCamera(noise=0.0, steps=False, baseline=1e-3), floor)
     assert ((found > 0.0) == ((depth[..., 0] > 0.0) & (depth[..., 0] <= 5.0))).all()

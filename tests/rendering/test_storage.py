@@ -136,9 +136,15 @@ def test_both_profiles_give_the_same_names_and_shapes(
 EXACT = ("depth", "base_color", "instance", "valid", "mask_0", "mask_1")
 # Relative to one of the channel's numbers, and to a tenth of its mean; sums of squares.
 LOSSY = {
-    "radiance": 5e-4, "diffuse": 5e-4, "residual": 5e-3, "direct_0": 4e-3, "unoccluded_1": 4e-3,
-    "irradiance_unoccluded_0": 1e-2, "environment": 4e-2, "environment_direct": 1e-6,
-}  # fmt: skip
+    "radiance": 5e-4,
+    "diffuse": 5e-4,
+    "residual": 5e-3,
+    "direct_0": 4e-3,
+    "unoccluded_1": 4e-3,
+    "irradiance_unoccluded_0": 1e-2,
+    "environment": 4e-2,
+    "environment_direct": 1e-6,
+}
 
 
 def test_what_is_no_light_is_exact(truth: dict[str, np.ndarray], compact: RenderedView) -> None:
@@ -169,11 +175,16 @@ def test_the_manifest_says_how_each_channel_is_stored(compact: RenderedView) -> 
     stored = {name: row["stored"] for name, row in entry["channels"].items()}
     assert stored["position"] == {"sources": ["depth"]}
     assert stored["irradiance_unoccluded_1"]["sources"] == [
-        "irradiance_1", "unoccluded_1", "direct_1"
-    ]  # fmt: skip
+        "irradiance_1",
+        "unoccluded_1",
+        "direct_1",
+    ]
     assert stored["depth"] == {
-        "file": "a/channels.exr", "compression": "zip", "sample": "float", "scale": 1.0
-    }  # fmt: skip
+        "file": "a/channels.exr",
+        "compression": "zip",
+        "sample": "float",
+        "scale": 1.0,
+    }
     assert stored["radiance"]["compression"].startswith("dwaa:")
     assert {*entry["files"].values()} == {
         f"a/{name}.exr"

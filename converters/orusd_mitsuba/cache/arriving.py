@@ -84,9 +84,13 @@ class LookedUpArrival:
             onto = begin(rest)
             sampler = _sampler(seed ^ _GLAZED_SALT, dr.width(rest))
             follow(
-                self._around, sampler, onto.ray, EverySum(straight, color, rest),
-                active=onto.active & active, begun=(onto.at, onto.density),
-            )  # fmt: skip
+                self._around,
+                sampler,
+                onto.ray,
+                EverySum(straight, color, rest),
+                active=onto.active & active,
+                begun=(onto.at, onto.density),
+            )
         return straight, color
 
     def _glazed(self, ray: Any, hit: Any, active: Any) -> Any:
@@ -200,9 +204,13 @@ class RaySums:
     def _add(self, color: Any, value: Any, active: Any) -> None:
         for channel in range(3):
             dr.scatter_reduce(
-                dr.ReduceOp.Add, color[channel], value[channel], self._rays, active,
+                dr.ReduceOp.Add,
+                color[channel],
+                value[channel],
+                self._rays,
+                active,
                 mode=dr.ReduceMode.NoConflicts,
-            )  # fmt: skip
+            )
 
 
 class EverySum(RaySums):

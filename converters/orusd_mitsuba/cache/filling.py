@@ -218,8 +218,9 @@ def _gathered(
         met = links.found()
         found.append(replace(met, row=surfels[met.row // _PATHS_A_SURFEL]))
     scale = np.float32(np.pi / _PATHS_A_SURFEL)
-    every = Found(*(np.concatenate([getattr(part, field.name) for part in found])
-                    for field in fields(Found)))  # fmt: skip
+    every = Found(
+        *(np.concatenate([getattr(part, field.name) for part in found]) for field in fields(Found))
+    )
     every = replace(every, weight=scale * every.weight)
     return scale * straight, Transport(every, count, around.index.elsewhere)
 

@@ -115,6 +115,10 @@ class Straight:
         row = dr.minimum(scatterings - 1, self._orders - 1) * self._lights + light
         for channel in range(3):
             dr.scatter_reduce(
-                dr.ReduceOp.Add, self.entries, value[channel],
-                (row * 3 + channel) * self._stride + slot, active, mode=dr.ReduceMode.NoConflicts,
-            )  # fmt: skip
+                dr.ReduceOp.Add,
+                self.entries,
+                value[channel],
+                (row * 3 + channel) * self._stride + slot,
+                active,
+                mode=dr.ReduceMode.NoConflicts,
+            )

@@ -115,9 +115,17 @@ class CachedPaths:
     ) -> None:
         """See `orusd_mitsuba.transport.paths.Paths`."""
         follow(
-            self._around, sampler, ray, accumulator, first, active, begun, numbers, prefix,
+            self._around,
+            sampler,
+            ray,
+            accumulator,
+            first,
+            active,
+            begun,
+            numbers,
+            prefix,
             looks_through=looks_through,
-        )  # fmt: skip
+        )
 
 
 def _arrays_of(data: CacheData) -> dict[str, NDArray[Any]]:

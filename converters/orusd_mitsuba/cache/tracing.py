@@ -90,9 +90,14 @@ class Surroundings:
     """
 
     def __init__(
-        self, built: Any, index: LightIndex, materials: MaterialTable, rows: Any,
-        known: Known, depth: int,
-    ) -> None:  # fmt: skip
+        self,
+        built: Any,
+        index: LightIndex,
+        materials: MaterialTable,
+        rows: Any,
+        known: Known,
+        depth: int,
+    ) -> None:
         self.built, self.index, self.materials = built, index, materials
         self.known, self.depth = known, depth
         self._rows = rows

@@ -152,9 +152,13 @@ class WholeAccumulator:
         for channel in range(3):
             place = (row * 3 + channel) * self._stride + strand
             dr.scatter_reduce(
-                dr.ReduceOp.Add, self.entries, value[channel], place, active,
+                dr.ReduceOp.Add,
+                self.entries,
+                value[channel],
+                place,
+                active,
                 mode=dr.ReduceMode.NoConflicts,
-            )  # fmt: skip
+            )
 
 
 def _inverse(meets: Any, distance: Any) -> Any:

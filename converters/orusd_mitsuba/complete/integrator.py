@@ -202,9 +202,14 @@ class CompleteIntegrator(BandedIntegrator):
         scene, wanted = self._scene, self._wanted
 
         def found(
-            light: Any, ray: Any, direction: Any, incident: Any, density: Any, rivals: Any,
+            light: Any,
+            ray: Any,
+            direction: Any,
+            incident: Any,
+            density: Any,
+            rivals: Any,
             active: Any,
-        ) -> None:  # fmt: skip
+        ) -> None:
             cosine = at.cosine(direction)
             incident = incident * scene.index.lit(light, at.si.shape, active)
             lux = incident * cosine / (rivals + dr.square(cosine * dr.inv_pi / density))
@@ -251,9 +256,16 @@ class CompleteIntegrator(BandedIntegrator):
         return found
 
     def _follow(
-        self, at: FirstSurface, direction: Any, density: Any, weight: Any, active: Any,
-        sampler: Any, once: Accumulator, again: Accumulator,
-    ) -> "_Arrival":  # fmt: skip
+        self,
+        at: FirstSurface,
+        direction: Any,
+        density: Any,
+        weight: Any,
+        active: Any,
+        sampler: Any,
+        once: Accumulator,
+        again: Accumulator,
+    ) -> "_Arrival":
         """Count what directions meet straight against the light samples; say where they end."""
         scene = self._scene
         # A pane that mirrors has scattered, too.

@@ -34,9 +34,15 @@ class Found(Protocol):
     """Receives light samples."""
 
     def __call__(
-        self, light: Any, ray: Any, direction: Any, incident: Any, density: Any, rivals: Any,
+        self,
+        light: Any,
+        ray: Any,
+        direction: Any,
+        incident: Any,
+        density: Any,
+        rivals: Any,
         active: Any,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Count a sample where nothing stands in its way.
 
         Args:

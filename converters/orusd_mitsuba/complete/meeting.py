@@ -80,9 +80,14 @@ class Straight:
     """
 
     def __init__(
-        self, scene: CompleteScene, at: FirstSurface, density: Any, weight: Any, once: Accumulator,
+        self,
+        scene: CompleteScene,
+        at: FirstSurface,
+        density: Any,
+        weight: Any,
+        once: Accumulator,
         again: Accumulator | None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._lights, self._at, self._index = scene.lights, at, scene.index
         self._density, self._weight, self._once, self._again = density, weight, once, again
 
@@ -121,9 +126,14 @@ class Arrival:
 
 @dr.syntax
 def meet(
-    scene: CompleteScene, sampler: Any, ray: Any, crossed: Any, active: Any, met: Any,
+    scene: CompleteScene,
+    sampler: Any,
+    ray: Any,
+    crossed: Any,
+    active: Any,
+    met: Any,
     mirrors: bool = True,
-) -> Arrival:  # fmt: skip
+) -> Arrival:
     """Follow rays to the surfaces that stop them; clear ones are passed by chance.
 
     Args:
@@ -160,9 +170,16 @@ def meet(
 
 
 def _emission(
-    scene: CompleteScene, ray: Any, si: Any, end: Any, crossed: Any, through: Any, turned: Any,
-    active: Any, met: Any,
-) -> Any:  # fmt: skip
+    scene: CompleteScene,
+    ray: Any,
+    si: Any,
+    end: Any,
+    crossed: Any,
+    through: Any,
+    turned: Any,
+    active: Any,
+    met: Any,
+) -> Any:
     """Count what the rays meet, and give what they have crossed up to there."""
     hit = si.is_valid()
     end = dr.minimum(dr.select(hit, si.t, dr.inf), end)
@@ -176,9 +193,13 @@ def _emission(
 
 @dr.syntax
 def meet_unoccluded(
-    scene: CompleteScene, at: FirstSurface, direction: Any, density: Any, active: Any,
+    scene: CompleteScene,
+    at: FirstSurface,
+    direction: Any,
+    density: Any,
+    active: Any,
     sums: WholeAccumulator,
-) -> None:  # fmt: skip
+) -> None:
     """All that a direction of the cosine would meet without what stands in its way."""
     lights, ray = scene.lights, at.si.spawn_ray(direction)
     if dr.hint(lights.sky is not None, mode="scalar"):

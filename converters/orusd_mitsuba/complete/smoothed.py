@@ -48,18 +48,27 @@ class _Part:
 
 _PARTS: Final = (
     _Part(
-        "irradiance_indirect", None, Slowness.of_irradiance, "irradiance_i",
+        "irradiance_indirect",
+        None,
+        Slowness.of_irradiance,
+        "irradiance_i",
         ("irradiance", "irradiance_indirect"),
     ),
     _Part(
-        "diffuse_indirect", "albedo", Slowness.of_irradiance, "radiance_i",
+        "diffuse_indirect",
+        "albedo",
+        Slowness.of_irradiance,
+        "radiance_i",
         ("radiance", "indirect", "diffuse"),
     ),
     _Part(
-        "rest_indirect", "lobe_albedo", Slowness.of_lobes, "radiance_i",
+        "rest_indirect",
+        "lobe_albedo",
+        Slowness.of_lobes,
+        "radiance_i",
         ("radiance", "indirect", "specular"),
     ),
-)  # fmt: skip
+)
 SMOOTHED: Final = frozenset(name for part in _PARTS for name in (part.of_light, *part.whole))
 """Channels that are changed."""
 

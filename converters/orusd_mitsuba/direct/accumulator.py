@@ -48,6 +48,10 @@ class DirectAccumulator:
         for channel in range(3):
             place = (plane * 3 + channel) * self._stride + slot
             dr.scatter_reduce(
-                dr.ReduceOp.Add, self.entries, value[channel], place, active,
+                dr.ReduceOp.Add,
+                self.entries,
+                value[channel],
+                place,
+                active,
                 mode=dr.ReduceMode.NoConflicts,
-            )  # fmt: skip
+            )

@@ -119,8 +119,11 @@ class Builder:
         if self._table is None:
             return
         pairs = zip(built.shapes(), scene.patches, strict=True)
-        found = [(shape, self._rows[id(patch.surface)]) for shape, patch in pairs
-                 if id(patch.surface) in self._rows]  # fmt: skip
+        found = [
+            (shape, self._rows[id(patch.surface)])
+            for shape, patch in pairs
+            if id(patch.surface) in self._rows
+        ]
         self._table.bind(*zip(*found, strict=True))
 
     def _move(self, arrays: Any, patch: Patch) -> None:

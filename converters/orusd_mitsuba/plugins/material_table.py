@@ -199,8 +199,10 @@ class _Input:
         bias = dr.gather(mi.Vector4f, self.levels, 2 * row + 1, active)
         for right in (0, 1):
             for up in (0, 1):
-                cell = [self._wrapped(corner[k] + step, size[k], place.w)
-                        for k, step in enumerate((right, up))]  # fmt: skip
+                cell = [
+                    self._wrapped(corner[k] + step, size[k], place.w)
+                    for k, step in enumerate((right, up))
+                ]
                 index = place.x + mi.UInt32(cell[1]) * place.y + mi.UInt32(cell[0])
                 word = dr.gather(mi.UInt32, texels, index, active)
                 share = (weight.x if right else 1 - weight.x) * (weight.y if up else 1 - weight.y)

@@ -42,8 +42,10 @@ def vertices(triangles: Triangles, origin: Array) -> Vertices:
         triangles: What stands in the world.
         origin: (3,) the point of the world that becomes Mitsuba's origin.
     """
-    parts = [_welded(part, origin) if isinstance(part, Instances) else _plain(part, origin)
-             for part in triangles.parts]  # fmt: skip
+    parts = [
+        _welded(part, origin) if isinstance(part, Instances) else _plain(part, origin)
+        for part in triangles.parts
+    ]
     if len(parts) == 1:
         return parts[0]
     starts = np.cumsum([0, *(len(part.positions) for part in parts[:-1])], dtype=np.uint32)

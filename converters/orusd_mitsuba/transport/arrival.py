@@ -78,9 +78,15 @@ class TracedArrival:
         sampler.seed(seed & 0xFFFFFFFF, rays)
         sums = PathAccumulator(rays, None)
         trace(
-            self._built, self._index, sampler, start.ray, sums, self._depth,
-            active=start.active, begun=(start.at, start.density),
-        )  # fmt: skip
+            self._built,
+            self._index,
+            sampler,
+            start.ray,
+            sums,
+            self._depth,
+            active=start.active,
+            begun=(start.at, start.density),
+        )
         never, once, more = (
             mi.Color3f(*(_part(sums.kinds, 3 * kind + channel, rays) for channel in range(3)))
             for kind in range(3)

@@ -44,9 +44,14 @@ class IncidentRadiance:
     """
 
     def __init__(
-        self, built: Any, index: LightIndex, cells: Cells, points: Points, depth: int,
+        self,
+        built: Any,
+        index: LightIndex,
+        cells: Cells,
+        points: Points,
+        depth: int,
         arrival: Arrival | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._built, self._index, self._points = built, index, points
         self._arrival: Arrival = arrival or TracedArrival(built, index, depth)
         self._light_samples = self._arrival.light_samples(cells.count)
@@ -194,7 +199,11 @@ def _sample_lights(
         for channel in range(3):
             place = (channel * planes + point) * cells.shape.count + cell
             dr.scatter_reduce(
-                dr.ReduceOp.Add, sums, value[channel], place * stride + strand, inside,
+                dr.ReduceOp.Add,
+                sums,
+                value[channel],
+                place * stride + strand,
+                inside,
                 mode=dr.ReduceMode.NoConflicts,
-            )  # fmt: skip
+            )
         sampled += 1

@@ -73,9 +73,13 @@ class PathAccumulator:
             for channel in range(3):
                 place = (row * 3 + channel) * self._stride + slot
                 dr.scatter_reduce(
-                    dr.ReduceOp.Add, entries, value[channel], place, active,
+                    dr.ReduceOp.Add,
+                    entries,
+                    value[channel],
+                    place,
+                    active,
                     mode=dr.ReduceMode.NoConflicts,
-                )  # fmt: skip
+                )
 
 
 class Prefix:

@@ -65,6 +65,16 @@ class TracedPaths:
     ) -> None:
         """See `Paths`."""
         trace(
-            self._built, self._index, sampler, ray, accumulator, self._depth, first, active, begun,
-            numbers, prefix, looks_through,
-        )  # fmt: skip
+            self._built,
+            self._index,
+            sampler,
+            ray,
+            accumulator,
+            self._depth,
+            first,
+            active,
+            begun,
+            numbers,
+            prefix,
+            looks_through,
+        )

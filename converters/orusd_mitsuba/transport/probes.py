@@ -79,9 +79,12 @@ class ProbeIntegrator:
 
 
 def render_probes(
-    built: Any, index: LightIndex, origin: Array, request: ProbeRequest,
+    built: Any,
+    index: LightIndex,
+    origin: Array,
+    request: ProbeRequest,
     progress: Callable[[float], None],
-) -> tuple[Image, ...]:  # fmt: skip
+) -> tuple[Image, ...]:
     """The panoramas of a request, in its order.
 
     Args:

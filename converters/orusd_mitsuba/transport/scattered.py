@@ -74,6 +74,12 @@ class TracedLight:
     ) -> None:
         """See `ScatteredLight`: the ray is cast again, which costs less than to carry ``si``."""
         trace(
-            self._built, self._index, sampler, ray, accumulator, self._depth,
-            active=active & si.is_valid(), prefix=Prefix(throughput, scatterings, crossed),
-        )  # fmt: skip
+            self._built,
+            self._index,
+            sampler,
+            ray,
+            accumulator,
+            self._depth,
+            active=active & si.is_valid(),
+            prefix=Prefix(throughput, scatterings, crossed),
+        )

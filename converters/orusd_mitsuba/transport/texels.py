@@ -100,17 +100,26 @@ class TexelIntegrator:
             mi.UInt32, samples
         )
         found = irradiance_at(
-            self._paths, self.planes, self._white, *self._points.chosen(texel, numbers.pixel.x),
-            _sampler(seed, paths), numbers,
-        )  # fmt: skip
+            self._paths,
+            self.planes,
+            self._white,
+            *self._points.chosen(texel, numbers.pixel.x),
+            _sampler(seed, paths),
+            numbers,
+        )
         sums = dr.block_sum(found, samples).numpy()
         return np.asarray(sums.reshape(-1, 3, texels) / np.float32(samples))
 
 
 def irradiance_at(
-    paths: Paths, lights: int, white: Callable[[Any], Any], points: Any, normals: Any,
-    sampler: Any, numbers: FirstDimensions | None = None,
-) -> Any:  # fmt: skip
+    paths: Paths,
+    lights: int,
+    white: Callable[[Any], Any],
+    points: Any,
+    normals: Any,
+    sampler: Any,
+    numbers: FirstDimensions | None = None,
+) -> Any:
     """The irradiance at points on surfaces, by one path from each.
 
     Args:
@@ -162,9 +171,13 @@ class _Points:
 
 
 def light_texels(
-    paths: Paths, lights: int, white: Callable[[Any], Any], origin: Array,
-    request: IrradianceRequest, progress: Callable[[float], None],
-) -> Irradiance:  # fmt: skip
+    paths: Paths,
+    lights: int,
+    white: Callable[[Any], Any],
+    origin: Array,
+    request: IrradianceRequest,
+    progress: Callable[[float], None],
+) -> Irradiance:
     """The irradiance of a request's texels, by light.
 
     Args:

@@ -20,10 +20,15 @@ from orusd_mitsuba.transport.light_index import registered
 def whitened(surface: Surface) -> Surface:
     """The surface with nothing but a white Lambertian lobe."""
     return Surface(
-        base_color=(1.0, 1.0, 1.0), roughness=1.0, ior=1.0, opacity=surface.opacity,
-        normal=surface.normal, primvar=surface.primvar, uv=surface.uv,
+        base_color=(1.0, 1.0, 1.0),
+        roughness=1.0,
+        ior=1.0,
+        opacity=surface.opacity,
+        normal=surface.normal,
+        primvar=surface.primvar,
+        uv=surface.uv,
         one_sided=surface.one_sided,
-    )  # fmt: skip
+    )
 
 
 def white_first(scene: Scene, built: Any, builder: Builder) -> Callable[[Any], Any]:

@@ -55,9 +55,7 @@ class Atlases:
         return sum(width * height for width, height in self.sizes)
 
 
-def placed(
-    units: Sequence[Unit], *, texel_m: float, side: int, most: int
-) -> Atlases:  # fmt: skip
+def placed(units: Sequence[Unit], *, texel_m: float, side: int, most: int) -> Atlases:
     """Lay out units and place them; texels grow until they are few enough.
 
     Args:
@@ -103,9 +101,12 @@ def _layouts(units: Sequence[Unit], texel_m: float) -> dict[str, Layout]:
             faces.append(own.faces[member.lit] + polygons)
             rows, polygons = rows + len(own.points), polygons + int(own.faces.max()) + 1
         found[unit.prototype] = laid_out(
-            np.concatenate(points), np.concatenate(triangles), np.concatenate(faces),
-            texels_per_metre=1.0 / texel_m, padding=PADDING_TEXELS,
-        )  # fmt: skip
+            np.concatenate(points),
+            np.concatenate(triangles),
+            np.concatenate(faces),
+            texels_per_metre=1.0 / texel_m,
+            padding=PADDING_TEXELS,
+        )
     return found
 
 

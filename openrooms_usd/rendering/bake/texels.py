@@ -65,9 +65,12 @@ def find_texels(atlases: Atlases) -> Texels:
     begins = np.flatnonzero(np.any(np.diff(keys, axis=0, prepend=-1), axis=1))
     atlas, row, column = keys[begins].T
     points = TexelPoints(
-        corners, normals, np.append(begins, len(triangle)), triangle.astype(np.int32),
+        corners,
+        normals,
+        np.append(begins, len(triangle)),
+        triangle.astype(np.int32),
         weights.astype(np.float32),
-    )  # fmt: skip
+    )
     return Texels(atlas, column, row, points)
 
 

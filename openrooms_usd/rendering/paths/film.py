@@ -109,9 +109,14 @@ def frames(
         images = {**view.images, LIGHT: replace(image, halves=None)}
         before = surfaces, received
         yield Frame(
-            replace(view, images=images), pixels, halves.error, moved, new,
-            usual * worth, clock.seconds,
-        )  # fmt: skip
+            replace(view, images=images),
+            pixels,
+            halves.error,
+            moved,
+            new,
+            usual * worth,
+            clock.seconds,
+        )
 
 
 def path_tone(opened: RenderContext, path: CameraPath, request: RenderRequest) -> Tone:
@@ -121,9 +126,13 @@ def path_tone(opened: RenderContext, path: CameraPath, request: RenderRequest) -
     K = np.diag([small[0] / request.width, small[1] / request.height, 1.0]) @ path.K
     chosen = np.unique(np.linspace(0, len(path) - 1, _EXPOSURE_FRAMES).round().astype(int))
     asked = replace(
-        request, width=small[0], height=small[1], channels=(LIGHT,), samples=_EXPOSURE_SAMPLES,
+        request,
+        width=small[0],
+        height=small[1],
+        channels=(LIGHT,),
+        samples=_EXPOSURE_SAMPLES,
         measure_bias=False,
-    )  # fmt: skip
+    )
     strip = []
     for number, camera in enumerate(path.cameras):
         if number in chosen:

@@ -157,8 +157,13 @@ def radiance(light: Shaped) -> tuple[Value, tuple[str, ...]]:
         space = color_space(light.texture)
     except InputError as error:
         return (red, green, blue), (f"{light.texture}: {error.message}; taken as white",)
-    texture = Texture(light.texture, color_space=space, scale=(red, green, blue, 1.0),
-                      wrap_s="clamp", wrap_t="clamp")  # fmt: skip
+    texture = Texture(
+        light.texture,
+        color_space=space,
+        scale=(red, green, blue, 1.0),
+        wrap_s="clamp",
+        wrap_t="clamp",
+    )
     picture: Picture = load(texture, 3, (0.0, np.inf), np.eye(3))
     return picture, picture.losses
 

@@ -69,11 +69,18 @@ def _lamp(number: int, name: str, stage: Usd.Stage, scene: Scene, source: Source
     turn = _axes(stage, source.path)
     world_from_box, size = _box(corners.reshape(-1, 3), turn)
     return LightRecord(
-        number, name, source.path, "lamp", bool(flux.max() > 0.0), world_from_box, size,
+        number,
+        name,
+        source.path,
+        "lamp",
+        bool(flux.max() > 0.0),
+        world_from_box,
+        size,
         flux / (np.pi * areas.sum()) if areas.sum() > 0.0 else shone.mean(axis=0),
-        float(luminance(flux)), _kelvin(stage, scene, patches),
+        float(luminance(flux)),
+        _kelvin(stage, scene, patches),
         scene.pieces[int(patches[0].triangles.pieces[0])].instance,
-    )  # fmt: skip
+    )
 
 
 def _outside(number: int, name: str, sky: Surroundings, source: Source) -> LightRecord:
@@ -85,11 +92,19 @@ def _outside(number: int, name: str, sky: Surroundings, source: Source) -> Light
     lux = passing(sky, portal.world_from_portal[:3, 2])
     gaussians, error = fit(sky, portal)
     return LightRecord(
-        number, name, source.path, "opening", bool(lux.max() > 0.0),
-        portal.world_from_portal, np.array([portal.width, portal.height, 0.0]), lux / np.pi,
+        number,
+        name,
+        source.path,
+        "opening",
+        bool(lux.max() > 0.0),
+        portal.world_from_portal,
+        np.array([portal.width, portal.height, 0.0]),
+        lux / np.pi,
         float(luminance(lux)) * portal.width * portal.height,
-        gaussians=gaussians, fit_error=error, environment=panorama(sky, portal, _PANORAMA_ROWS),
-    )  # fmt: skip
+        gaussians=gaussians,
+        fit_error=error,
+        environment=panorama(sky, portal, _PANORAMA_ROWS),
+    )
 
 
 def _areas(corners: Array) -> Array:

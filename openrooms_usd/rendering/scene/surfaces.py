@@ -324,10 +324,12 @@ def _many_primvars(preview: PreviewSurface) -> bool:
 
 
 _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
-    (lambda preview: preview.clearcoat != 0.0,
-     "its clearcoat is Disney's, which is dimmer at an angle and at most as rough as 0.32"),
+    (
+        lambda preview: preview.clearcoat != 0.0,
+        "its clearcoat is Disney's, which is dimmer at an angle and at most as rough as 0.32",
+    ),
     (_is_textured("clearcoat"), "a textured clearcoat is taken as its mean"),
     (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as its mean"),
     (_is_clear, CLEAR),
     (_many_primvars, "its textures use several sets of coordinates; one set is used for all"),
-)  # fmt: skip
+)

@@ -201,8 +201,12 @@ def _within(gram: Array, target: Array, low: Array | float, high: Array | float)
     tried = []
     for held in product((None, low, high), repeat=count):
         free = np.array([bound is None for bound in held])
-        found = np.stack([np.zeros(target.shape[1]) if bound is None else bound[row]
-                          for row, bound in enumerate(held)])  # fmt: skip
+        found = np.stack(
+            [
+                np.zeros(target.shape[1]) if bound is None else bound[row]
+                for row, bound in enumerate(held)
+            ]
+        )
         if not np.isfinite(found).all():
             continue
         if free.any():

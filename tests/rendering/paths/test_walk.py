@@ -16,8 +16,20 @@ TIMES = frame_times(8.0, 10)
 
 def room(*boxes: tuple[tuple[float, ...], tuple[float, ...]]) -> RayCaster:
     """A room of 5 x 3 x 2.5 m with boxes in it, each from a low to a high corner."""
-    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
-             [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]  # fmt: skip
+    faces = [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 6, 7],
+        [4, 7, 5],
+        [0, 4, 5],
+        [0, 5, 1],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 5, 7],
+        [1, 7, 3],
+    ]
     points, triangles = [], []
     for low, high in (((0, 0, 0), (5, 3, 2.5)), *boxes):
         triangles += [[8 * (len(points) // 8) + k for k in face] for face in faces]
