@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -109,7 +110,7 @@ def test_the_python_of_a_document_calls_what_there_is(document: Path) -> None:
         if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "ou":
             assert node.attr in dir(ou)
         if isinstance(node, ast.Call) and ast.unparse(node.func).startswith("ou."):
-            function = getattr(ou, ast.unparse(node.func).removeprefix("ou."))
+            function = attrgetter(ast.unparse(node.func).removeprefix("ou."))(ou)
             keywords = {word.arg: word.value for word in node.keywords if word.arg}
             inspect.signature(function).bind(*node.args, **keywords)
 

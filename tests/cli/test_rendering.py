@@ -197,8 +197,8 @@ def asked(monkeypatch):
         (out / "scene.usda").write_text("#usda 1.0\n")
         return compose.ComposeSummary(out / "scene.usda", ())
 
-    def render_stage(stage, out, **how):
-        words.update(how)
+    def render_stage(stage, out, settings, **how):
+        words.update(settings.model_dump())
         report = {"losses": [], "approximated": 0, "skipped": 0}
         said = {"views": {}, "report": report, "renderer": {"backend": "none"}, "stop": {}}
         return render.RenderSummary(out, said, {})

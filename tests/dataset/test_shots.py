@@ -82,7 +82,7 @@ def test_spare_cameras_leave_the_chosen_ones_as_they_are(opened: Open) -> None:
     assert sorted(chosen.views) == ["view_0", "view_1"]
     assert sorted(both.views) == ["spare_0", "spare_1", "spare_2", "view_0", "view_1"]
     for name in chosen.views:
-        one, other = chosen.camera(name), both.camera(name)
+        one, other = chosen.camera(chosen.views[name]), both.camera(both.views[name])
         np.testing.assert_array_equal(one.world_from_camera, other.world_from_camera)
     assert [one.view for one in shots_of(more, both)] == ["view_0", "view_1"]
 

@@ -15,6 +15,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import copy_example
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.rendering import render_stage
 from orusd_mitsuba import variants
 from tests.commands import output_of
@@ -183,7 +184,7 @@ def shower(folder: Path) -> Show:
 
     def render(stage: Path, name: str = "render", **how: Any) -> Shown:
         defaults: dict[str, Any] = {"resolution": (32, 24), "samples": 2}
-        render_stage(stage, folder / name, **(defaults | how))
+        render_stage(stage, folder / name, RenderSettings(**(defaults | how)))
         return Shown(folder / name)
 
     return render

@@ -59,7 +59,8 @@ def test_the_scalar_backend_says_before_it_starts_what_it_cannot(
 
 def rendered(file: Path, out: Path, **how: Any) -> tuple[dict[str, Any], dict[str, Any]]:
     """The channels of a view as its files have them, and what the manifest says of each."""
-    render_stage(file, out, **({"resolution": (24, 18), "grid": (6, 4)} | how))
+    asked: dict[str, Any] = {"resolution": (24, 18), "grid": (6, 4)} | how
+    render_stage(file, out, RenderSettings(**asked))
     view = json.loads((out / "manifest.json").read_text())["views"]["Camera"]
     files = (view["files"].get(name) for name in ("channels", "lights"))
     stored = {n: p for file in files if file for n, p in read_channels(out / file).items()}

@@ -128,6 +128,7 @@ class _Counting:
 
     def __init__(self, renderer: object, opens: list[str]) -> None:
         self._renderer, self._opens = renderer, opens
+        self.channels = renderer.channels  # type: ignore[attr-defined]
 
     def open(self, *arguments: object) -> object:
         self._opens.append("open")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdShade
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.exporters import convert_stage
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.rendering import render_stage
@@ -235,8 +236,8 @@ def test_colors_of_meshes_are_read_by_their_name(scene: Path) -> None:
 
 
 def test_renders_and_conversions_show_them(scene: Path, tmp_path: Path) -> None:
-    asked: Any = {"resolution": (32, 24), "renderer": "preview", "channels": ["base_color"]}
-    summary = render_stage(scene, tmp_path / "out", **asked)
+    asked = RenderSettings(resolution=(32, 24), renderer="preview", channels=["base_color"])
+    summary = render_stage(scene, tmp_path / "out", asked)
     assert not [row for row in summary.report.rows if "mtlx" in row[2]]
     report = convert_stage(scene, tmp_path / "scene/scene.xml")
     assert not [row for row in report.rows if "looks.mtlx" in row[2]]

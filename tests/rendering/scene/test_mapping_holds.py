@@ -20,7 +20,7 @@ from openrooms_usd.rendering.scene.digest import light_digest
 from openrooms_usd.usd import mapping
 from openrooms_usd.usd.cameras import read_camera
 from openrooms_usd.usd.moments import hold
-from openrooms_usd.usd.rendersettings import asked_purposes, is_set
+from openrooms_usd.usd.rendersettings import asked_cameras, asked_purposes, is_set
 from tests.opening import open_with
 from tests.rendering.scene.conftest import Dark
 from tests.rendering.scene.schemas import (
@@ -62,7 +62,7 @@ def made_of(stage: Usd.Stage, time_code: float | None = None) -> tuple[State, Ro
     scene = opened.scene
     views = [plain(path, read_camera(stage.GetPrimAtPath(path), 40, 30)) for path in opened.cameras]
     flags = [is_set(stage, None, flag) for flag in FLAGS]
-    asked = (opened.requested, opened.resolution, asked_purposes(stage), flags)
+    asked = (asked_cameras(stage), opened.resolution, asked_purposes(stage), flags)
     return (light_digest(scene), scene.pieces, scene.legend, views, asked), opened.report.rows
 
 
