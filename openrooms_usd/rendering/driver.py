@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -131,10 +131,13 @@ def write_views(
             began = time.perf_counter()
             view = render(share)
             took = time.perf_counter() - began
-            shown = context.photograph(name) if name in context.views else None
+            is_own = name in context.views and view.camera == context.views[name]
+            shown = context.photograph(name) if is_own else None
+            # Cameras may have sizes of their own.
+            sized = replace(listed, width=view.width, height=view.height)
             # What is told of the next view is no part of this one's manifest.
             told = report.as_dict()
-            writer.put(view, partial(run.add, name, view, listed, took, shown, told))
+            writer.put(view, partial(run.add, name, view, sized, took, shown, told))
     return RenderSummary(out, run.manifest, run.timing, tuple(run.stay), report)
 
 

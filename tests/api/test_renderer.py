@@ -62,6 +62,20 @@ def test_files_are_those_of_the_command(
     assert files[0] == files[1]
 
 
+def test_cameras_of_ones_own_are_written_at_their_sizes(
+    renderer: ou.OpenRenderer, tmp_path: Path
+) -> None:
+    cameras = {
+        f"w{width}": ou.Camera.look_at((1, 1, 1.5), (2, 1, 1), resolution=(width, 6))
+        for width in (8, 10)
+    }
+    written = renderer.write(tmp_path / "out", cameras, channels=["depth"])
+    for name, camera in cameras.items():
+        assert written[name]["depth"].shape == (6, camera.resolution[0])
+        assert np.allclose(written[name].K, camera.K)
+        assert np.allclose(written[name].world_from_camera, camera.world_from_camera)
+
+
 def test_a_camera_of_ones_own_sees_what_the_stages_camera_sees(
     renderer: ou.OpenRenderer,
 ) -> None:
