@@ -9,7 +9,7 @@ import click
 
 from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.reports import check_report, report_option, write_report
-from openrooms_usd.cli.settings import settings_options
+from openrooms_usd.cli.settings import RENDERER, settings_options
 from openrooms_usd.description.rendering import RenderSettings, flag_of
 from openrooms_usd.rendering.contract import DEFAULT_RATE
 
@@ -41,27 +41,8 @@ _FILM: Final = (
 )
 """The settings that a video has; others are those of single views."""
 
-_SETTINGS: Final = (
-    "channels",
-    "resolution",
-    "field_of_view",
-    "grid",
-    "error_maps",
-    "samples",
-    "error",
-    "seconds",
-    "seed",
-    "bounces",
-    "method",
-    "tone",
-    "f_stop",
-    "storage",
-    "denoise",
-    "denoise_light",
-    "default_light",
-    "texture_side",
-    "time_code",
-)
+# Each option of a render is one of the command.
+_SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name not in RENDERER)
 
 
 @click.command()
