@@ -162,6 +162,10 @@ def view_entry(
     if not is_pinhole:
         # No box is projected into a panorama, or by parallel rays.
         seen = [{k: v for k, v in row.items() if k != "box2d_projected"} for row in seen]
+    denoised = {
+        channel: {**image.change, **stored.entry(stored.denoised[channel], name)}
+        for channel, image in view.denoised.items()
+    }
     return {
         **({"projection": view.projection} if not is_pinhole else {}),
         **({"photograph": dict(photograph)} if photograph else {}),
@@ -172,36 +176,31 @@ def view_entry(
         "exposure": view.exposure,
         "lights": seen,
         "files": files,
-        **(
-            {
-                "denoised": {
-                    c: {**image.change, **stored.entry(stored.denoised[c], name)}
-                    for c, image in view.denoised.items()
-                }
-            }
-            if view.denoised
-            else {}
-        ),
+        **({"denoised": denoised} if denoised else {}),
         **({"traced": _mean(view.images["traced"])} if "traced" in view.images else {}),
         "channels": {
-            channel: {
-                "samples": image.samples,
-                "estimated_error": _number(image.error),
-                "estimated_robust_error": _number(image.robust_error),
-                "bias": asdict(image.bias) if image.bias else None,
-                "nonfinite_pixels": nonfinite_pixels(channel, image),
-                **(
-                    {
-                        "preview": f"{name}/{preview_file(channel)}",
-                        "preview_shows": previews[channel].shows,
-                    }
-                    if stored.is_previewed(channel)
-                    else {}
-                ),
-                **stored.entry(stored.channels[channel], name),
-            }
+            channel: _channel_entry(name, channel, image, stored, previews)
             for channel, image in view.images.items()
         },
+    }
+
+
+def _channel_entry(
+    name: str, channel: str, image: Image, stored: Storing, previews: Mapping[str, Preview]
+) -> Plain:
+    """How good a channel of a view is, and how it lies on disk."""
+    shown = {
+        "preview": f"{name}/{preview_file(channel)}",
+        "preview_shows": previews[channel].shows if channel in previews else None,
+    }
+    return {
+        "samples": image.samples,
+        "estimated_error": _number(image.error),
+        "estimated_robust_error": _number(image.robust_error),
+        "bias": asdict(image.bias) if image.bias else None,
+        "nonfinite_pixels": nonfinite_pixels(channel, image),
+        **(shown if stored.is_previewed(channel) else {}),
+        **stored.entry(stored.channels[channel], name),
     }
 
 
