@@ -48,7 +48,6 @@ _MATERIALS: Final = "materials"
 _SHELL: Final = {"floor": "floor", "walls": "wall", "ceiling": "ceiling"}
 # Loaders take an environment below this factor as switched off; the files have 1e-8.
 _OFF: Final = 1e-3
-_MOST_NAMED: Final = 3
 
 
 class OpenRoomsXmlImporter:

@@ -24,7 +24,6 @@ _BEHIND_M: Final = 0.03
 _PIPE_M: Final = 0.008
 # What a valve takes of the width, on the right, metres.
 _VALVE_M: Final = 0.045
-_REST: Final = {"slot": "soot", "base": "soot", "knob": "plastic"}
 
 
 def _fixings(size: Size) -> Parts:

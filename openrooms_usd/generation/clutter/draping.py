@@ -55,7 +55,6 @@ _WAYS: Final[dict[Place, tuple[Way, ...]]] = {
         Way(90.0, (0.3, 0.52), (-0.2, 0.05), 0.5), Way(-90.0, (0.3, 0.52), (-0.05, 0.2), 0.5),
     ),
 }  # fmt: skip
-EDGES: Final[tuple[Place, ...]] = tuple(_WAYS)
 
 
 @dataclass(frozen=True, eq=False)

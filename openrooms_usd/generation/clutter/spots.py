@@ -31,8 +31,6 @@ _DRAWER_M: Final = 0.32
 # A top that is this share of the largest level is the one that people mean by it.
 _SHARE_OF_TOP: Final = 0.5
 _LEAST_BOARD_M2: Final = 0.008
-# Within this of the middle of a sink things stand at its edge, metres.
-_AT_SINK_M: Final = 0.75
 
 
 @dataclass(frozen=True, eq=False)

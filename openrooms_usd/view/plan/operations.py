@@ -6,7 +6,6 @@ from typing import Any, Final, Literal, NamedTuple
 from pydantic import Field
 
 from openrooms_usd.building.shell import Hole
-from openrooms_usd.description.layout import named_partitions
 from openrooms_usd.description.model import Model, Number, Switch, Whole
 from openrooms_usd.view.plan import corners, fittings
 from openrooms_usd.view.plan.drawing import Drawing
@@ -168,8 +167,3 @@ OPERATIONS: Final[Mapping[str, Operation]] = {
     "set_height": Operation(SetHeight, lambda plan, on: fittings.set_height(plan, on.height)),
 }
 """By the names that a page uses."""
-
-
-def partition_names(plan: Drawing) -> list[str]:
-    """The names of the walls that stand free, in order."""
-    return [name for name, _ in named_partitions(plan.partitions)]

@@ -96,7 +96,6 @@ def shagreen(order: tx.Order) -> tx.Maps:
 # Stitches: their length, half width of the thread, depth to which they draw the hide in. Metres.
 _STITCH_M: Final = 0.0042
 _THREAD_HALF_WIDTH_M: Final = 0.0007
-_DRAWN_IN_M: Final = 0.0012
 
 
 def stitches(aside: tx.Field, along: tx.Field) -> tx.Field:
