@@ -209,15 +209,17 @@ def test_what_makes_no_lightmap_is_refused(tmp_path: Path, monkeypatch: pytest.M
             bake_stage(source, tmp_path / "out", RenderSettings(), AtlasLayout(**wrong))
     with pytest.raises(InputError, match="scattered 0 times"):
         bake_stage(source, tmp_path / "out", RenderSettings(bounces=0))
+    # What is refused before there is light needs no kernels.
+    scalar = RenderSettings(options={"variant": "scalar"})
     with pytest.raises(RenderError, match="scalar"):
-        bake_stage(source, tmp_path / "out", RenderSettings(options={"variant": "scalar"}))
+        bake_stage(source, tmp_path / "out", scalar, AtlasLayout(0.5))
     with pytest.raises(RenderError, match="lights no texels"):
         bake_stage(source, tmp_path / "out", RenderSettings(renderer="preview"))
     nothing = small.Stage()
     nothing.dome()
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="no surface"):
-        bake_stage(saved(nothing.stage, tmp_path / "empty"), tmp_path / "out")
+        bake_stage(saved(nothing.stage, tmp_path / "empty"), tmp_path / "out", scalar)
     real = builtins.__import__
 
     def without(name: str, *rest: Any, **more: Any) -> Any:
@@ -227,7 +229,7 @@ def test_what_makes_no_lightmap_is_refused(tmp_path: Path, monkeypatch: pytest.M
 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(MissingPackageError, match="xatlas") as error:
-        bake_stage(source, tmp_path / "out", RenderSettings(), AtlasLayout(0.5))
+        bake_stage(source, tmp_path / "out", scalar, AtlasLayout(0.5))
     assert "openrooms-usd[bake]" in str(error.value)
     assert not (tmp_path / "out").exists()
 
