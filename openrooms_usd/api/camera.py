@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Self
 
+from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,21 +45,25 @@ class Camera:
         import numpy as np
 
         K = matrix_of(self.K, (3, 3), "K")
-        pose = matrix_of(self.world_from_camera, (4, 4), "world_from_camera")
-        if not (K[0, 0] > 0.0 and K[1, 1] > 0.0 and np.allclose(K[2], (0.0, 0.0, 1.0))):
+        pose = rigid_of(self.world_from_camera, "world_from_camera")
+        rest = K - np.diag(np.diag(K))
+        rest[:2, 2] = 0.0
+        if not (K[0, 0] > 0.0 and K[1, 1] > 0.0 and K[2, 2] == 1.0 and not rest.any()):
             raise InputError(
                 "these are not the intrinsics of a pinhole",
                 place="K",
                 remedy="give [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels, fx and fy positive",
             )
-        R = pose[:3, :3]
-        is_rigid = np.allclose(R.T @ R, np.eye(3), atol=_ROUNDING) and np.linalg.det(R) > 0.0
-        if not (is_rigid and np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0))):
+        size = RenderSettings(resolution=self.resolution).resolution
+        if size is None:
+            raise InputError("a camera has a size", place="resolution", remedy="such as (640, 480)")
+        if self.exposure is not None and not self.exposure > 0.0:
             raise InputError(
-                "this is not a rotation and a translation",
-                place="world_from_camera",
-                remedy="give a 4x4 matrix with an orthonormal right-handed rotation, in metres",
+                f"{self.exposure} is not an exposure",
+                place="exposure",
+                remedy="give a positive number, or None to fit it",
             )
+        object.__setattr__(self, "resolution", size)
         object.__setattr__(self, "K", K)
         object.__setattr__(self, "world_from_camera", pose)
 
@@ -103,12 +108,14 @@ class Camera:
             **more: The other attributes.
 
         Raises:
-            InputError: The two points coincide.
+            InputError: The two points coincide, or a number is outside its limits.
         """
         from openrooms_usd.geometry import pinhole
 
-        K = pinhole.intrinsics(fov_degrees, *resolution)
-        return cls(K, pinhole.look_at(eye, target), resolution, **more)
+        limits = RenderSettings(field_of_view=fov_degrees, resolution=resolution)
+        ends = [matrix_of(point, (3,), name) for point, name in ((eye, "eye"), (target, "target"))]
+        K = pinhole.intrinsics(fov_degrees, *(limits.resolution or resolution))
+        return cls(K, pinhole.look_at(*ends), resolution, **more)
 
     def pinhole(self) -> "PinholeCamera":
         """The same, as the core has it."""
@@ -120,12 +127,36 @@ class Camera:
         return PinholeCamera(K, pose, self.exposure)
 
 
-def matrix_of(given: "ArrayLike", shape: tuple[int, int], what: str) -> "NDArray[np.float64]":
-    """Numbers as a matrix.
+def rigid_of(given: "ArrayLike", what: str) -> "NDArray[np.float64]":
+    """(4, 4) a rotation and a translation.
 
     Args:
         given: What stands for it.
-        shape: Rows and columns.
+        what: What it is, for the message.
+
+    Raises:
+        InputError: It is something else.
+    """
+    import numpy as np
+
+    pose = matrix_of(given, (4, 4), what)
+    R = pose[:3, :3]
+    is_rigid = np.allclose(R.T @ R, np.eye(3), atol=_ROUNDING) and np.linalg.det(R) > 0.0
+    if not (is_rigid and np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0))):
+        raise InputError(
+            "this is not a rotation and a translation",
+            place=what,
+            remedy="give a 4x4 matrix with an orthonormal right-handed rotation, in metres",
+        )
+    return pose
+
+
+def matrix_of(given: "ArrayLike", shape: tuple[int, ...], what: str) -> "NDArray[np.float64]":
+    """Numbers as an array.
+
+    Args:
+        given: What stands for it.
+        shape: How many there are along each axis.
         what: What it is, for the message.
 
     Raises:
@@ -138,8 +169,8 @@ def matrix_of(given: "ArrayLike", shape: tuple[int, int], what: str) -> "NDArray
     except (TypeError, ValueError):
         found = np.zeros(0)
     if found.shape != shape or not np.isfinite(found).all():
-        rows, columns = shape
+        numbers = "x".join(map(str, shape))
         raise InputError(
-            f"this is not a {rows}x{columns} matrix of numbers", place=what, remedy="give an array"
+            f"these are not {numbers} finite numbers", place=what, remedy="give an array"
         )
     return found

@@ -1,5 +1,6 @@
 """A scene that stays open for many pictures, by any camera, as arrays."""
 
+import logging
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -7,7 +8,7 @@ from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, Self
 
-from openrooms_usd.api.camera import Camera, matrix_of
+from openrooms_usd.api.camera import Camera, rigid_of
 from openrooms_usd.api.given import AnyPath, path_of, unknown_name, usd_file
 from openrooms_usd.api.rendered import Render, form_of, open_render
 from openrooms_usd.api.settings import ALL, settings_of, takes_settings
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from openrooms_usd.edits.views import SceneCamera
     from openrooms_usd.rendering.context import RenderContext
     from openrooms_usd.rendering.contract import View as RenderedImages
+
+_LOG: Final = logging.getLogger("openrooms_usd")
 
 PICTURE: Final = (
     "channels",
@@ -86,7 +89,13 @@ class Picture(Mapping[str, "NDArray[Any]"]):
         return self.images.world_from_camera
 
     def error(self, channel: str) -> float | None:
-        """The estimated robust error of a channel; 0 where one ray is exact, None without one."""
+        """The estimated robust error of a channel; 0 where one ray is exact, None without one.
+
+        Raises:
+            UnknownNameError: The picture has no such channel.
+        """
+        if channel not in self.images.images:
+            raise unknown_name("channel", channel, self.images.images, repr(self))
         return self.images.images[channel].robust_error
 
 
@@ -163,6 +172,12 @@ class OpenRenderer:
             InputError: A name is unknown, or a number is outside its limits.
             RenderError: The renderer cannot do it.
         """
+        if isinstance(camera, Camera) and "resolution" in fields:
+            raise InputError(
+                "this camera has a size of its own",
+                place="resolution",
+                remedy="give it to ou.Camera",
+            )
         context = self._with(channels, fields)
         return Picture(self._shot(context, camera)())
 
@@ -180,13 +195,13 @@ class OpenRenderer:
             **fields: As of `render`.
         """
         context = self._with(channels, fields)
-        for camera in cameras:
+        for camera in [cameras] if isinstance(cameras, str | Camera) else cameras:
             yield Picture(self._shot(context, camera)())
 
     def write(
         self,
         out: AnyPath,
-        cameras: Iterable[str] | Mapping[str, Camera] | None = None,
+        cameras: str | Iterable[str | Camera] | Mapping[str, Camera] | None = None,
         *,
         progress: Progress = silent,
         **fields: Any,
@@ -210,14 +225,15 @@ class OpenRenderer:
         from openrooms_usd.rendering.driver import write_views
 
         context, target = self._with(None, fields), path_of(out)
-        chosen = self.cameras if cameras is None else cameras
-        named = chosen if isinstance(chosen, Mapping) else {name: name for name in chosen}
         views = {
-            name: self._shot(
-                context, camera if isinstance(camera, str) else replace(camera, name=name)
-            )
-            for name, camera in named.items()
+            name: self._shot(context, replace(one, name=name) if isinstance(one, Camera) else one)
+            for name, one in _named(self.cameras if cameras is None else cameras).items()
         }
+        folder.check_view_names(target, views)
+        if not views:
+            raise InputError("no view is asked for", place="cameras", remedy="name a camera")
+        if earlier := folder.listed_views(target) - views.keys():
+            _LOG.warning("%s: %s give way to this render", target, ", ".join(sorted(earlier)))
         folder.check_writable(target)
         with claims.claimed(target, ledger.RENDER_FILE) as kept:
             write_views(context, target, kept, views, progress)
@@ -231,11 +247,17 @@ class OpenRenderer:
                 was opened; prims that are not named stay where they are.
 
         Raises:
-            InputError: A matrix has another shape.
+            InputError: There is no such prim, or a motion is not rigid.
         """
-        self._context.move(
-            {path: matrix_of(motion, (4, 4), path) for path, motion in motions.items()}
-        )
+        stage = self._context.stage
+        for path in motions if isinstance(motions, Mapping) else ("motions",):
+            if not (str(path).startswith("/") and stage.GetPrimAtPath(str(path))):
+                raise InputError(
+                    "there is no such prim",
+                    place=path,
+                    remedy="give motions by prim paths, such as /World/Furniture/chair_0",
+                )
+        self._context.move({path: rigid_of(motion, path) for path, motion in motions.items()})
 
     @property
     def _context(self) -> "RenderContext":
@@ -262,18 +284,34 @@ class OpenRenderer:
             return partial(context.shoot, pinhole, camera.name, size=size)
         from openrooms_usd.rendering.plan import choose_cameras
 
-        camera = camera if isinstance(camera, str) else camera.path
-        if camera in context.views:
-            return partial(context.view, camera)
-        path = next(iter(choose_cameras([camera], context.cameras).values()))
+        named = camera if isinstance(camera, str) else getattr(camera, "path", None)
+        if named is None:
+            raise InputError(
+                "this is not a camera",
+                place="camera",
+                remedy="give a name, a prim path, one of scene.cameras, or ou.Camera(...)",
+            )
+        if named in context.views:
+            return partial(context.view, named)
+        path = next(iter(choose_cameras([named], context.cameras).values()))
         return partial(context.shoot, context.camera(path), path)
+
+
+def _named(
+    cameras: "str | Camera | Iterable[str | Camera] | Mapping[str, Camera]",
+) -> "Mapping[str, str | Camera]":
+    """Cameras by the names of their views."""
+    if isinstance(cameras, Mapping):
+        return cameras
+    every = [cameras] if isinstance(cameras, str | Camera) else cameras
+    return {one.name if isinstance(one, Camera) else one: one for one in every}
 
 
 @takes_settings(*ALL)
 def open_renderer(
     scene: AnyPath,
     *,
-    cameras: Iterable[str] = (),
+    cameras: str | Iterable[str] = (),
     settings: "RenderSettings | None" = None,
     **fields: Any,
 ) -> OpenRenderer:
@@ -299,5 +337,7 @@ def open_renderer(
     file, wanted = usd_file(scene), settings_of(settings, fields)
     with ExitStack() as held:
         held.enter_context(quiet())
-        context = open_for_rendering(file, wanted, cameras=list(cameras))
+        context = open_for_rendering(
+            file, wanted, cameras=[cameras] if isinstance(cameras, str) else list(cameras)
+        )
         return OpenRenderer(context, held.pop_all())

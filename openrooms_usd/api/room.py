@@ -88,6 +88,11 @@ class Room(description.Room):
         source = {} if file is None else {"from": "file", "file": str(path_of(file))}
         data = self.as_dict()
         rows = self._rows(data, "alignment", "objects")
+        if name is not None and name in dict(self._named()):
+            # Else the other one would be numbered anew, and what stands on it would move.
+            raise InputError(
+                "an object of the room has this name", place=name, remedy="give another name"
+            )
         rows.append(
             given_of(category=category, at=at, relative_to=relative_to, **source, **said, **fields)
         )

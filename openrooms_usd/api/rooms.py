@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from numbers import Integral
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 from openrooms_usd.api.given import AnyPath, path_of, room_of
@@ -89,6 +89,12 @@ def generate(
     if not isinstance(seed, Integral) or not 0 <= seed < 2**63:
         remedy = "give a whole number of at least 0"
         raise InputError(f"{seed!r} is no seed", place="seed", remedy=remedy)
+    if not isinstance(clutter, Integral) or not 0 <= clutter <= 3:
+        remedy = "give 0 (nothing), 1 (tidy), 2 (lived in) or 3 (messy)"
+        raise InputError(f"{clutter!r} is not an amount", place="clutter", remedy=remedy)
+    if area is not None and not isinstance(area, Real):
+        remedy = "give square metres as a number, such as 14.5"
+        raise InputError(f"{area!r} is not a number", place="area", remedy=remedy)
     made = make(room_type, int(seed), area, style, clutter)
     return Room.of(parse_room(write(made), f"generated {room_type}"))
 

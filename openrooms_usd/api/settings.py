@@ -63,6 +63,12 @@ def settings_of(
                 f"there is no argument {name!r}{did_you_mean(name, known)}",
                 remedy=f"there are: {', '.join(known)}",
             )
+    if settings is not None and not isinstance(settings, RenderSettings):
+        raise InputError(
+            f"expected ou.RenderSettings, found {type(settings).__name__}",
+            place="settings",
+            remedy="give ou.RenderSettings(samples=16), or the arguments themselves",
+        )
     given = {name: value for name, value in fields.items() if value is not None}
     return (settings or RenderSettings()).replace(**given)
 

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     "texture_side",
     "time_code",
     defaults={"samples": 32, "method": "reference"},
+    helps={"samples": "Samples a pixel.", "method": "How light is computed, as by render."},
 )
 @json_option
 def compare(

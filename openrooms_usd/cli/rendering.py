@@ -36,6 +36,7 @@ _FILM: Final = (
     "denoise",
     "default_light",
     "texture_side",
+    "time_code",
     "renderer",
     "options",
 )
@@ -129,7 +130,7 @@ def render(
             settings,
             as_json,
             seconds=duration,
-            rate=fps or DEFAULT_RATE,
+            rate=DEFAULT_RATE if fps is None else fps,
             keep_frames=frames is not None,
         )
         return
@@ -181,8 +182,8 @@ def _check_film(
     given += [flag for flag, value in others.items() if value]
     if given:
         raise click.UsageError(
-            f"with --path there is no {', '.join(given)}: each frame has --spp samples, and "
-            "--frames alone keeps the frames with their ground truth"
+            f"a video (--path) has no {', '.join(given)}; --frames alone keeps its frames with "
+            "their ground truth"
         )
 
 

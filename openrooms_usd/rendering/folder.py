@@ -94,6 +94,23 @@ def _nearest(out: Path) -> Path:
             return there
 
 
+def check_view_names(out: Path, views: Iterable[str]) -> None:
+    """See that views can have folders of these names, and that none leads elsewhere.
+
+    Raises:
+        OutputError: A name is that of something else, or not one of a folder.
+    """
+    for name in views:
+        taken = name in _TAKEN
+        if taken or not is_plain_name(name) or name.startswith("."):
+            reason = "the folder of that name is for something else" if taken else "it is no name"
+            raise OutputError(
+                f"a view cannot be called {name!r}: {reason}",
+                place=out,
+                remedy="give the camera another name, without / and not beginning with a dot",
+            )
+
+
 def check_replaceable(out: Path, views: Iterable[str]) -> None:
     """See that only earlier renders would be replaced, nothing that somebody else put there.
 
@@ -105,12 +122,7 @@ def check_replaceable(out: Path, views: Iterable[str]) -> None:
         OutputError: What has the name of a view was not written by an earlier run, or there is a
             manifest of something else.
     """
-    for name in {*views} & {*_TAKEN}:
-        raise OutputError(
-            f"a view cannot be called {name!r}: the folder of that name is for something else",
-            place=out / name,
-            remedy="give the camera another name",
-        )
+    check_view_names(out, views)
     if not os.path.lexists(out / MANIFEST):
         _check_none(out)
     for name in _TOP_FILES:

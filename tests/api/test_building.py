@@ -99,3 +99,20 @@ def test_what_is_generated_later_is_named() -> None:
     with pytest.raises(InputError, match="generated when it is composed") as refused:
         room.add_window(wall=0)
     assert "ou.generate" in (refused.value.remedy or "")
+
+
+def test_a_name_that_is_taken_is_refused() -> None:
+    room = ou.new_room("office", width=4, depth=3)
+    table = room.add("table", at=(1.5, 1.5))
+    before = room.as_dict()
+    with pytest.raises(ou.OrusdError, match="has this name"):
+        room.add("desk", at=(3, 1), name=table)
+    assert room.as_dict() == before
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"clutter": 4}, {"clutter": -1}, {"clutter": "x"}, {"area": "4 m2"}]
+)
+def test_amounts_of_generated_rooms_are_checked(wrong: dict) -> None:
+    with pytest.raises(ou.OrusdError, match="clutter|area"):
+        ou.generate("bathroom", **wrong)

@@ -144,3 +144,50 @@ def test_a_closed_renderer_says_so(scene: ou.Scene) -> None:
         assert opened.render(opened.cameras[0], "depth")["depth"].shape == (6, 8)
     with pytest.raises(InputError, match="this renderer is closed"):
         opened.render("view")
+
+
+@pytest.mark.parametrize("name", ["../elsewhere", "a/b", "", ".hidden", "openings"])
+def test_views_lie_in_their_folder(name: str, renderer: ou.OpenRenderer, tmp_path: Path) -> None:
+    camera = ou.Camera.look_at((1, 1, 1.5), (2, 1, 1), resolution=(8, 6))
+    with pytest.raises(ou.OrusdError, match="a view cannot be called"):
+        renderer.write(tmp_path / "out" / "inner", {name: camera}, channels="depth")
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_gives_way_is_said(
+    renderer: ou.OpenRenderer, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    camera = ou.Camera.look_at((1, 1, 1.5), (2, 1, 1), resolution=(8, 6), name="mine")
+    renderer.write(tmp_path / "out", [camera], channels="depth")
+    renderer.write(tmp_path / "out", renderer.cameras[0], channels="depth", resolution=(8, 6))
+    assert "mine give way" in caplog.text
+    with pytest.raises(InputError, match="no view is asked for"):
+        renderer.write(tmp_path / "none", {})
+
+
+def test_wrong_things_are_refused_in_words(renderer: ou.OpenRenderer, scene: ou.Scene) -> None:
+    K, pose = np.diag([50.0, 50.0, 1.0]), np.eye(4)
+    for size in ((64,), (64.5, 48), (-64, 48), None):
+        with pytest.raises(InputError):
+            ou.Camera(K, pose, size)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="exposure"):
+        ou.Camera(K, pose, SIZE, exposure=-1.0)
+    with pytest.raises(InputError, match="intrinsics"):
+        ou.Camera(K + np.diag([20.0, 0.0], 1), pose, SIZE)
+    with pytest.raises(InputError, match="field of view"):
+        ou.Camera.look_at((0, 0, 0), (1, 0, 0), fov_degrees=180.0)
+    with pytest.raises(InputError, match="eye"):
+        ou.Camera.look_at((1, 1), (1, 0, 0))
+    camera = ou.Camera(K, pose, SIZE)
+    with pytest.raises(InputError, match="size of its own"):
+        renderer.render(camera, "depth", resolution=(8, 6))
+    for wrong in (3, None, np.eye(3)):
+        with pytest.raises(InputError, match="not a camera"):
+            renderer.render(wrong, "depth")  # type: ignore[arg-type]
+    for motions in ({"chair_0": pose}, {"/World/nope": pose}):
+        with pytest.raises(InputError, match="no such prim"):
+            renderer.move(motions)
+    with pytest.raises(InputError, match="not a rotation"):
+        renderer.move({"/World": 2.0 * pose})
+    with pytest.raises(InputError, match=r"expected ou\.RenderSettings"):
+        ou.open_renderer(scene, settings={})  # type: ignore[arg-type]
