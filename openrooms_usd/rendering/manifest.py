@@ -93,12 +93,12 @@ def run_entry(
         legend: What the label numbers mean.
     """
     asked = {"samples": request.samples, "error": request.error, "seconds": request.seconds}
-    when = {} if settings.time_code is None else {"time_code": settings.time_code}
+    given = {name: getattr(settings, name) for name in ("time_code", "f_stop")}
     return {
         "format": FORMAT,
         "generator": f"{names.CREATOR} {__version__}",
         "stage": stage.name,
-        **when,
+        **{name: value for name, value in given.items() if value is not None},
         "renderer": {"name": settings.renderer, "backend": session.backend, **session.settings},
         "seed": request.seed,
         "bounces": request.bounces,

@@ -53,3 +53,9 @@ def test_a_lens_on_request_is_focused_on_the_middle_or_as_the_camera_says() -> N
 def test_an_f_stop_that_is_no_lens_is_refused(renderer, scene, tmp_path) -> None:
     with pytest.raises(InputError, match="not between"):
         render_stage(scene, tmp_path / "out", RenderSettings(f_stop=0.0))
+
+
+def test_the_lens_that_was_asked_for_is_in_the_manifest(renderer, scene, tmp_path) -> None:
+    asked = RenderSettings(f_stop=2.0)
+    assert render_stage(scene, tmp_path / "out", asked).manifest["f_stop"] == 2.0
+    assert "f_stop" not in render_stage(scene, tmp_path / "plain").manifest
