@@ -240,6 +240,8 @@ def _text(name: str, row: Mapping[str, Any]) -> str:
         return f"there is no {name} {found!r}"
     if kind in ("greater_than_equal", "less_than_equal", "finite_number", *_OPEN):
         low, high = limits_of(name) or (-inf, inf)
+        if kind in _OPEN:
+            return f"{found} is not above {low:,} and below {high:,}"
         return f"{found} is not between {low:,} and {high:,}"
     expected = {
         "int_type": "a whole number",
