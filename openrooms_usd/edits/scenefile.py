@@ -1,11 +1,12 @@
 """A USD file that is read as it is now, and what it holds by name."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 from pxr import Usd
 
@@ -16,6 +17,8 @@ from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.files.layers import open_stage
 
 Value = TypeVar("Value")
+
+_NUMBERED: Final = re.compile(r"\[\d+\]$")
 
 
 class ByName(Mapping[str, Value], Generic[Value]):
@@ -47,7 +50,9 @@ class ByName(Mapping[str, Value], Generic[Value]):
         }
 
     def __getitem__(self, name: str) -> Value:
-        path = self._names.get(name, name)
+        # One of many that an instancer draws goes by its number: /World/Chairs[3].
+        plain = _NUMBERED.sub("", name) if isinstance(name, str) else name
+        path = self._names.get(plain, plain)
         if path in self._found:
             return self._found[path]
         near = did_you_mean(name, list(self._names))

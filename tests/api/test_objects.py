@@ -272,3 +272,12 @@ def test_what_another_program_changes_is_read_again(scene: ou.Scene) -> None:
     assert "translate = (2, 0.8, 0)" in text
     scene.edits.write_text(text.replace("(2, 0.8, 0)", "(2.25, 0.8, 0)"))
     assert chair.pose[0, 3] == pytest.approx(2.25)
+
+
+def test_one_of_many_that_an_instancer_draws_is_found_by_its_number() -> None:
+    from openrooms_usd.edits.scenefile import ByName
+
+    chairs = ByName("object", Path("scene.usda"), {"/World/Chairs": "chairs"})
+    assert chairs["/World/Chairs[3]"] == chairs["/World/Chairs"] == "chairs"
+    with pytest.raises(ou.OrusdError, match="no object is named"):
+        chairs["/World/Tables[3]"]
