@@ -114,5 +114,5 @@ def test_a_name_that_is_taken_is_refused() -> None:
     "wrong", [{"clutter": 4}, {"clutter": -1}, {"clutter": "x"}, {"area": "4 m2"}]
 )
 def test_amounts_of_generated_rooms_are_checked(wrong: dict) -> None:
-    with pytest.raises(ou.OrusdError, match="clutter|area"):
+    with pytest.raises(ou.OrusdError, match=r"clutter|area"):
         ou.generate("bathroom", **wrong)
