@@ -7,7 +7,7 @@ a field here, and the code that heeds it.
 
 from collections.abc import Iterable, Iterator, Mapping
 from math import inf
-from typing import Annotated, Any, Final, Literal, NamedTuple, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, NamedTuple, Self, get_args
 
 from pydantic import Field, ValidationError
 
@@ -146,13 +146,15 @@ class RenderSettings(Budget, Rendering):
     """When a stage that moves is seen, in its time codes; by default at the first sample of
     everything."""
 
-    def __init__(self, **given: Any) -> None:
-        """Check what is given."""
-        try:
-            super().__init__(**{name: _plain(name, value) for name, value in given.items()})
-        except ValidationError as error:
-            raise _refusal(error) from None
-        _check_size(self.resolution)
+    if not TYPE_CHECKING:  # Type checkers see an argument for each field.
+
+        def __init__(self, **given: Any) -> None:
+            """Check what is given."""
+            try:
+                super().__init__(**{name: _plain(name, value) for name, value in given.items()})
+            except ValidationError as error:
+                raise _refusal(error) from None
+            _check_size(self.resolution)
 
     @property
     def samples_or_default(self) -> int | None:

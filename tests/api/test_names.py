@@ -117,7 +117,7 @@ def test_a_type_checker_sees_the_signatures(tmp_path: Path) -> None:
     said = [line for line in done.stdout.splitlines() if ": error: " in line]
     assert len(said) == 4, done.stdout + done.stderr
     assert 'Module has no attribute "rendr"' in said[0]
-    assert '"samples" to "render" has incompatible type "str"' in said[1]
+    assert '"samples" to "RenderSettings" has incompatible type "str"' in said[1]
     assert 'Unexpected keyword argument "sample"' in said[2]
     assert "RoomType" in said[3] or "Literal" in said[3]
 
@@ -127,8 +127,9 @@ import openrooms_usd as ou
 
 scene: ou.Scene = ou.compose({"room": "office"}, "out")
 ou.rendr
-ou.render(scene, samples="4")
-ou.render(scene, sample=4)
+ou.RenderSettings(samples="4")
+ou.RenderSettings(sample=4)
+ou.render(scene, samples=4)
 ou.generate("livingroom")
 depth = ou.render(scene)["left"]["depth"]
 depth.mean()

@@ -184,7 +184,9 @@ def shower(folder: Path) -> Show:
 
     def render(stage: Path, name: str = "render", **how: Any) -> Shown:
         defaults: dict[str, Any] = {"resolution": (32, 24), "samples": 2}
-        render_stage(stage, folder / name, RenderSettings(**(defaults | how)))
+        cameras = how.pop("cameras", ())
+        settings = RenderSettings(**(defaults | how))
+        render_stage(stage, folder / name, settings, cameras=cameras)
         return Shown(folder / name)
 
     return render
