@@ -66,8 +66,7 @@ class Room(description.Room):
 
         Args:
             category: What it is, such as ``chair``; the library makes it.
-            at: x, y and, where that does not follow from what carries it, z of the middle of its
-                base.
+            at: x, y and, where nothing that carries it says that, z of the middle of its base.
             yaw: Its heading; at 0 its front looks along -Y.
             name: Its name; by default its category and a number.
             size: Width, depth and height; by default as usual.
@@ -82,20 +81,16 @@ class Room(description.Room):
             Its name.
 
         Raises:
-            InputError: The room's objects are not listed, but generated when it is composed.
+            InputError: The name is taken, or the objects are generated when it is composed.
         """
         said = {"yaw": yaw, "name": name, "size": size, "style": style, "on": on}
         source = {} if file is None else {"from": "file", "file": str(path_of(file))}
-        data = self.as_dict()
-        rows = self._rows(data, "alignment", "objects")
-        if name is not None and name in dict(self._named()):
+        if name in dict(self._named()):
             # Else the other one would be numbered anew, and what stands on it would move.
-            raise InputError(
-                "an object of the room has this name", place=name, remedy="give another name"
-            )
-        rows.append(
-            given_of(category=category, at=at, relative_to=relative_to, **source, **said, **fields)
-        )
+            raise InputError("an object has this name", place=name, remedy="give another one")
+        data, place = self.as_dict(), {"at": at, "relative_to": relative_to}
+        row = given_of(category=category, **place, **source, **said, **fields)
+        self._rows(data, "alignment", "objects").append(row)
         self._change(data)
         return self._named()[-1][0]
 

@@ -90,7 +90,7 @@ def test_each_frame_is_a_render_of_its_own(tmp_path: Path) -> None:
         (["--frames", "1:5", "--time-code", "2"], "there is no --time-code"),
         (["--frames"], "belong to --path"),
         (["--path", "walk", "--frames", "1:5"], "range of --frames"),
-        (["--path", "walk", "--time-code", "2"], "--time-code"),
+        (["--path", "walk", "--f-stop", "2"], "--f-stop"),
         (["--time-code", "soon"], "not a valid float"),
     ],
 )
