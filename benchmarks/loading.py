@@ -55,10 +55,7 @@ FORMS: Final = (
     Form("Hypersim, HDF5", "complete/outputs/hypersim", "hypersim", OF_HYPERSIM),
 )
 OUTPUTS: Final[dict[str, list[dict[str, Any]]]] = {
-    "complete": [
-        {"as": "openrooms", "layout": "merged", "crowded": "keep"},
-        {"as": "hypersim"},
-    ],
+    "complete": [{"as": "openrooms", "layout": "merged", "crowded": "keep"}, {"as": "hypersim"}],
     "compact": [{"as": "webdataset", "shard_mb": 12}],
 }
 """By storage, what else is written."""

@@ -248,10 +248,7 @@ def _lobe(R: float, cosine: float, f0: float, steps: int = 800) -> float:
     return float(values.mean())
 
 
-SECTIONS: Final[dict[str, Callable[[bool], Section]]] = {
-    "sampling": sampling,
-    "albedo": albedo,
-}
+SECTIONS: Final[dict[str, Callable[[bool], Section]]] = {"sampling": sampling, "albedo": albedo}
 
 if __name__ == "__main__":
     main()

@@ -24,10 +24,7 @@ def draw(folder: Path, kind: str, seed: int, target: Path) -> None:
         target: The picture.
     """
     session = Session(scanned_room(folder, kind, seed, "picture"))
-    with (
-        serving(session.app()) as server,
-        opened(server.address, size=SIZE) as page,
-    ):
+    with serving(session.app()) as server, opened(server.address, size=SIZE) as page:
         page.wait("document.getElementById('points')?.dataset.loaded")
         _select(page, session)
         page.screenshot(target)

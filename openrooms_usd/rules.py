@@ -36,11 +36,7 @@ RULES: Final = (
         layer_rules.unanchored_paths,
         "start the path with ./ or ../, so that it does not depend on search paths",
     ),
-    Rule(
-        "one-definer",
-        layer_rules.one_definer,
-        "keep one def and make the others over",
-    ),
+    Rule("one-definer", layer_rules.one_definer, "keep one def and make the others over"),
     Rule(
         "below-instance",
         layer_rules.nothing_below_instances,

@@ -86,11 +86,7 @@ def _targets(rows: Sequence[dict[str, Any]]) -> Iterator[Target]:
 
 
 def _cost(
-    opened: OpenedRoom,
-    samples: int,
-    coarse: tuple[int, int],
-    full: tuple[int, int],
-    grows: bool,
+    opened: OpenedRoom, samples: int, coarse: tuple[int, int], full: tuple[int, int], grows: bool
 ) -> Cost:
     """Of the full grid; measured on the coarse one where it grows with the number of paths."""
     asked = samples * _PIXEL_SAMPLES

@@ -35,15 +35,7 @@ AT_MOST: Final = {
     "calibration": 0.1,
 }
 # What is told beside them.
-BESIDE: Final = (
-    "sizes",
-    "pairs",
-    "floating",
-    "states",
-    "exports_alike",
-    "refused",
-    "seconds",
-)
+BESIDE: Final = ("sizes", "pairs", "floating", "states", "exports_alike", "refused", "seconds")
 
 
 def totals(captures: Iterable[Capture], rows: Sequence[Row]) -> dict[str, Any]:

@@ -164,8 +164,7 @@ def _out_of(points: Array, rooms: Sequence[FoundRoom]) -> float:
     return min(
         float(
             shapely.distance(
-                shapely.Polygon(to_plan(room.corners, room)),
-                shapely.points(to_plan(points, room)),
+                shapely.Polygon(to_plan(room.corners, room)), shapely.points(to_plan(points, room))
             ).max()
         )
         for room in rooms

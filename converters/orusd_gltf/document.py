@@ -174,8 +174,7 @@ def packed_primitive(document: Document, found: Vertices) -> Object:
         import DracoPy
     except ImportError as error:
         raise MissingPackageError(
-            "compression=draco needs the package DracoPy",
-            remedy="pip install openrooms-usd[draco]",
+            "compression=draco needs the package DracoPy", remedy="pip install openrooms-usd[draco]"
         ) from error
     given = {name: values for name, values in found.attributes.items() if name != "TANGENT"}
     further = {

@@ -72,10 +72,7 @@ class Pictures:
         return self._once((color, opacity), lambda: self._base_color(color, opacity))
 
     def metallic_roughness(
-        self,
-        metallic: Texture | float,
-        roughness: Texture | float,
-        occlusion: Texture | None,
+        self, metallic: Texture | float, roughness: Texture | float, occlusion: Texture | None
     ) -> Placed:
         """Roughness in green, metallic in blue, occlusion in red; factors of these three."""
         key = (metallic, roughness, occlusion, "packed")
@@ -105,10 +102,7 @@ class Pictures:
         return self._written(np.concatenate(parts, axis=2), sources[0], channels)
 
     def _metallic_roughness(
-        self,
-        metallic: Texture | float,
-        roughness: Texture | float,
-        occlusion: Texture | None,
+        self, metallic: Texture | float, roughness: Texture | float, occlusion: Texture | None
     ) -> Placed:
         textures = [t for t in (roughness, metallic, occlusion) if isinstance(t, Texture)]
         if self._is_packed(metallic, roughness, occlusion):
@@ -123,10 +117,7 @@ class Pictures:
         return self._written(packed, textures[0], pictures)
 
     def _is_packed(
-        self,
-        metallic: Texture | float,
-        roughness: Texture | float,
-        occlusion: Texture | None,
+        self, metallic: Texture | float, roughness: Texture | float, occlusion: Texture | None
     ) -> bool:
         """Whether one file holds all of them where they are looked for."""
         wanted = zip((occlusion, roughness, metallic), "rgb", strict=True)

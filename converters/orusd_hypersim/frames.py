@@ -106,9 +106,7 @@ PICTURES: Final[dict[str, _Made]] = {
     "diffuse_illumination": _Made(FINAL, _DIFFUSE[2:], _illumination),
     "residual": _Made(FINAL, ("radiance", *_DIFFUSE), _residual),
     "depth_meters": _Made(
-        GEOMETRY,
-        ("depth", "distance"),
-        lambda view: _seen(view, view.pixels["distance"])[..., 0],
+        GEOMETRY, ("depth", "distance"), lambda view: _seen(view, view.pixels["distance"])[..., 0]
     ),
     "position": _Made(
         GEOMETRY, ("depth", "position"), lambda view: _seen(view, view.pixels["position"])

@@ -63,7 +63,7 @@ from orusd_mitsuba.variants import Backend
 
 _CONVENTIONS: Final = {
     "bsdf": "how surfaces reflect: auto, as each material says; openrooms, all by the microfacet "
-    "model of OpenRooms; preview, all as UsdPreviewSurface",
+    "model of OpenRooms; preview, all as UsdPreviewSurface"
 }
 
 # Guides depend on no request: they hardly have noise.
@@ -255,14 +255,7 @@ class MitsubaSession:
         reference = self._integrator(render_pass, camera, alike, channels)
         assert isinstance(integrator, SparseIntegrator) and isinstance(reference, SparseIntegrator)
         return with_bias(
-            images,
-            changes,
-            render_pass,
-            integrator,
-            reference,
-            request,
-            wanted,
-            len(self._sources),
+            images, changes, render_pass, integrator, reference, request, wanted, len(self._sources)
         )
 
     def _integrator(
@@ -278,13 +271,7 @@ class MitsubaSession:
             return BuiltinIntegrator(self._glazed, camera, request, origin, panes=panes)
         if render_pass is DIRECT:
             return DirectIntegrator(
-                self._scene,
-                self._built,
-                self._sources,
-                self._index,
-                self._white,
-                camera,
-                *size,
+                self._scene, self._built, self._sources, self._index, self._white, camera, *size
             )
         light = self._room_light(request.method, request.bounces)
         if render_pass is ENVIRONMENT:

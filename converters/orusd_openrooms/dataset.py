@@ -39,11 +39,7 @@ class OpenRoomsDataset:
     takes: Final = "variants"
     needs: Mapping[str, str] = MappingProxyType({})
     called: Mapping[str, str] = MappingProxyType(
-        {
-            "main": "main_xml",
-            "mainDiffMat": "mainDiffMat_xml",
-            "mainDiffLight": "mainDiffLight_xml",
-        }
+        {"main": "main_xml", "mainDiffMat": "mainDiffMat_xml", "mainDiffLight": "mainDiffLight_xml"}
     )
 
     def write(

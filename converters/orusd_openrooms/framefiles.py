@@ -117,8 +117,7 @@ class _Made(NamedTuple):
 
 def _picture(channel: str, code: Callable[[Pixels], images.Bytes]) -> _Made:
     return _Made(
-        (channel,),
-        lambda path, frame: images.write_picture(path, code(frame.view.pixels[channel])),
+        (channel,), lambda path, frame: images.write_picture(path, code(frame.view.pixels[channel]))
     )
 
 

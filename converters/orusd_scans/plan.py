@@ -82,10 +82,7 @@ def plan_of(root: Node, up: Up) -> DrawnPlan | None:
     if floor is None:
         return None
     return DrawnPlan(
-        _corners(floor, up),
-        level_of(root),
-        height_of(root),
-        tuple(root.items("openings")),
+        _corners(floor, up), level_of(root), height_of(root), tuple(root.items("openings"))
     )
 
 

@@ -86,9 +86,7 @@ def _whole(values: Values, name: str, path: Path) -> NDArray[np.int32]:
         raise InputError(f"the array {name!r} holds words", place=path, remedy=_REMEDY)
     if float(values.max(initial=0)) > _LARGEST_NUMBER:
         raise InputError(
-            f"the array {name!r} has numbers beyond {_LARGEST_NUMBER:,}",
-            place=path,
-            remedy=_REMEDY,
+            f"the array {name!r} has numbers beyond {_LARGEST_NUMBER:,}", place=path, remedy=_REMEDY
         )
     return np.where(values > 0, values, 0).astype(np.int32)
 

@@ -11,10 +11,7 @@ from orusd_scans.records.jsonfile import Node
 Array = NDArray[np.float64]
 
 # Y up to Z up: (x, y, z) -> (x, -z, y).
-Z_UP: Final = {
-    "Z": np.eye(3),
-    "Y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
-}
+Z_UP: Final = {"Z": np.eye(3), "Y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])}
 MAX_COORDINATE_M: Final = 1e8  # coordinates: any map projection stays below
 # How far the axes of a rotation may be from unit length and right angles: rounding in text.
 _ROTATION_TOLERANCE: Final = 1e-2

@@ -81,11 +81,7 @@ def write_mjcf(
 
 
 def write_model(
-    world: World,
-    folder: Path,
-    *,
-    friction: Friction = DEFAULT_FRICTION,
-    pairs: Choice = "auto",
+    world: World, folder: Path, *, friction: Friction = DEFAULT_FRICTION, pairs: Choice = "auto"
 ) -> Path:
     """Write a world without anything to look at.
 

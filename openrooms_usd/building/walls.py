@@ -156,12 +156,7 @@ def footprint(length: float, left: float, right: float, thickness: float) -> Arr
     """
     reach = 3.0 * thickness  # beyond every mitre that the limit allows
     ring = np.array(
-        [
-            [-reach, 0.0],
-            [length + reach, 0.0],
-            [length + reach, thickness],
-            [-reach, thickness],
-        ]
+        [[-reach, 0.0], [length + reach, 0.0], [length + reach, thickness], [-reach, thickness]]
     )
     for turn, side, end in ((left, -1.0, 0.0), (right, 1.0, length)):
         sine, cosine = np.sin(0.5 * turn), np.cos(0.5 * turn)

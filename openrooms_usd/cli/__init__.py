@@ -26,11 +26,7 @@ _COMMANDS: Final = {
     "compare": ("comparing", "compare", "Put renders beside the photographs of a capture."),
     "view": ("viewing", "view", "Look at a room in the browser."),
     "simulate": ("simulating", "simulate", "Let a room settle under gravity."),
-    "dataset": (
-        "datasets",
-        "dataset",
-        "Make datasets: many rooms by one file, or of renders.",
-    ),
+    "dataset": ("datasets", "dataset", "Make datasets: many rooms by one file, or of renders."),
     "relight": ("lighting", "relight", "Turn the lights of a finished render."),
     "probe": ("lighting", "probe", "Make light probes: panoramas and spherical harmonics."),
     "bake": ("baking", "bake", "Write the light as lightmaps, for real-time engines."),

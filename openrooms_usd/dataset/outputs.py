@@ -65,10 +65,7 @@ class _Piece:
 
 
 def write_outputs(
-    store: Store,
-    dataset: Dataset,
-    row: Callable[[Row], Row],
-    progress: Progress = silent,
+    store: Store, dataset: Dataset, row: Callable[[Row], Row], progress: Progress = silent
 ) -> Iterator[str]:
     """Write the forms that are asked for, unless they are written so already.
 

@@ -128,10 +128,7 @@ def _projected(views: DatasetViews, camera: PinholeCamera) -> PinholeCamera:
     ahead = world[:3, 2] if abs(world[2, 2]) < _UPRIGHT else -world[:3, 1]
     level = pose(rotations([ahead[0], ahead[1], 0.0])[0], world[:3, 3])
     return PinholeCamera(
-        panorama_intrinsics(*views.resolution),
-        level,
-        camera.exposure,
-        projection=EQUIRECTANGULAR,
+        panorama_intrinsics(*views.resolution), level, camera.exposure, projection=EQUIRECTANGULAR
     )
 
 

@@ -14,12 +14,7 @@
 
 from openrooms_usd.description.alignment import named_objects
 from openrooms_usd.description.dataset import Dataset
-from openrooms_usd.description.files import (
-    dump_room,
-    load_dataset,
-    load_room,
-    parse_room,
-)
+from openrooms_usd.description.files import dump_room, load_dataset, load_room, parse_room
 from openrooms_usd.description.layout import named_openings
 from openrooms_usd.description.room import Room, room_of
 

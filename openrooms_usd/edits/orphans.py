@@ -92,9 +92,7 @@ def orphans_of(out: Path, name: str = names.EDITS) -> tuple[Orphan, ...]:
     layer = stack[names.STACK.index(name)]
     if not layer.is_file():
         raise InputError(
-            "no such file",
-            place=layer,
-            remedy="name the folder that orusd compose wrote",
+            "no such file", place=layer, remedy="name the folder that orusd compose wrote"
         )
     # The stage keeps its layer alive.
     alone = open_stage(layer)

@@ -9,14 +9,7 @@ from openrooms_usd.furniture import category
 from openrooms_usd.generation.clutter.living import ABOUT
 from openrooms_usd.generation.finishlooks import shell_looks
 from openrooms_usd.generation.items import Item, placed, wrapped
-from openrooms_usd.generation.rooms import (
-    FITTINGS,
-    LIGHT,
-    ON_WALLS,
-    Furnishing,
-    Generated,
-    named,
-)
+from openrooms_usd.generation.rooms import FITTINGS, LIGHT, ON_WALLS, Furnishing, Generated, named
 from openrooms_usd.library.styles.assignment.rooms import surface_of
 from openrooms_usd.library.styles.ensembles import ensemble_of
 from openrooms_usd.library.styles.interiors import Color

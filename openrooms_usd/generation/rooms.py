@@ -181,11 +181,7 @@ def draw_shell(
 
 
 def furnish(
-    room_type: str,
-    seed: int,
-    shell: Shell,
-    style: InteriorStyle | None = None,
-    clutter: int = 0,
+    room_type: str, seed: int, shell: Shell, style: InteriorStyle | None = None, clutter: int = 0
 ) -> Generated:
     """Furniture for a given room, of a style where one is given.
 

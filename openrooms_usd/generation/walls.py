@@ -94,10 +94,7 @@ def ceiling_lamps(room: Arrangement, kit: Kit) -> list[Item]:
 
 
 def _lit(
-    room: Arrangement,
-    kit: Kit,
-    makes: list[tuple[Size, str]],
-    places: list[tuple[float, float]],
+    room: Arrangement, kit: Kit, makes: list[tuple[Size, str]], places: list[tuple[float, float]]
 ) -> list[Item]:
     """Lamps at those of some places where they hang clear of walls and furniture."""
     made: list[Item] = []

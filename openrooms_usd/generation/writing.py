@@ -5,11 +5,7 @@ from collections.abc import Iterator
 from itertools import groupby
 from typing import Any, Final
 
-from openrooms_usd.generation.describing import (
-    layout_section,
-    materials_section,
-    objects,
-)
+from openrooms_usd.generation.describing import layout_section, materials_section, objects
 from openrooms_usd.generation.environments import environment
 from openrooms_usd.generation.lighting import lamps, screens
 from openrooms_usd.generation.moments import moment_of

@@ -51,9 +51,7 @@ def _place(reason: str) -> str:
     return f"({', '.join(f'{float(n):.3f}' for n in numbers)})" if numbers else reason
 
 
-def counter_clockwise(
-    corners: ArrayLike,
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def counter_clockwise(corners: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Turn a polygon counter-clockwise and remember how its edges were numbered.
 
     Args:

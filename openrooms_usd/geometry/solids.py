@@ -22,14 +22,7 @@ _ORIGIN = (0.0, 0.0, 0.0)
 _SAME_M = 1e-9
 
 # Outward axis, then the two axes of each side of a box, so that u x v points outwards.
-_SIDES = (
-    (0, 1, 1, 2),
-    (0, -1, 2, 1),
-    (1, 1, 2, 0),
-    (1, -1, 0, 2),
-    (2, 1, 0, 1),
-    (2, -1, 1, 0),
-)
+_SIDES = ((0, 1, 1, 2), (0, -1, 2, 1), (1, 1, 2, 0), (1, -1, 0, 2), (2, 1, 0, 1), (2, -1, 1, 0))
 
 
 def box(size: Vector, center: Vector = _ORIGIN) -> Mesh:
@@ -130,12 +123,7 @@ def cushion(
 
 
 def cylinder(
-    radius: float,
-    height: float,
-    *,
-    bevel: float = 0.0,
-    segments: int = 32,
-    base: Vector = _ORIGIN,
+    radius: float, height: float, *, bevel: float = 0.0, segments: int = 32, base: Vector = _ORIGIN
 ) -> Mesh:
     """A capped cylinder along Z.
 

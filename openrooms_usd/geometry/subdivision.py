@@ -43,12 +43,7 @@ class Refinement:
 
 
 def refine(
-    cage: Cage,
-    scheme: str,
-    levels: int,
-    *,
-    linear: bool = False,
-    smooth_triangles: bool = False,
+    cage: Cage, scheme: str, levels: int, *, linear: bool = False, smooth_triangles: bool = False
 ) -> Refinement:
     """Refine polygons several times.
 

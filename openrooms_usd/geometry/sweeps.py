@@ -89,9 +89,7 @@ def _prism(
     return _capped(sides, rings, count)
 
 
-def _rounded_sides(
-    corners: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _rounded_sides(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Normals at the start and end of each side: shared where sides turn by less than 40 deg."""
     side = _side_normals(corners)
     weight = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1, keepdims=True)
@@ -128,11 +126,7 @@ def _capped(sides: Mesh, rings: NDArray[np.float64], count: int) -> Mesh:
 
 
 def tube(
-    path: ArrayLike,
-    radius: float | Sequence[float],
-    *,
-    segments: int = 12,
-    closed: bool = False,
+    path: ArrayLike, radius: float | Sequence[float], *, segments: int = 12, closed: bool = False
 ) -> Mesh:
     """A round bar along a polyline, mitred at its corners.
 

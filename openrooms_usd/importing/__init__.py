@@ -5,11 +5,6 @@ importer it is; ``text`` is the description, short and to be changed, ``told`` i
 the capture knows itself.
 """
 
-from openrooms_usd.importing.captures import (
-    ROOM,
-    ImportedRoom,
-    described_capture,
-    import_capture,
-)
+from openrooms_usd.importing.captures import ROOM, ImportedRoom, described_capture, import_capture
 
 __all__ = ["ROOM", "ImportedRoom", "described_capture", "import_capture"]

@@ -11,13 +11,7 @@ from typing import Any, Final
 
 from openrooms_usd.adapters import IMPORTERS, load
 from openrooms_usd.atomic import filling, replacing, write_bytes, write_text
-from openrooms_usd.capture import (
-    NO_OPTIONS,
-    Capture,
-    Importer,
-    Packed,
-    checked_options,
-)
+from openrooms_usd.capture import NO_OPTIONS, Capture, Importer, Packed, checked_options
 from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.errors import InputError, OutputError, writing

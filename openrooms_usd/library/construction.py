@@ -41,11 +41,7 @@ def density_of(substance: Substance | None) -> float:
 
 
 def mass_of_part(
-    category: str,
-    part: str,
-    substance: Substance | None,
-    points: ArrayLike,
-    triangles: ArrayLike,
+    category: str, part: str, substance: Substance | None, points: ArrayLike, triangles: ArrayLike
 ) -> MassProperties:
     """Mass, centre and inertia of a part from its mesh and from what it is.
 

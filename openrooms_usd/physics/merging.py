@@ -92,9 +92,7 @@ def _pairs(alive: dict[int, Cluster], fresh: set[int], near: float) -> list[Pair
 
 
 def _possible(
-    alive: dict[int, Cluster],
-    pairs: list[Pair],
-    may: Callable[[Array], NDArray[np.bool_]],
+    alive: dict[int, Cluster], pairs: list[Pair], may: Callable[[Array], NDArray[np.bool_]]
 ) -> list[Pair]:
     """Pairs for which the middles between the outermost corners of both may be filled."""
     if not pairs:

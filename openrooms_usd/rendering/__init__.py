@@ -20,13 +20,7 @@ and ``rare_light``, ``bias``, ``fits``, ``lights`` and ``light_store``, which ke
 room beside it.
 """
 
-from openrooms_usd.rendering.contract import (
-    Image,
-    Renderer,
-    RenderRequest,
-    RenderSession,
-    View,
-)
+from openrooms_usd.rendering.contract import Image, Renderer, RenderRequest, RenderSession, View
 from openrooms_usd.rendering.driver import RenderSummary, render_stage
 from openrooms_usd.rendering.scene.legend import Legend
 

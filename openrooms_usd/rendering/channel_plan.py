@@ -52,11 +52,7 @@ class ChannelPlan:
     @property
     def written(self) -> tuple[str, ...]:
         """The channels that views have in the end."""
-        return (
-            *self.asked,
-            *(FLOWS if self.flow else ()),
-            *((DENOISED,) if self.denoiser else ()),
-        )
+        return (*self.asked, *(FLOWS if self.flow else ()), *((DENOISED,) if self.denoiser else ()))
 
     @property
     def rendered(self) -> tuple[str, ...]:

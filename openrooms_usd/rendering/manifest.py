@@ -20,12 +20,7 @@ from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.rendering.contract import Image, RenderRequest, RenderSession, View
 from openrooms_usd.rendering.exr import exr_channels
-from openrooms_usd.rendering.folder import (
-    ERRORS_FILE,
-    grid_file,
-    opening_file,
-    preview_file,
-)
+from openrooms_usd.rendering.folder import ERRORS_FILE, grid_file, opening_file, preview_file
 from openrooms_usd.rendering.lights import view_lights
 from openrooms_usd.rendering.previews import Preview
 from openrooms_usd.rendering.scene.legend import Legend

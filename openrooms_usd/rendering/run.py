@@ -13,13 +13,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import atomic
 from openrooms_usd.channels import definition, each
-from openrooms_usd.description.rendering import (
-    COMPACT,
-    COMPLETE,
-    PHOTOGRAPH,
-    StorageName,
-    ToneName,
-)
+from openrooms_usd.description.rendering import COMPACT, COMPLETE, PHOTOGRAPH, StorageName, ToneName
 from openrooms_usd.errors import RenderError
 from openrooms_usd.exporters import Report
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
@@ -121,10 +115,7 @@ class Run:
         check_view(name, view, request, len(self._lights))
         began = time.perf_counter()
         # Where one of them finds no space, neither appears: the view first, then what lists it.
-        with (
-            atomic.filling(self._out) as lists,
-            atomic.appearing(self._out / name) as beside,
-        ):
+        with atomic.filling(self._out) as lists, atomic.appearing(self._out / name) as beside:
             stored = storing(view, self._storage)
             previews = write_view(beside, view, stored, self._tone, check)
             check()

@@ -105,10 +105,7 @@ class Tone:
 
 
 def fitted_tone(
-    name: ToneName,
-    radiance: Array,
-    exposure: float | None = None,
-    balance: Balance | None = None,
+    name: ToneName, radiance: Array, exposure: float | None = None, balance: Balance | None = None
 ) -> Tone:
     """The tone of a picture.
 

@@ -111,8 +111,7 @@ def find_rooms(
     flat = _within(thinned.moved(stands.level_from_scan), storey)
     # The largest of those that were seen well: half-seen ones may be larger than they are.
     found = sorted(
-        find_layout(flat, stands, options),
-        key=lambda room: -_area(room.corners) * room.coverage,
+        find_layout(flat, stands, options), key=lambda room: -_area(room.corners) * room.coverage
     )
     rooms = tuple(_room(room, flat, stands) for room in found)
     return FoundLayout(stands, _within(cloud.moved(stands.level_from_scan), storey), rooms)

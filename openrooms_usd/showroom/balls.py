@@ -139,11 +139,7 @@ def _ball(size: float) -> Mesh:
     lean = np.linspace(0.0, math.pi, rows + 1)[:, None]
     turn = np.linspace(-0.5 * math.pi, 1.5 * math.pi, columns + 1)
     normal = np.stack(
-        [
-            -np.cos(lean) + 0.0 * turn,
-            -np.sin(lean) * np.cos(turn),
-            np.sin(lean) * np.sin(turn),
-        ],
+        [-np.cos(lean) + 0.0 * turn, -np.sin(lean) * np.cos(turn), np.sin(lean) * np.sin(turn)],
         axis=-1,
     ).reshape(-1, 3)
     st = np.stack(np.broadcast_arrays(lean * radius, turn * radius), axis=-1).reshape(-1, 2)

@@ -44,10 +44,7 @@ _ROUND_SIDES: Final = 64
 
 
 def pusher(
-    position: tuple[float, float],
-    *,
-    mass: float = 0.27,
-    bumper: tuple[float, float] = (0.05, 0.15),
+    position: tuple[float, float], *, mass: float = 0.27, bumper: tuple[float, float] = (0.05, 0.15)
 ) -> Body:
     """A square robot that two rails carry over the floor, always facing +X.
 

@@ -169,10 +169,7 @@ def _instances(
         return  # whoever reads the instancer says what is wrong
     try:
         placed = instancer.ComputeInstanceTransformsAtTime(
-            when,
-            when,
-            UsdGeom.PointInstancer.ExcludeProtoXform,
-            UsdGeom.PointInstancer.IgnoreMask,
+            when, when, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
         )
     except Tf.ErrorException:
         return

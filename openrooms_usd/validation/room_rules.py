@@ -203,10 +203,7 @@ ROOM_RULES: Final = (
         "wholly or in part out of the room: {}",
     ),
     RoomRule(
-        "camera-inside",
-        cameras_inside,
-        "move the camera or the thing",
-        "inside of things: {}",
+        "camera-inside", cameras_inside, "move the camera or the thing", "inside of things: {}"
     ),
     RoomRule("overlap", overlaps, "move one of the two, or leave it out", "deep in others: {}"),
     RoomRule(

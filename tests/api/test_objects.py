@@ -188,10 +188,7 @@ WRONG: dict[str, tuple[type[Exception], Callable[[ou.Scene], object]]] = {
     "no object is named 'chiar'.*'chair'": (UnknownNameError, lambda s: s.objects["chiar"]),
     "part of the room's shell": (InputError, lambda s: s.shell["wall_0"].move(1)),
     "expected 2 or 3 finite numbers": (InputError, lambda s: s.objects["chair"].place((1,))),
-    "a size is positive": (
-        InputError,
-        lambda s: s.objects["chair"].place((1, 1), size=(1, 1, 0)),
-    ),
+    "a size is positive": (InputError, lambda s: s.objects["chair"].place((1, 1), size=(1, 1, 0))),
     r"color\[0\]: expected at most 1": (
         DescriptionError,
         lambda s: s.objects["chair"].set_color((255, 0, 0)),
@@ -203,10 +200,7 @@ WRONG: dict[str, tuple[type[Exception], Callable[[ou.Scene], object]]] = {
         lambda s: s.add("chair", (1, 1), name="chair"),
     ),
     "no such file": (InputError, lambda s: s.add("box", (1, 1), file="nowhere.obj")),
-    "description of this scene is not known": (
-        InputError,
-        lambda s: ou.open_scene(s).recompose(),
-    ),
+    "description of this scene is not known": (InputError, lambda s: ou.open_scene(s).recompose()),
 }
 
 

@@ -76,9 +76,7 @@ def test_cameras_of_ones_own_are_written_at_their_sizes(
         assert np.allclose(written[name].world_from_camera, camera.world_from_camera)
 
 
-def test_a_camera_of_ones_own_sees_what_the_stages_camera_sees(
-    renderer: ou.OpenRenderer,
-) -> None:
+def test_a_camera_of_ones_own_sees_what_the_stages_camera_sees(renderer: ou.OpenRenderer) -> None:
     name = renderer.cameras[0]
     own = renderer.render(name, "depth")
     same = ou.Camera(own.K, own.world_from_camera, SIZE)

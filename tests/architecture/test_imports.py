@@ -113,16 +113,7 @@ FOR_CONVERTERS = {
     "urls",
     "package",
 }
-HEAVY = {
-    "pxr",
-    "mitsuba",
-    "drjit",
-    "trimesh",
-    "scipy",
-    "shapely",
-    "OpenImageIO",
-    "embreex",
-}
+HEAVY = {"pxr", "mitsuba", "drjit", "trimesh", "scipy", "shapely", "OpenImageIO", "embreex"}
 # Imported by `orusd --help`; numpy is in because the description and the command line need none.
 INSTANT = ("api", "cli", "description", "errors", "names", "adapters", "atomic")
 

@@ -56,12 +56,7 @@ def row(data, run=0, *, rooms=(), said="", seconds=1.0):
 
 def test_a_scan_is_also_run_on_its_side_and_in_millimetres(data):
     (capture,) = captures(data)
-    assert [run.name for run in capture.runs] == [
-        "plain",
-        "nolabels",
-        "on its side",
-        "millimetres",
-    ]
+    assert [run.name for run in capture.runs] == ["plain", "nolabels", "on its side", "millimetres"]
     assert [run.change for run in capture.runs] == ["", "strip", "on its side", "millimetres"]
     assert Path(capture.runs[0].words[1]) == (data / "data/room/scan.ply").resolve()
     assert len(captures(data, derived=False)[0].runs) == 2

@@ -1,14 +1,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.building.openings import (
-    MARGIN,
-    around,
-    clamped,
-    free_span,
-    misfit,
-    too_close,
-)
+from openrooms_usd.building.openings import MARGIN, around, clamped, free_span, misfit, too_close
 from openrooms_usd.building.shell import Hole
 from openrooms_usd.building.walls import walls_of
 from openrooms_usd.geometry.polygons import counter_clockwise

@@ -80,9 +80,7 @@ def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> Non
 
 
 @pytest.mark.slow
-def test_a_room_that_moves_on_is_written_by_its_new_number(
-    finished: tuple[Store, Dataset],
-) -> None:
+def test_a_room_that_moves_on_is_written_by_its_new_number(finished: tuple[Store, Dataset]) -> None:
     """As where another one is put before it: its views stay, what forms call it does not."""
     store, dataset = finished
     wished = asking(dataset, **{"as": "webdataset"})

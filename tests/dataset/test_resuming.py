@@ -105,9 +105,7 @@ def test_a_poisoned_room_is_recorded_and_the_rest_is_there(made: tuple[Path, Pat
     assert (whole.damages, whole.views) == ((), 4)
 
 
-def test_variants_share_their_views_and_what_no_material_changes(
-    made: tuple[Path, Path],
-) -> None:
+def test_variants_share_their_views_and_what_no_material_changes(made: tuple[Path, Path]) -> None:
     _, out = made
     main, other = (
         read_render(out / "renders" / "room_good" / name) for name in ("main", "mainDiffMat")

@@ -66,11 +66,7 @@ def test_status_counts_and_tells_reasons(store: Store) -> None:
     found = status_of(store.root)
     assert (found.units, found.finished, found.left) == (3, 1, 1)
     (failure,) = found.failures
-    assert (failure.unit, failure.reason, failure.attempts) == (
-        "room_a/main/view_1",
-        "no light",
-        2,
-    )
+    assert (failure.unit, failure.reason, failure.attempts) == ("room_a/main/view_1", "no light", 2)
     assert found.faults == {"it is dark": 1}
     assert found.as_dict()["failed"] == 1
 

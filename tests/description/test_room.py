@@ -9,13 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from openrooms_usd.description import (
-    Room,
-    dump_room,
-    named_objects,
-    named_openings,
-    parse_room,
-)
+from openrooms_usd.description import Room, dump_room, named_objects, named_openings, parse_room
 from openrooms_usd.description.alignment import FileObject, LibraryCategory, LibraryObject
 from openrooms_usd.description.cameras import LookAtCamera, PoseCamera, SelectedCameras
 from openrooms_usd.description.layout import Opening, PolygonLayout

@@ -5,15 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from openrooms_usd.furniture import (
-    CATEGORIES,
-    Furniture,
-    Parts,
-    Size,
-    make,
-    part_of,
-    styles,
-)
+from openrooms_usd.furniture import CATEGORIES, Furniture, Parts, Size, make, part_of, styles
 from openrooms_usd.geometry.raycast import RayCaster
 
 

@@ -4,12 +4,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.pinhole import (
-    intrinsics,
-    look_at,
-    pixel_directions,
-    rotations,
-)
+from openrooms_usd.geometry.pinhole import intrinsics, look_at, pixel_directions, rotations
 from openrooms_usd.geometry.rotations import is_rotation
 
 

@@ -2,13 +2,7 @@ import numpy as np
 import pytest
 import shapely
 
-from openrooms_usd.geometry.polygons import (
-    counter_clockwise,
-    defect,
-    grown,
-    triangulated,
-    turns,
-)
+from openrooms_usd.geometry.polygons import counter_clockwise, defect, grown, triangulated, turns
 
 SQUARE = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
 

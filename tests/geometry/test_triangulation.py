@@ -8,12 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.triangulation import (
-    TriangleMesh,
-    bounding_box,
-    has_area,
-    triangulate,
-)
+from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box, has_area, triangulate
 
 Array = NDArray[np.float64]
 
@@ -68,10 +63,7 @@ def test_a_dented_quad_is_cut_at_its_dent(dent: int) -> None:
 def test_mixed_faces_keep_their_numbers_and_order() -> None:
     plan = np.array([[0.0, 0], [4, 0], [4, 1], [1, 1], [1, 2], [4, 2], [4, 3], [0, 3]])  # a C
     points = np.concatenate(
-        [
-            np.c_[plan, np.zeros(8)],
-            [[9, 0, 0], [10, 0, 0], [10, 1, 0], [9, 1, 0]],
-        ]
+        [np.c_[plan, np.zeros(8)], [[9, 0, 0], [10, 0, 0], [10, 1, 0], [9, 1, 0]]]
     )
     counts = np.array([3, 8, 2, 4, 0], dtype=np.int32)
     indices = np.array([8, 9, 10, *range(8), 0, 1, 8, 9, 10, 11], dtype=np.int32)

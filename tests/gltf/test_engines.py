@@ -10,11 +10,7 @@ from tests.gltf.reading import read
 
 # docs/engines.md: what both read, or may pass over.
 READ_BY_BOTH = {"KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_transmission"}
-PASSED_OVER = {
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_specular",
-}
+PASSED_OVER = {"KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_specular"}
 
 
 def test_the_checks_that_the_page_names_are_there() -> None:

@@ -129,11 +129,7 @@ SMALLER = {"compression": "draco", "pictures": "webp"}
     ids=str,
 )
 def test_three_js_shows_the_same_room(
-    name: str,
-    options: dict[str, str],
-    scene: Callable[[str], Path],
-    node: Node,
-    tmp_path: Path,
+    name: str, options: dict[str, str], scene: Callable[[str], Path], node: Node, tmp_path: Path
 ) -> None:
     """Each pixel the same prim, and its colour."""
     glb = written(scene(name), tmp_path / "room.glb", **options)

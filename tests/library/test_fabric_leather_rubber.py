@@ -175,8 +175,7 @@ def test_repeats_are_whole_multiples_and_never_finer_than_texels() -> None:
 
 
 @pytest.mark.parametrize(
-    "weave",
-    [pattern("X.", ".X"), twill(3, 1), twill(2, 2), satin(8, 3), pointed(twill(2, 2), 12)],
+    "weave", [pattern("X.", ".X"), twill(3, 1), twill(2, 2), satin(8, 3), pointed(twill(2, 2), 12)]
 )
 def test_the_thread_on_top_is_the_one_that_the_weave_says(weave: np.ndarray) -> None:
     """At the middle of each crossing, rows of the weave running down as those of the picture."""

@@ -263,8 +263,7 @@ def test_draco_without_its_decoder_names_the_package(
 
 
 @pytest.mark.parametrize(
-    "folder",
-    ["furniture_glb", "ikea_furniture_parts/assembled", "sweethome3d_furniture/resources"],
+    "folder", ["furniture_glb", "ikea_furniture_parts/assembled", "sweethome3d_furniture/resources"]
 )
 def test_real_models(folder: str, real: Callable[[str], Path], tmp_path: Path) -> None:
     files = [path for path in sorted(real(folder).iterdir()) if path.suffix in {".obj", ".glb"}]

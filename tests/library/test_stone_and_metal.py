@@ -18,11 +18,7 @@ from openrooms_usd.library.textures.rough_stone.masonry import JOINT, STANDARD, 
 
 Field = NDArray[np.float64]
 
-FAMILIES: dict[str, Family] = {
-    **rough_stone.FAMILIES,
-    **specular_stone.FAMILIES,
-    **metal.FAMILIES,
-}
+FAMILIES: dict[str, Family] = {**rough_stone.FAMILIES, **specular_stone.FAMILIES, **metal.FAMILIES}
 
 
 def order(

@@ -256,10 +256,7 @@ def test_a_url_without_a_dataset_is_told(server: Server, tmp_path: Path) -> None
 
 def test_paths_do_not_leave_the_cache(tmp_path: Path) -> None:
     files = RemoteFiles("memory://evil", tmp_path / "cache")
-    with (
-        pytest.raises(InputError, match="leaves the folder"),
-        files.local({"../../out": "0" * 64}),
-    ):
+    with pytest.raises(InputError, match="leaves the folder"), files.local({"../../out": "0" * 64}):
         pass
     assert not (tmp_path / "out").exists()
     assert [path.name for path in tmp_path.iterdir()] == ["cache"]

@@ -200,11 +200,7 @@ def test_texels_grow_until_they_fit(tmp_path: Path) -> None:
 
 def test_what_makes_no_lightmap_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = _two_of_a_kind(tmp_path)
-    for wrong in (
-        {"texel_m": 0.0},
-        {"side": 1},
-        {"most_texels": 1},
-    ):
+    for wrong in ({"texel_m": 0.0}, {"side": 1}, {"most_texels": 1}):
         with pytest.raises(InputError):
             bake_stage(source, tmp_path / "out", RenderSettings(), AtlasLayout(**wrong))
     with pytest.raises(InputError, match="scattered 0 times"):

@@ -70,10 +70,7 @@ def layout() -> str:
             if b > a and high > low:
                 one, other = (start + (end - start) * t / length for t in (a, b))
                 quads.append(
-                    (
-                        f"{SCENE}_wall",
-                        [(*one, low), (*other, low), (*other, high), (*one, high)],
-                    )
+                    (f"{SCENE}_wall", [(*one, low), (*other, low), (*other, high), (*one, high)])
                 )
     return obj(quads)
 

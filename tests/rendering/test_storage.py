@@ -188,14 +188,7 @@ def test_the_manifest_says_how_each_channel_is_stored(compact: RenderedView) -> 
     assert stored["radiance"]["compression"].startswith("dwaa:")
     assert {*entry["files"].values()} == {
         f"a/{name}.exr"
-        for name in (
-            "channels",
-            "light",
-            "lights",
-            "masks",
-            "environment",
-            "environment_direct",
-        )
+        for name in ("channels", "light", "lights", "masks", "environment", "environment_direct")
     }
     # Anybody's reader gets nits by the scale.
     source = OpenImageIO.ImageInput.open(str(compact.folder / "light.exr"))

@@ -170,9 +170,7 @@ def test_rooms_that_stand_apart_are_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_both_rooms_of_a_laser_scan_with_the_door_between_them(
-    real: Callable[[str], Path],
-) -> None:
+def test_both_rooms_of_a_laser_scan_with_the_door_between_them(real: Callable[[str], Path]) -> None:
     from openrooms_usd.capture import read_capture
 
     scan = real("real_dev") / "data/laser_offset/scan.ply"

@@ -28,10 +28,7 @@ from tests.scan.walled_rooms import (
 
 WINDOWED = frame_of(1, (0.8, 2.0), (0.9, 2.1), depth=0.08, label=WINDOW)
 PASSAGE = [Sheet(0, (2.5, 3.4), (0.0, 2.1))]
-CLOSED = [
-    *casing_of(2, (1.0, 1.9), 2.05, 0.015),
-    Sheet(2, (1.0, 1.9), (0.0, 2.05), 0.0, DOOR),
-]
+CLOSED = [*casing_of(2, (1.0, 1.9), 2.05, 0.015), Sheet(2, (1.0, 1.9), (0.0, 2.05), 0.0, DOOR)]
 
 
 def in_wall(opening: FoundOpening, corners: np.ndarray = CORNERS) -> np.ndarray:

@@ -6,16 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from openrooms_usd.scan.placement.correcting import Placement, place
 from openrooms_usd.scan.results import FoundObject
-from tests.scan.placement_cases import (
-    MODELS,
-    found,
-    meets,
-    outside,
-    overlaps,
-    points,
-    room,
-    shifts,
-)
+from tests.scan.placement_cases import MODELS, found, meets, outside, overlaps, points, room, shifts
 
 TABLE = found(1, "table", (2, 1.5, 0))
 

@@ -126,10 +126,7 @@ def cube(matrix: str = IDENTITY, scale: str = "(1, 1, 1)", category: str = "Chai
 
 BAD_LAYERS = {
     "no geometry": (component(""), "neither a cube nor a mesh"),
-    "by rows": (
-        cube("( (1, 0, 0, 5), (0, 1, 0, 1), (0, 0, 1, 2), (0, 0, 0, 1) )"),
-        "row by row",
-    ),
+    "by rows": (cube("( (1, 0, 0, 5), (0, 1, 0, 1), (0, 0, 1, 2), (0, 0, 0, 1) )"), "row by row"),
     "left-handed": (cube(scale="(1, 1, -1)"), "left-handed"),
     "sheared": (cube("( (1, 0, 0, 0), (0.6, 0.8, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) )"), "shears"),
     "NaN": (cube("( (nan, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) )"), "out of range"),

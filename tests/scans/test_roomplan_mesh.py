@@ -237,12 +237,7 @@ def test_furniture_models_stand_in_their_boxes(scanner, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "roomplan_libroom",
-        "real_dev/data/roomplan_library",
-        "real_dev/data/roomplan_kitchen",
-    ],
+    "name", ["roomplan_libroom", "real_dev/data/roomplan_library", "real_dev/data/roomplan_kitchen"]
 )
 def test_a_real_export_says_the_same_in_both_formats(real, scanner, name: str) -> None:
     folder = real(name)

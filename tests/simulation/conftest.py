@@ -58,11 +58,7 @@ def solid(mass: float, size: tuple[float, float, float]) -> MassProperties:
 
 
 def brick(
-    name: str,
-    size: tuple[float, float, float],
-    mass: float,
-    pose: Array,
-    mu: float = 0.5,
+    name: str, size: tuple[float, float, float], mass: float, pose: Array, mu: float = 0.5
 ) -> Body:
     """A solid box about its own origin."""
     shape = Shape("box", triangles(box(size)), Contact(mu, mu))

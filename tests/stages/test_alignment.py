@@ -176,8 +176,7 @@ def test_valid_for_everybody(
     categories: list[str], tmp_path: Path, assert_valid: Callable[..., None]
 ) -> None:
     _compose(
-        tmp_path,
-        [{"category": name, "at": [1 + 0.5 * i, 2]} for i, name in enumerate(categories)],
+        tmp_path, [{"category": name, "at": [1 + 0.5 * i, 2]} for i, name in enumerate(categories)]
     )
     layer = Sdf.Layer.FindOrOpen(str(tmp_path / "layers" / "layout.usda"))
     scene = Sdf.Layer.CreateNew(str(tmp_path / "scene.usda"))

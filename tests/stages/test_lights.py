@@ -110,8 +110,7 @@ def test_a_black_night(tmp_path: Path) -> None:
     assert dome(stage).radiance.tolist() == [0.0, 0.0, 0.0]
     with pytest.raises(DescriptionError, match="black sky cannot give 5 lux"):
         compose(
-            tmp_path,
-            room(environment={"from": "constant", "illuminance": 5, "color": [0, 0, 0]}),
+            tmp_path, room(environment={"from": "constant", "illuminance": 5, "color": [0, 0, 0]})
         )
 
 

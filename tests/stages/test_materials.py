@@ -13,14 +13,7 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.furniture import category
 from openrooms_usd.furniture.registry import records
-from openrooms_usd.library.styles.finishes import (
-    ANY,
-    FINISHES,
-    GENERIC,
-    METALS,
-    PARTS,
-    finishes_of,
-)
+from openrooms_usd.library.styles.finishes import ANY, FINISHES, GENERIC, METALS, PARTS, finishes_of
 from openrooms_usd.library.textures import FAMILIES, substance_of
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.alignment.stage import AlignmentStage
@@ -50,10 +43,7 @@ def room(**materials: object) -> Room:
     return Room.model_validate(
         {
             "seed": 11,
-            "layout": {
-                "polygon": [[0, 0], [6, 0], [6, 4], [0, 4]],
-                "openings": OPENINGS,
-            },
+            "layout": {"polygon": [[0, 0], [6, 0], [6, 4], [0, 4]], "openings": OPENINGS},
             "alignment": {"objects": OBJECTS},
             "materials": {"resolution": 16, "floor": "oak_planks", **materials},
         }

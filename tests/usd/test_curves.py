@@ -249,14 +249,7 @@ def test_tetrahedra_show_their_outside(said: bool) -> None:
         {
             "surfaceFaceVertexIndices": [
                 Gf.Vec3i(*row)
-                for row in (
-                    (0, 2, 1),
-                    (0, 1, 3),
-                    (0, 3, 4),
-                    (0, 4, 2),
-                    (1, 2, 3),
-                    (2, 4, 3),
-                )
+                for row in ((0, 2, 1), (0, 1, 3), (0, 3, 4), (0, 4, 2), (1, 2, 3), (2, 4, 3))
             ]
         }
         if said

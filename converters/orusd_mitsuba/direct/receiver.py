@@ -79,12 +79,7 @@ def _normal(bsdf: Any, si: Any, side: Any, active: Any) -> Any:
 
 @dr.syntax
 def receive(
-    built: Any,
-    index: LightIndex,
-    first: Callable[[Any], Any],
-    sampler: Any,
-    ray: Any,
-    clear: bool,
+    built: Any, index: LightIndex, first: Callable[[Any], Any], sampler: Any, ray: Any, clear: bool
 ) -> Receiver:
     """The first surface along each ray; clear ones are passed by chance.
 

@@ -46,12 +46,7 @@ class Sky:
             row += 1
 
     def add(
-        self,
-        at: Receiver,
-        direction: Any,
-        density: Any,
-        active: Any,
-        sums: DirectAccumulator,
+        self, at: Receiver, direction: Any, density: Any, active: Any, sums: DirectAccumulator
     ) -> None:
         """Add what comes along a direction that one technique has drawn with a density."""
         active = active & (at.cosine(direction) > 0.0)

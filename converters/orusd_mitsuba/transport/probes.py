@@ -40,12 +40,7 @@ class ProbeIntegrator:
     """
 
     def __init__(
-        self,
-        built: Any,
-        index: LightIndex,
-        position: Array,
-        size: tuple[int, int],
-        depth: int,
+        self, built: Any, index: LightIndex, position: Array, size: tuple[int, int], depth: int
     ) -> None:
         cells = Cells(*size, np.pi)
         point = Points(position[None], PANORAMA[None], np.zeros((1, 3)))

@@ -14,12 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.rendering import RenderRequest
-from openrooms_usd.rendering.bake.request import (
-    LIFT_M,
-    Irradiance,
-    IrradianceRequest,
-    TexelPoints,
-)
+from openrooms_usd.rendering.bake.request import LIFT_M, Irradiance, IrradianceRequest, TexelPoints
 from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import FirstDimensions
 from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator

@@ -200,7 +200,7 @@ class ARKitScenesImporter:
     """Reads the folder of one scan."""
 
     options: Mapping[str, str] = {
-        "fuse": "Fuse one in this many low-resolution depth pictures, in place of the mesh.",
+        "fuse": "Fuse one in this many low-resolution depth pictures, in place of the mesh."
     }
 
     def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:

@@ -55,7 +55,7 @@ class RoomPlanImporter:
 
     options: Mapping[str, str] = {
         "room": "which room: its label, such as livingRoom, its number, or all of a storey as one; "
-        "by default the largest",
+        "by default the largest"
     }
 
     def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:

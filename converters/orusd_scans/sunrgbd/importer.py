@@ -77,7 +77,7 @@ class SunRgbdImporter:
     """Reads one frame of SUN RGB-D."""
 
     options: Mapping[str, str] = {
-        "frame": "Which frame, such as 000017; needed where the source holds several.",
+        "frame": "Which frame, such as 000017; needed where the source holds several."
     }
 
     def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:

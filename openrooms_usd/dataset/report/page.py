@@ -107,8 +107,7 @@ def _environment() -> "jinja2.Environment":
         import jinja2
     except ImportError as error:
         raise MissingPackageError(
-            "a report needs the package 'jinja2'",
-            remedy="pip install 'openrooms-usd[report]'",
+            "a report needs the package 'jinja2'", remedy="pip install 'openrooms-usd[report]'"
         ) from error
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent),

@@ -16,11 +16,7 @@ from openrooms_usd.dataset.tally import DEPTH_BINS, DEPTH_STEP_M
 _HOUR_S: Final = 3600.0
 _VIEWS: Final = 1000
 _PHASES: Final = dict(
-    zip(
-        PHASES,
-        ("composing the room", "translating it", "rendering", "writing"),
-        strict=True,
-    )
+    zip(PHASES, ("composing the room", "translating it", "rendering", "writing"), strict=True)
 )
 
 

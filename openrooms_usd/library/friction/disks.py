@@ -20,11 +20,7 @@ F0: Final = 0.05
 
 
 def evaluate(
-    albedo: ArrayLike,
-    roughness: ArrayLike,
-    metallic: ArrayLike,
-    to_light: Array,
-    to_eye: Array,
+    albedo: ArrayLike, roughness: ArrayLike, metallic: ArrayLike, to_light: Array, to_eye: Array
 ) -> Array:
     """The BRDF of B. Karis (Real Shading in Unreal Engine 4, 2013), as OpenRooms uses it.
 

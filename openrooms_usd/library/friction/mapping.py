@@ -9,11 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.friction.disks import logarithms, reflectance_disks
-from openrooms_usd.library.friction.references import (
-    SUBSTANCES,
-    Reference,
-    counterface_factors,
-)
+from openrooms_usd.library.friction.references import SUBSTANCES, Reference, counterface_factors
 
 # Principal components of the references' log disks that make a code: 98 % of the variance.
 COMPONENTS: Final = 3

@@ -21,11 +21,7 @@ WALK_SECONDS: Final = 10.0
 
 
 def choose_path(
-    spec: str,
-    opened: RenderContext,
-    size: tuple[int, int],
-    seconds: float | None,
-    rate: int,
+    spec: str, opened: RenderContext, size: tuple[int, int], seconds: float | None, rate: int
 ) -> CameraPath:
     """The path that is asked for.
 
@@ -70,10 +66,7 @@ def choose_path(
 
 
 def stage_walk(
-    opened: RenderContext,
-    size: tuple[int, int],
-    times: NDArray[np.float64],
-    rate: int,
+    opened: RenderContext, size: tuple[int, int], times: NDArray[np.float64], rate: int
 ) -> CameraPath:
     """A walk past the cameras of a stage, with the widest of their fields of view.
 

@@ -37,12 +37,7 @@ _ROWS_AT_ONCE: Final = 64
 
 
 def load_picture(
-    texture: Texture,
-    channels: int,
-    limits: Limits,
-    uv: Array,
-    known: Known,
-    side: int = MAX_SIDE,
+    texture: Texture, channels: int, limits: Limits, uv: Array, known: Known, side: int = MAX_SIDE
 ) -> Picture:
     """Read a texture as `pictures.load` does, in 8 bits where that loses nothing.
 

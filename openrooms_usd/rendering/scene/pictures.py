@@ -142,11 +142,7 @@ def evaluate(value: Value, st: Array, channels: int) -> Array:
 
 
 def load(
-    texture: Texture,
-    channels: int,
-    limits: tuple[float, float],
-    uv: Array,
-    side: int = MAX_SIDE,
+    texture: Texture, channels: int, limits: tuple[float, float], uv: Array, side: int = MAX_SIDE
 ) -> Picture:
     """Read a texture and apply its colour space, scale, bias and channel.
 

@@ -118,15 +118,7 @@ _HEAD: Final = struct.calcsize("<4sIIII")
 # What a file may require and is understood, or says nothing of shapes.
 _HARMLESS: Final = ("KHR_materials_", "KHR_lights_", "KHR_texture_transform", "KHR_xmp", _DRACO)
 _BYTES: Final = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
-_NUMBERS: Final = {
-    "SCALAR": 1,
-    "VEC2": 2,
-    "VEC3": 3,
-    "VEC4": 4,
-    "MAT2": 4,
-    "MAT3": 9,
-    "MAT4": 16,
-}
+_NUMBERS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 # Unpacked arrays have no more bytes than this, or so many times the file; compressed ones have.
 _MIN_ARRAY_BYTES: Final = 64 << 20
 _MAX_COMPRESSION_GAIN: Final = 16

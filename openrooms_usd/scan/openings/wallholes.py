@@ -160,10 +160,7 @@ def _halves(whole: Rectangle, rows: int, least_rows: int) -> Iterator[tuple[Rect
     """Pairs of regions for two rectangles: beside a vertical cut, or above each other."""
     least = round(_MIN_WIDTH_M / CELL_M)
     for column in range(whole.left + least, whole.right - least + 1, 2):
-        yield (
-            Rectangle(0, rows, whole.left, column),
-            Rectangle(0, rows, column, whole.right),
-        )
+        yield (Rectangle(0, rows, whole.left, column), Rectangle(0, rows, column, whole.right))
     least = max(least, least_rows)
     for row in range(whole.bottom + least, whole.top - least + 1, 2):
         yield replace(whole, top=row), replace(whole, bottom=row)

@@ -9,12 +9,7 @@ from scipy import ndimage
 
 from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, usual_counts
 from openrooms_usd.scan.openings.rectangles import Rectangle
-from openrooms_usd.scan.openings.wallholes import (
-    HIDDEN_WEIGHT,
-    LABELS,
-    Kind,
-    hole_weights,
-)
+from openrooms_usd.scan.openings.wallholes import HIDDEN_WEIGHT, LABELS, Kind, hole_weights
 from openrooms_usd.scan.openings.wallpicture import WallGrid
 
 Array = NDArray[np.float64]

@@ -47,9 +47,7 @@ class Box:
     def moved(self, matrix: Array) -> "Box":
         """The box after a rigid motion (4, 4)."""
         return Box(
-            matrix[:3, :3] @ self.center + matrix[:3, 3],
-            self.size,
-            _turned(self.rotation, matrix),
+            matrix[:3, :3] @ self.center + matrix[:3, 3], self.size, _turned(self.rotation, matrix)
         )
 
 

@@ -34,10 +34,7 @@ class _Upright:
 
 
 def boxes_of(
-    cloud: Cloud,
-    instance: NDArray[np.int32],
-    numbers: Collection[int],
-    rooms: Sequence[FoundRoom],
+    cloud: Cloud, instance: NDArray[np.int32], numbers: Collection[int], rooms: Sequence[FoundRoom]
 ) -> dict[int, Box]:
     """The boxes of some things, by their numbers.
 

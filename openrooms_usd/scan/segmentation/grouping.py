@@ -288,11 +288,7 @@ def _above_tops(
 
 
 def _with_backs(
-    pieces: Surfels,
-    pairs: Pairs,
-    tops: Sequence[Top],
-    piece_of_top: Sequence[int],
-    found: Numbers,
+    pieces: Surfels, pairs: Pairs, tops: Sequence[Top], piece_of_top: Sequence[int], found: Numbers
 ) -> Numbers:
     """The same; what rises within the outline of a seat and touches it is its back, or its arm."""
     import shapely

@@ -211,10 +211,7 @@ def captured_cuts(
         if hole is None:
             notes.append(f"dropped the {opening.kind} {opening.id}: it does not fit its wall")
             continue
-        lost = max(
-            whole.right - hole.right + hole.left - whole.left,
-            whole.top - hole.top,
-        )
+        lost = max(whole.right - hole.right + hole.left - whole.left, whole.top - hole.top)
         if lost > 1e-3:
             what = f"the {opening.kind} {opening.id} {100.0 * lost:.1f} cm smaller"
             notes.append(f"made {what}, to fit {_words(wall)}")

@@ -152,10 +152,7 @@ def _author_panorama(context: StageContext, environment: FileEnvironment) -> Non
         # 32 bits: the sun is too bright for 16.
         write_exr(target, nits)
     define_dome(
-        context.stage,
-        names.ENVIRONMENT,
-        texture=context.asset(file),
-        rotation=environment.rotate,
+        context.stage, names.ENVIRONMENT, texture=context.asset(file), rotation=environment.rotate
     )
 
 

@@ -105,8 +105,7 @@ class Objects:
             looks_of(stage.GetPrimAtPath(chooser)),
             links,
             ColliderSettings(
-                given.shapes or self.section.shapes,
-                tolerance_of(category, self.section.tolerance),
+                given.shapes or self.section.shapes, tolerance_of(category, self.section.tolerance)
             ),
         )
 

@@ -31,9 +31,7 @@ _MATERIALX: Final = "mtlx"
 _UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
 
 
-def read_preview_surface(
-    material: UsdShade.Material,
-) -> tuple[PreviewSurface, tuple[str, ...]]:
+def read_preview_surface(material: UsdShade.Material) -> tuple[PreviewSurface, tuple[str, ...]]:
     """Read a material's UsdPreviewSurface.
 
     Connections are followed through node graphs and interface inputs. What a `PreviewSurface`

@@ -268,10 +268,7 @@ class _Polygons:
         return units.astype(np.float32)
 
     def _sets(
-        self,
-        primvars: Iterable[tuple[UsdGeom.Primvar, int | None]],
-        corners: Ints,
-        faces: Ints,
+        self, primvars: Iterable[tuple[UsdGeom.Primvar, int | None]], corners: Ints, faces: Ints
     ) -> dict[str, NDArray[np.float32]]:
         """(M, 3, width) primvars at each corner, by their names."""
         sets: dict[str, NDArray[np.float32]] = {}

@@ -117,10 +117,7 @@ def read_points(prim: Usd.Prim) -> Drawn:
     counts = np.full(len(radii) * len(faces), 3, np.int32)
     losses.append(f"each point is drawn as a ball of {len(faces)} triangles")
     balls = Mesh(
-        places.reshape(-1, 3),
-        counts,
-        indices.astype(np.int32),
-        normals[indices].astype(np.float32),
+        places.reshape(-1, 3), counts, indices.astype(np.int32), normals[indices].astype(np.float32)
     )
     return Drawn(balls, losses, lambda values, _: _each(values, len(points))[kept])
 

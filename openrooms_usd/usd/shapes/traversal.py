@@ -315,10 +315,7 @@ def instances_of(
         return _UNFIT
     try:
         placed = instancer.ComputeInstanceTransformsAtTime(
-            TIME,
-            TIME,
-            UsdGeom.PointInstancer.ExcludeProtoXform,
-            UsdGeom.PointInstancer.IgnoreMask,
+            TIME, TIME, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
         )
     except Tf.ErrorException:
         placed = None

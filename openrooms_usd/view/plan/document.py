@@ -14,12 +14,7 @@ from openrooms_usd.errors import DescriptionError, OrusdError, OutputError
 from openrooms_usd.stages.layout.stage import described_plan, plan_of
 from openrooms_usd.untrusted import read_bytes, read_text
 from openrooms_usd.view.plan.drawing import Drawing
-from openrooms_usd.view.plan.underlay import (
-    Underlay,
-    first_drawing,
-    underlay_of,
-    walls_of_a_seed,
-)
+from openrooms_usd.view.plan.underlay import Underlay, first_drawing, underlay_of, walls_of_a_seed
 
 SECTION: Final = "layout"
 _REMEDY: Final = "`orusd import` makes one of a capture"

@@ -45,10 +45,7 @@ def test_a_real_scan_is_corrected_saved_and_composed(
     file = import_capture("scan", source, tmp_path / "room").file
     session = Session(file)
     before = session.history.now
-    with (
-        serving(session.app()) as server,
-        opened(server.address, size=(1200, 800)) as page,
-    ):
+    with serving(session.app()) as server, opened(server.address, size=(1200, 800)) as page:
         page.wait("document.getElementById('points')?.dataset.loaded")
         assert page.evaluate("document.getElementById('draft').getClientRects().length") == 0
         x, y = before.corners[1]
@@ -104,10 +101,7 @@ def served(tmp_path: Path) -> Path:
 
 
 def test_keys_refusals_and_a_change_by_another_program(served: Path, tmp_path: Path) -> None:
-    with (
-        serving(Session(served).app()) as server,
-        opened(server.address, size=(1000, 700)) as page,
-    ):
+    with serving(Session(served).app()) as server, opened(server.address, size=(1000, 700)) as page:
         page.wait("document.body.dataset.ready")
         page.drag(page.middle("[data-wall='1']"), place(page, "#plan", 5.5, 2.0))
         count(page, 1)
@@ -141,10 +135,7 @@ def test_keys_refusals_and_a_change_by_another_program(served: Path, tmp_path: P
         page.wait("document.getElementById('refusal').textContent.includes('too small')")
         assert page.evaluate("document.querySelectorAll('[data-hole]').length") == 0
         assert all("422" in message for message in page.messages)
-    with (
-        serving(Session(served).app()) as server,
-        opened(server.address, size=(1000, 700)) as page,
-    ):
+    with serving(Session(served).app()) as server, opened(server.address, size=(1000, 700)) as page:
         page.wait("document.getElementById('draft').getClientRects().length")
         page.click_on("#draft-take")
         count(page, 1)

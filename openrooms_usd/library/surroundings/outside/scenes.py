@@ -372,12 +372,6 @@ def _courtyard(grown: Nursery) -> Scene:
 
 
 SCENES: Final[Mapping[str, Callable[[Nursery], Scene]]] = MappingProxyType(
-    {
-        "street": _street,
-        "garden": _garden,
-        "hills": _hills,
-        "city": _city,
-        "courtyard": _courtyard,
-    }
+    {"street": _street, "garden": _garden, "hills": _hills, "city": _city, "courtyard": _courtyard}
 )
 """Scenes by name."""

@@ -7,10 +7,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.textures.base import vocabulary as tx
-from openrooms_usd.library.textures.wood.boards import (
-    planks,
-    staves,
-)
+from openrooms_usd.library.textures.wood.boards import planks, staves
 from openrooms_usd.library.textures.wood.species import (
     ASH,
     BEECH,
