@@ -115,13 +115,14 @@ class _Reading:
     def text(self, node: Any) -> str:
         """A node as text, without docstrings; the same for every version of Python."""
         if isinstance(node, list):
-            return f"[{','.join(self.text(each) for each in node if not _is_docstring(each))}]"
+            return f"[{','.join([self.text(each) for each in node if not _is_docstring(each)])}]"
         if not isinstance(node, ast.AST):
             return repr(node)
         self._note(node)
         is_typing = isinstance(node, ast.If) and _is_typing(node.test)
         parts = []
-        for name, value in ast.iter_fields(node):
+        for name in node._fields:
+            value = getattr(node, name, None)
             # Fields that newer versions add are empty where nothing new is used.
             if value is None or value == []:
                 continue

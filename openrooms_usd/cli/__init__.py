@@ -1,5 +1,6 @@
 """The command line: each command is imported when it is called, so that ``--help`` is instant."""
 
+import gc
 import sys
 from importlib import import_module
 from typing import Final
@@ -38,6 +39,10 @@ _COMMANDS: Final = {
 }
 
 
+# New objects between two looks for cycles. At 700, looks at what was imported take a tenth.
+_GARBAGE_THRESHOLD: Final = 20_000
+
+
 class LazyGroup(click.Group):
     """A group that knows its commands by table and imports the one that is called."""
 
@@ -70,6 +75,7 @@ def main() -> None:
     """Run the command line; errors for people become one message and an exit code."""
     from openrooms_usd.cli.interruption import leave, prompt_interrupts
 
+    gc.set_threshold(_GARBAGE_THRESHOLD, *gc.get_threshold()[1:])
     try:
         with prompt_interrupts():
             orusd(standalone_mode=False)
