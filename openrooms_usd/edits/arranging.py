@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import chain, count
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom
@@ -16,7 +16,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.snapping import Spot, hung, snapped
-from openrooms_usd.edits.targets import furniture
+from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
@@ -24,8 +24,10 @@ from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.places.placements import author_placed
 from openrooms_usd.usd.semantics import label, read_label
 
-# Between an object and its copy, metres.
+# Between an object and its copy, metres; how far copies go to stand free, and in what steps.
 _APART_M: Final = 0.05
+_FAR_M: Final = 4.0
+_STEP_M: Final = 0.25
 # What is that near to the floor stands on it, metres.
 _ON_FLOOR_M: Final = 0.1
 
@@ -47,6 +49,7 @@ class Standing:
         size: Width, depth and height, metres.
         low: Least x and y of its box in its own frame, scaled, metres.
         high: Greatest x and y.
+        bottom: Least z, metres.
     """
 
     name: str
@@ -59,6 +62,7 @@ class Standing:
     size: tuple[float, float, float]
     low: tuple[float, float]
     high: tuple[float, float]
+    bottom: float = 0.0
 
 
 def standing(prim: Usd.Prim) -> Standing:
@@ -84,6 +88,7 @@ def standing(prim: Usd.Prim) -> Standing:
         tuple((high - low).tolist()),
         tuple(low[:2].tolist()),
         tuple(high[:2].tolist()),
+        float(low[2]),
     )
 
 
@@ -155,7 +160,9 @@ def duplicate(scene: Path, name: str) -> Standing:
         StageError: The room would not compose.
     """
     with editing(scene) as stage:
-        original, room = furniture(stage, name), surroundings(stage)
+        original = furniture(stage, name)
+        thing = standing(original)
+        spot = beside(stage, thing)
         path = free_path(stage, original.GetPath().ReplaceName(f"{name}_copy"))
         layer = stage.GetEditTarget().GetLayer()
         spec = Sdf.CreatePrimInLayer(layer, path)
@@ -164,8 +171,8 @@ def duplicate(scene: Path, name: str) -> Standing:
         spec.instanceable = original.IsInstanceable()
         # Also when the original is taken away.
         spec.active = True
-        thing, copy = standing(original), stage.GetPrimAtPath(path)
-        _write(stage, copy, _moved(copy, beside(room, thing), thing.z))
+        copy = stage.GetPrimAtPath(path)
+        _write(stage, copy, _moved(copy, spot, thing.z))
         return standing(copy)
 
 
@@ -204,19 +211,54 @@ def relabel(scene: Path, name: str, category: str) -> Standing:
         return standing(prim)
 
 
-def beside(room: Surroundings, thing: Standing) -> Spot:
-    """A place next to an object: to its right, or where a wall leaves more room."""
+def beside(stage: Usd.Stage, thing: Standing) -> Spot:
+    """A free place next to an object: to its right, or where walls and others leave room.
+
+    Args:
+        stage: The composed room.
+        thing: The object.
+
+    Returns:
+        The nearest place where it is inside of the walls and in no other's box; where there is
+        none, the one beside it that walls leave most room.
+    """
+    import shapely
+
+    room, others = surroundings(stage), [standing(prim) for prim in all_furniture(stage)]
     here, width, depth = np.array([thing.x, thing.y]), *thing.size[:2]
+    taken = [_footprint(each) for each in others if _share_heights(thing, each)]
+    walls = shapely.Polygon(room.walls[:, 0]).buffer(_ON_FLOOR_M) if len(room.walls) > 2 else None
     found = []
-    for turn, side in ((0.0, width), (180.0, width), (-90.0, depth), (90.0, depth)):
-        way = in_plan(np.radians(thing.yaw + turn))[:, 0] * (side + _APART_M)
-        x, y = (here + way).tolist()
-        spot = settled(room, thing, Spot(x, y, thing.yaw))
-        apart = float(np.linalg.norm(np.array([spot.x, spot.y]) - here)) - side
-        if apart >= 0.0:
-            return spot
-        found.append((apart, spot))
+    for more in np.arange(0.0, _FAR_M, _STEP_M):
+        for turn, side in ((0.0, width), (180.0, width), (-90.0, depth), (90.0, depth)):
+            way = in_plan(np.radians(thing.yaw + turn))[:, 0] * (side + _APART_M + more)
+            x, y = (here + way).tolist()
+            spot = settled(room, thing, Spot(x, y, thing.yaw))
+            apart = float(np.linalg.norm(np.array([spot.x, spot.y]) - here)) - side
+            box = _footprint(replace(thing, x=spot.x, y=spot.y, yaw=spot.yaw))
+            free = (walls is None or walls.covers(box)) and not any(map(box.intersects, taken))
+            if apart >= 0.0 and free:
+                return spot
+            found.append((apart if more == 0.0 else -np.inf, spot))
     return max(found)[1]
+
+
+def _footprint(thing: Standing) -> Any:
+    """Its box from above, a polygon of shapely."""
+    import shapely
+
+    (x0, y0), (x1, y1) = thing.low, thing.high
+    corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+    turned = corners @ in_plan(np.radians(thing.yaw)).T + [thing.x, thing.y]
+    return shapely.Polygon(turned)
+
+
+def _share_heights(one: Standing, other: Standing) -> bool:
+    """Whether two things can be in each other's way: rugs and what hangs above cannot."""
+    return (
+        one.z + one.bottom < other.z + other.bottom + other.size[2]
+        and other.z + other.bottom < one.z + one.bottom + one.size[2]
+    )
 
 
 def free_path(stage: Usd.Stage, path: Sdf.Path) -> Sdf.Path:

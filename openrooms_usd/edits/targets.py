@@ -56,6 +56,12 @@ def furniture(stage: Usd.Stage, name: str) -> Usd.Prim:
     return prim
 
 
+def all_furniture(stage: Usd.Stage) -> list[Usd.Prim]:
+    """The objects of the room."""
+    group = stage.GetPrimAtPath(names.FURNITURE)
+    return [each for each in group.GetChildren() if each.IsA(UsdGeom.Xformable)] if group else []
+
+
 def parts_meant(stage: Usd.Stage, path: str, scope: Scope) -> list[Sdf.Path]:
     """The surfaces that are meant by pointing at one of them.
 

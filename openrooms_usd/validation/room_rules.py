@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pxr import Usd
 
 from openrooms_usd import names
 from openrooms_usd.furniture import category
@@ -219,6 +220,25 @@ ROOM_RULES: Final = (
         "nothing shines, neither a lamp nor the sky by an opening: pictures are black",
     ),
 )
+
+
+def about(stage: Usd.Stage, path: str) -> list[str]:
+    """What is wrong with where one thing of a room stands.
+
+    Args:
+        stage: The composed room.
+        path: The thing's prim.
+
+    Returns:
+        A sentence for each complaint.
+    """
+    subject, name = Subject(stage), path.rpartition("/")[2]
+    found = [*outside_room(subject), *overlaps(subject), *sizes(subject)]
+    return [
+        f"{place.rpartition('/')[2]}: {said}"
+        for place, said in found
+        if place == path or said.endswith(f" in {name}")
+    ]
 
 
 def told(subject: Subject) -> Iterator[str]:

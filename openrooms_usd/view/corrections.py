@@ -182,7 +182,7 @@ class Hints(Fields):
         if instance is None:
             return super().duplicate(name)
         thing = standing(furniture(stage, name))
-        spot, copy = beside(surroundings(stage), thing), f"{name}_copy"
+        spot, copy = beside(stage, thing), f"{name}_copy"
         row = {
             "name": copy,
             "category": thing.category,

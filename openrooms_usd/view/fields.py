@@ -81,8 +81,7 @@ class Fields:
     def duplicate(self, name: str) -> Standing:
         """Put a copy of an object beside it."""
         stage = open_stage(self.scene)
-        room, thing = surroundings(stage), standing(furniture(stage, name))
-        copy = name
+        thing, copy = standing(furniture(stage, name)), name
 
         def change(objects: Objects) -> None:
             nonlocal copy
@@ -90,7 +89,7 @@ class Fields:
             taken = {prim.GetName() for prim in stage.GetPrimAtPath(names.FURNITURE).GetChildren()}
             numbered = (f"{name}_copy_{number}" for number in range(2, len(taken) + 4))
             copy = next(one for one in (f"{name}_copy", *numbered) if one not in taken)
-            objects.rows[copy] = {**row, "name": copy, **_placed(stage, row, beside(room, thing))}
+            objects.rows[copy] = {**row, "name": copy, **_placed(stage, row, beside(stage, thing))}
 
         self.described.change_objects(change)
         return self._standing(copy)

@@ -1,9 +1,9 @@
 """The page in which people move furniture, and say what it is."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
-from pxr import Usd, UsdGeom
 from pydantic import Field
 
 from openrooms_usd import names
@@ -13,11 +13,12 @@ from openrooms_usd.description.units import Angle, Length
 from openrooms_usd.edits.arranging import Standing, settled, standing
 from openrooms_usd.edits.remaking import choices
 from openrooms_usd.edits.snapping import Spot
-from openrooms_usd.edits.targets import furniture
+from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.validation.room_rules import about
 from openrooms_usd.view.app import App, Command
 from openrooms_usd.view.corrections import Corrections
 from openrooms_usd.view.room import room_glb, room_state
@@ -77,11 +78,15 @@ def objects_app(held: Corrections) -> App:
                 else spot._asdict()
             )
 
+    def changed(change: Callable[[], Standing]) -> dict[str, Any]:
+        """Tell of an object that was changed, and what is wrong with where it stands now."""
+        done = held.done(lambda: _told(change()))
+        with quiet():
+            return {**done, "warnings": about(open_stage(scene), done["object"]["path"])}
+
     def placed(given: _Placed) -> dict[str, Any]:
         spot = _spot(given)
-        return held.done(
-            lambda: _told(target.place(given.name, spot, size=given.size, snap=given.snap))
-        )
+        return changed(lambda: target.place(given.name, spot, size=given.size, snap=given.snap))
 
     def removed(given: _Named) -> dict[str, Any]:
         def change() -> dict[str, Any]:
@@ -92,16 +97,14 @@ def objects_app(held: Corrections) -> App:
 
     def remade(given: _Remade) -> dict[str, Any]:
         kind, keep = given.category, given.keep_size
-        return held.done(
-            lambda: _told(target.remake(given.name, given.style, kind, keep_size=keep))
-        )
+        return changed(lambda: target.remake(given.name, given.style, kind, keep_size=keep))
 
     def state() -> dict[str, Any]:
         stage = open_stage(scene)
         return {
             **room_state(scene),
             **held.told(),
-            "objects": [_told(thing)["object"] for thing in _objects(stage)],
+            "objects": [_told(standing(prim))["object"] for prim in all_furniture(stage)],
             "categories": {name: list(CATEGORIES[name].styles) for name in sorted(CATEGORIES)},
             "floor": surroundings(stage).floor,
         }
@@ -117,22 +120,15 @@ def objects_app(held: Corrections) -> App:
             "remake": Command(_Remade, remade),
             "remove": Command(_Named, removed),
             "duplicate": Command(
-                _Named, lambda given: held.done(lambda: _told(target.duplicate(given.name)))
+                _Named, lambda given: changed(lambda: target.duplicate(given.name))
             ),
             "relabel": Command(
-                _Labelled,
-                lambda given: held.done(lambda: _told(target.relabel(given.name, given.category))),
+                _Labelled, lambda given: changed(lambda: target.relabel(given.name, given.category))
             ),
             **held.commands(),
         },
         watched=(held.history.file,),
     )
-
-
-def _objects(stage: Usd.Stage) -> list[Standing]:
-    group = stage.GetPrimAtPath(names.FURNITURE)
-    children = group.GetChildren() if group else ()
-    return [standing(prim) for prim in children if prim.IsA(UsdGeom.Xformable)]
 
 
 def _spot(given: _Spot) -> Spot:

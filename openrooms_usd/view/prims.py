@@ -9,6 +9,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.usd.cameras import PINHOLE, list_cameras, photograph, read_camera
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label
@@ -45,6 +46,16 @@ def prims_of(stage: Usd.Stage) -> list[dict[str, Any]]:
 def shell_of(prims: list[dict[str, Any]]) -> list[str]:
     """The paths of walls, the ceiling and what is in them."""
     return [prim["path"] for prim in prims if prim.get("category") in names.SHELL]
+
+
+def hung_of(prims: list[dict[str, Any]]) -> list[str]:
+    """The paths of furniture that hangs on walls."""
+    hung = {name for name, record in CATEGORIES.items() if record.support == "wall"}
+    return [
+        prim["path"]
+        for prim in prims
+        if prim.get("category") in hung and prim["path"].startswith(f"{names.FURNITURE}/")
+    ]
 
 
 def _is_guide(prim: Usd.Prim) -> bool:

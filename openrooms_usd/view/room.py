@@ -158,7 +158,14 @@ def besides(
 def room_state(path: Path) -> dict[str, Any]:
     """What the page is told of a stage: prims, joints, looks, cameras and the plan."""
     # Stages are of USD, whose import takes a while.
-    from openrooms_usd.view.prims import cameras_of, joints_of, looks_of, prims_of, shell_of
+    from openrooms_usd.view.prims import (
+        cameras_of,
+        hung_of,
+        joints_of,
+        looks_of,
+        prims_of,
+        shell_of,
+    )
 
     stage = open_stage(path)
     with reading(path):
@@ -166,6 +173,7 @@ def room_state(path: Path) -> dict[str, Any]:
         return {
             "prims": prims,
             "shell": shell_of(prims),
+            "hung": hung_of(prims),
             "joints": joints_of(stage),
             "looks": looks_of(stage),
             "cameras": cameras_of(stage),

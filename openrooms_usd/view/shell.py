@@ -30,11 +30,18 @@ _HTML: Final = """<!doctype html>
 </head>
 <body>
 <main id="page"></main>
+<p id="loading" class="told">loading …</p>
 {body}
 <script type="module"{nonce}>
-import {{ start }} from "orusd/{page}.js";
-await start(document.getElementById("page"));
-document.body.dataset.ready = "yes";
+const loading = document.getElementById("loading");
+try {{
+  const {{ start }} = await import("orusd/{page}.js");
+  await start(document.getElementById("page"));
+  document.body.dataset.ready = "yes";
+}} catch (error) {{
+  loading.textContent = [error.message, error.place, error.remedy].filter(Boolean).join("\\n");
+  throw error;
+}}
 </script>
 </body>
 </html>

@@ -192,7 +192,7 @@ def test_what_is_refused_is_said_and_the_picture_is_as_it_was(scene: Path, shown
     page.wait(
         "document.getElementById('told').className == 'wrong' && document.body.dataset.busy == '0'"
     )
-    assert "size" in page.evaluate("document.getElementById('told').textContent")
+    assert "width" in page.evaluate("document.getElementById('told').textContent")
     assert np.array(page.evaluate(where)) == pytest.approx(before) and objects(scene)["chair_1"]
 
 

@@ -100,7 +100,7 @@ def test_a_scan_is_shown_as_its_points(shown: Shown, tmp_path: Path) -> None:
     np.savetxt(tmp_path / "scan.xyz", places, fmt="%.4f")
     app = scan_app(tmp_path / "scan.xyz")
     page = shown(app)
-    count = page.wait("Number(document.body.dataset.points)")
+    count = page.wait("Number(document.body.dataset.points ?? 0)")
     assert count > 4000
     held = app.resources["scan.points"]()
     assert len(held) == 4 + 15 * count

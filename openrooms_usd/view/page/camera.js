@@ -11,12 +11,13 @@ const STEEPEST = Math.PI / 2 - 0.001;
 // OpenCV's axes of a camera (right, down, forward) to WebGL's (right, up, backward).
 const FLIP = [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1];
 // Where keys are letters.
-const WRITING = "input:not([type=checkbox]):not([type=range]), select, textarea";
+export const WRITING = "input:not([type=checkbox]):not([type=range]), select, textarea";
 const KEYS = { KeyW: [0, 1], ArrowUp: [0, 1], KeyS: [0, -1], ArrowDown: [0, -1],
   KeyA: [-1, 0], ArrowLeft: [-1, 0], KeyD: [1, 0], ArrowRight: [1, 0] };
 
 /**
- * A camera on a canvas. Left drag turns, right drag or Shift moves aside, the wheel goes nearer;
+ * A camera on a canvas. Left drag turns, right drag or Shift moves aside, the wheel goes nearer, two
+ * fingers do both;
  * in `walk` the eye stays at 1.6 m, drags turn the head, W A S D or arrows go.
  */
 export class Camera {
@@ -143,6 +144,13 @@ export class Camera {
     this.changed();
   }
 
+  /** One of two fingers goes on while the other rests. */
+  pinched(other, last, now) {
+    const [before, after] = [last, now].map((at) => Math.max(1, Math.hypot(at[0] - other[0], at[1] - other[1])));
+    this.moved((now[0] - last[0]) / 2, (now[1] - last[1]) / 2);
+    this.nearer(1000 * Math.log(before / after));
+  }
+
   nearer(amount) {
     this.settle();
     if (this.mode === "walk") return;
@@ -152,22 +160,26 @@ export class Camera {
 
   listen() {
     const { canvas } = this;
-    let last = null;
+    const down = new Map();
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("pointerdown", (event) => {
       if (this.held(event)) return;
-      last = [event.clientX, event.clientY];
+      down.set(event.pointerId, [event.clientX, event.clientY]);
       canvas.setPointerCapture(event.pointerId);
     });
     canvas.addEventListener("pointermove", (event) => {
+      const last = down.get(event.pointerId);
       if (!last || this.held(event)) return;
-      const [dx, dy] = [event.clientX - last[0], event.clientY - last[1]];
-      last = [event.clientX, event.clientY];
+      const now = [event.clientX, event.clientY];
+      const [dx, dy] = [now[0] - last[0], now[1] - last[1]];
+      down.set(event.pointerId, now);
       if (!dx && !dy) return;
-      if (event.shiftKey || event.buttons & 6) this.moved(dx, dy);
+      const other = [...down].find(([id]) => id !== event.pointerId)?.[1];
+      if (other) this.pinched(other, last, now);
+      else if (event.shiftKey || event.buttons & 6) this.moved(dx, dy);
       else this.turned(dx, dy);
     });
-    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { last = null; });
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, (event) => down.delete(event.pointerId));
     canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.nearer(event.deltaY); }, { passive: false });
     this.listenToKeys();
   }

@@ -1,6 +1,7 @@
 // What pages share in which a room is corrected: commands one after the other, taking back,
 // composing again, and what other programs change meanwhile.
 
+import { MOVING, folding, helping, undoing } from "orusd/frame.js";
 import { button, complain, element, section, tell } from "orusd/panel.js";
 import { openRoom } from "orusd/room.js";
 import * as source from "orusd/source.js";
@@ -10,13 +11,18 @@ const PAUSE_MS = 500;
 
 /** A room that is corrected, and the panel beside it. */
 export class Correcting {
-  /** renewed(state): called with what is told of the room, first and whenever it has changed. */
-  static async open(root, renewed) {
+  /**
+   * renewed(state): called with what is told of the room, first and whenever it has changed.
+   * help: rows of what else mouse and keys do.
+   */
+  static async open(root, renewed, help = []) {
     const canvas = element("canvas", { id: "view", tabIndex: 0 });
     const panel = element("aside", { className: "panel" });
     root.append(element("div", { className: "stand" }, canvas), panel);
+    folding(panel);
+    helping([...MOVING, ...help, ["Ctrl+Z", "undo"], ["Ctrl+Y, Ctrl+Shift+Z", "redo"]]);
     const [state, glb] = await Promise.all([source.state(), source.resource("room.glb")]);
-    const room = await openRoom(canvas, glb, { shell: state.shell });
+    const room = await openRoom(canvas, glb, state);
     canvas.room = room;
     const made = new Correcting(room, panel, state, renewed);
     const box = room.bounds(state.shell) ?? room.bounds();
@@ -33,13 +39,10 @@ export class Correcting {
       redo: button("redo", "redo", () => this.again("redo")),
       compose: button("compose", "compose", () => this.again("compose")),
     };
+    const fit = button("fit", "fit view", () => room.fit());
     panel.append(element("div", { id: "told", className: "told" }),
-      section("Changes", "changes", element("div", { className: "buttons" }, ...Object.values(this.buttons))));
-    addEventListener("keydown", (event) => {
-      if (!(event.ctrlKey || event.metaKey) || event.code !== "KeyZ") return;
-      event.preventDefault();
-      this.again(event.shiftKey ? "redo" : "undo");
-    });
+      section("Changes", "changes", element("div", { className: "buttons" }, ...Object.values(this.buttons), fit)));
+    undoing(() => this.again("undo"), () => this.again("redo"));
     source.listen(({ event }) => { if (event === "changed") this.look(); });
     this.know(state);
     this.mark(0);
@@ -63,10 +66,12 @@ export class Correcting {
     this.mark(1);
     const run = async () => {
       try {
+        if (command === "compose") tell("composing …");
         const reply = await source.send(command, given);
         this.know(reply);
         shown(reply);
-        tell(reply.notes?.length && command === "compose" ? reply.notes.join("\n") : words);
+        if (reply.warnings?.length) complain(new Error(reply.warnings.join("\n")));
+        else tell(reply.notes?.length && command === "compose" ? reply.notes.join("\n") : words);
         return reply;
       } catch (error) {
         complain(error);
@@ -86,7 +91,7 @@ export class Correcting {
   }
 
   again(command) {
-    return this.send(command, {}, { words: { undo: "taken back", redo: "made again", compose: "composed" }[command] });
+    return this.send(command, {}, { words: { undo: "undone", redo: "redone", compose: "composed" }[command] });
   }
 
   /** Somebody has changed the file: look whether it was us. */

@@ -7,7 +7,7 @@ import * as source from "orusd/source.js";
 /** Fill the page. */
 export async function start(root) {
   const page = new Page();
-  const held = await Correcting.open(root, (state) => page.renew(state));
+  const held = await Correcting.open(root, (state) => page.renew(state), [["click", "select a part"]]);
   page.fill(held, await source.state());
 }
 

@@ -2,7 +2,7 @@
 
 import { Correcting } from "orusd/correcting.js";
 import * as m from "orusd/matrix.js";
-import { button, choice, element, facts, row, section, tick } from "orusd/panel.js";
+import { button, choice, complain, element, facts, row, section, tick } from "orusd/panel.js";
 import * as source from "orusd/source.js";
 
 const ROOT = "/World/Furniture/";
@@ -18,7 +18,9 @@ const SAME = "";
 /** Fill the page. */
 export async function start(root) {
   const page = new Page();
-  const held = await Correcting.open(root, (state) => page.renew(state));
+  const help = [["drag a selected object", "move it; its handle turns it"], ["Q, E", "turn it"], ["arrows", "move it; with Shift finely"],
+    ["Delete", "remove it"]];
+  const held = await Correcting.open(root, (state) => page.renew(state), help);
   page.fill(held, await source.state());
 }
 
@@ -41,7 +43,6 @@ class Page {
       element("div", { className: "buttons" },
         button("duplicate", "duplicate", () => this.duplicate()),
         button("delete", "delete", () => this.remove())),
-      element("p", { className: "told" }, "drag a chosen object; Q and E turn it, arrows move it, Shift does so finely"),
     );
     room.onPick((found) => this.choose(nameOf(found?.path)));
     room.camera.held = (event) => this.holds(event);
@@ -87,12 +88,14 @@ class Page {
     if (!one) return this.fields.replaceChildren();
     const field = (id, value, change) => row(id, element("input", { id, type: "number", step: "any",
       value: Number(value.toFixed(3)), onchange: (event) => change(Number(event.target.value)) }));
-    const size = (k) => (value) => this.place(one, one.size.map((before, at) => (at === k ? value : before)));
+    const size = (id, k) => (value) => (value > 0
+      ? this.place(one, one.size.map((before, at) => (at === k ? value : before)))
+      : complain(new Error(`${id}: give more than 0 m`)));
     this.fields.replaceChildren(
       field("x", one.x, (x) => this.place({ ...one, x })),
       field("y", one.y, (y) => this.place({ ...one, y })),
       field("yaw", one.yaw, (yaw) => this.place({ ...one, yaw })),
-      ...["width", "depth", "height"].map((id, k) => field(id, one.size[k], size(k))));
+      ...["width", "depth", "height"].map((id, k) => field(id, one.size[k], size(id, k))));
   }
 
   /** Its outline on the floor, and the handle by which it is turned. */
@@ -200,8 +203,8 @@ class Page {
 
   async duplicate() {
     if (!this.one) return;
-    const reply = await this.held.send("duplicate", { name: this.name });
-    if (reply) this.name = reply.object.name;
+    // It is selected when the room is read anew, which knows it.
+    await this.held.send("duplicate", { name: this.name }, { shown: ({ object }) => { this.name = object.name; } });
   }
 
   remove() {

@@ -1,6 +1,7 @@
 // A room's plan over its scan. What a change makes of it is Python's to say: the page shows it.
 
 import { Elevation } from "orusd/elevation.js";
+import { folding, helping, undoing } from "orusd/frame.js";
 import { heightPicker } from "orusd/heights.js";
 import { listen, send, state } from "orusd/source.js";
 import { TopView } from "orusd/topview.js";
@@ -12,10 +13,10 @@ const FRAME = `
       doors.</p></div>
   </section>
   <aside class="panel">
-    <p id="draft" class="row" hidden>Changes of before were not saved.
-      <button id="draft-take">take up</button><button id="draft-drop">drop</button></p>
+    <p id="draft" class="row" hidden>There are unsaved changes from last time.
+      <button id="draft-take">restore</button><button id="draft-drop">discard</button></p>
     <div class="row">
-      <button id="undo" title="Ctrl+Z">undo</button><button id="redo" title="Ctrl+Y">redo</button>
+      <button id="undo" title="Ctrl+Z">undo</button><button id="redo" title="Ctrl+Y, Ctrl+Shift+Z">redo</button>
       <button id="save" title="Ctrl+S">save</button>
       <label><input type="checkbox" id="snap" checked> snap (g)</label>
     </div>
@@ -24,7 +25,8 @@ const FRAME = `
       <button id="remove" title="Delete">remove</button>
       <label><input type="checkbox" id="build"> draw inner walls (i)</label>
     </div>
-    <div class="row"><label for="kind">draw</label><select id="kind">
+    <div class="row"><button id="fit" title="f">fit view</button></div>
+    <div class="row"><label for="kind">opening type</label><select id="kind">
       <option value="">door or window</option><option>window</option><option>door</option>
       <option value="opening">passage</option></select></div>
     <p id="refusal" class="wrong"></p>
@@ -36,16 +38,23 @@ const FRAME = `
     <svg id="heights"></svg>
     <h2>Selected</h2><p id="selected" class="told"></p>
     <h2>Found</h2><div id="rooms" class="row"></div>
-    <p class="told"><span id="area"></span> m²; <span id="clicks">0</span> clicks,
+    <p class="told"><span id="area"></span> m²; <span id="clicks">0 clicks</span>,
       <span id="saved"></span></p>
-    <p class="told">Drag corners and walls; double-click a wall to split it. Wheel zooms, a drag of
-      the ground moves it.</p>
     <div id="notes" class="told"></div>
   </aside>`;
+
+const HELP = [
+  ["drag a corner or a wall", "move it"], ["double-click a wall", "split it"], ["click a wall", "show its openings below"],
+  ["drag the ground", "move the plan"], ["wheel", "nearer, farther"], ["F", "fit the plan into the window"],
+  ["G", "snap"], ["I", "draw inner walls"], ["Q", "square up"], ["Delete", "remove what is selected"],
+  ["Ctrl+Z", "undo"], ["Ctrl+Y, Ctrl+Shift+Z", "redo"], ["Ctrl+S", "save"],
+];
 
 /** Fill the page. */
 export async function start(root) {
   root.innerHTML = FRAME;
+  folding(root.querySelector(".panel"));
+  helping(HELP);
   new Editor(await state());
 }
 
@@ -65,9 +74,11 @@ class Editor {
     element("notes").replaceChildren(...told.notes.map((note) => line(note)));
     this.#buttons(Object.keys(told.found));
     document.addEventListener("keydown", (event) => this.#key(event));
+    undoing(() => this.do("undo"), () => this.do("redo"));
+    element("fit").addEventListener("click", () => this.top.fit());
     document.addEventListener("pointerdown", () => {
       this.clicks += 1;
-      element("clicks").textContent = this.clicks;
+      element("clicks").textContent = this.clicks === 1 ? "1 click" : `${this.clicks} clicks`;
     }, { capture: true });
     listen(({ event }) => { if (event === "changed") this.do("reload"); });
     this.show(told);
@@ -233,8 +244,6 @@ class Editor {
     if (event.target.matches("input[type=number], select")) return;
     const key = (event.ctrlKey || event.metaKey ? "Ctrl+" : "") + event.key.toLowerCase();
     const actions = {
-      "Ctrl+z": () => this.do(event.shiftKey ? "redo" : "undo"),
-      "Ctrl+y": () => this.do("redo"),
       "Ctrl+s": () => this.do("save"),
       delete: () => this.#remove(),
       backspace: () => this.#remove(),
@@ -242,6 +251,7 @@ class Editor {
       g: () => element("snap").click(),
       i: () => element("build").click(),
       q: () => this.change("square"),
+      f: () => this.top.fit(),
     };
     if (!(key in actions)) return;
     event.preventDefault();

@@ -2,7 +2,8 @@
 //
 // What other pages build on:
 //
-//   room = await openRoom(canvas, glb, { shell })   glb: an ArrayBuffer, or null; shell: paths of walls and the like
+//   room = await openRoom(canvas, glb, { shell, hung })   glb: an ArrayBuffer, or null; shell: paths of walls and
+//                                  the like; hung: paths of what hangs on walls
 //   room.select(paths)             mark prims and all below them
 //   room.onPick((found, event))    a click: found is { path, point, normal }, or null for nothing;
 //                                  path is a mesh's, point and normal are in the room's frame
@@ -21,18 +22,19 @@
 //
 // All places are metres in the room's frame, Z up, as in the stage that orusd composes.
 
+import { MOVING, folding, helping } from "orusd/frame.js";
 import { element } from "orusd/panel.js";
 import { roomPage } from "orusd/roompage.js";
 import * as source from "orusd/source.js";
 import { Room } from "orusd/viewer.js";
 
 /** A room on a canvas. */
-export async function openRoom(canvas, glb, { shell = [] } = {}) {
+export async function openRoom(canvas, glb, { shell = [], hung = [] } = {}) {
   const room = new Room(canvas);
   // So that a page's other tools, and tests, find it.
   canvas.room = room;
   await room.load(glb);
-  room.enclose(shell);
+  room.enclose(shell, hung);
   return room;
 }
 
@@ -42,8 +44,10 @@ export async function start(root) {
   const stand = element("div", { className: "stand" }, canvas);
   const panel = element("aside", { className: "panel" });
   root.append(stand, panel);
+  folding(panel);
+  helping([...MOVING, ["W A S D, arrows", "walk, where that is ticked"], ["click", "select a prim"]]);
   const state = await source.state();
   const glb = state.glb ? await source.resource("room.glb") : null;
-  const room = await openRoom(canvas, glb, { shell: state.shell });
+  const room = await openRoom(canvas, glb, state);
   await roomPage(room, state, { stand, panel });
 }

@@ -26,7 +26,7 @@ export async function roomPage(room, state, { stand, panel }) {
     const prim = known.get(path);
     room.select(path ? [path] : []);
     prims.choose(path);
-    about.replaceChildren(...(prim ? [told(prim), ...opinions(path)] : []));
+    about.replaceChildren(...(prim ? [told(whole(prim, known)), ...opinions(path)] : []));
     document.body.dataset.prim = path ?? "";
   };
   room.onPick((found) => choose(found && nearest(found.path, known)));
@@ -40,9 +40,9 @@ export async function roomPage(room, state, { stand, panel }) {
     ...lit,
     section("View", "ways",
       tick("walk", "walk (W A S D)", false, (on) => room.camera.become(on ? "walk" : "orbit")),
-      tick("outside", "walls between are left out", true, (on) => { room.outside = on; room.draw(); }),
+      tick("outside", "hide near walls", true, (on) => { room.outside = on; room.draw(); }),
       ...(state.plan.length ? [tick("plan", "plan", false, (on) => { planned = on; overlayPlan(); })] : [])),
-    ...measuring(room),
+    ...measuring(room, stand),
     ...scan(room, state),
     ...(state.prims.length ? tracing(room, stand) : []),
     section("Prim", "prim", about),
@@ -70,6 +70,17 @@ export async function roomPage(room, state, { stand, panel }) {
 }
 
 const byPath = (state) => new Map(state.prims.map((prim) => [prim.path, prim]));
+
+/** A prim with what only the object that it is a part of is said to have. */
+function whole(prim, known) {
+  const found = { ...prim };
+  for (let end = prim.path.lastIndexOf("/"); end > 0; end = prim.path.lastIndexOf("/", end - 1)) {
+    const { category, mass } = known.get(prim.path.slice(0, end)) ?? {};
+    found.category ??= category;
+    found.mass ??= mass;
+  }
+  return found;
+}
 
 /** What is known of a prim. */
 function told(prim) {

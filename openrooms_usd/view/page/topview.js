@@ -12,7 +12,8 @@ export class TopView {
     [this.left, this.right, this.bottom, this.top] = told.box;
     this.svg = shape(holder, "svg", { id: "plan", preserveAspectRatio: "xMidYMid meet" });
     const [left, right, bottom, top] = told.look;
-    this.look(left, top, right - left, top - bottom);
+    this.home = [left, top, right - left, top - bottom];
+    this.fit();
     // Metres with y upwards.
     this.group = shape(this.svg, "g", { transform: "scale(1 -1)" });
     this.under = shape(this.group, "g");
@@ -23,6 +24,9 @@ export class TopView {
     this.svg.addEventListener("wheel", (event) => this.#zoom(event), { passive: false });
     new ResizeObserver(() => this.#sizes()).observe(this.svg);
   }
+
+  /** Show the whole plan. */
+  fit() { this.look(...this.home); }
 
   /** Show a part of the plan, by its upper left corner and its size in metres. */
   look(left, top, width, height) {

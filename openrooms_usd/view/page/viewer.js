@@ -1,6 +1,6 @@
 // A room on a canvas: what it shows, what is picked, what is moved.
 
-import { Camera } from "orusd/camera.js";
+import { Camera, WRITING } from "orusd/camera.js";
 import { Frame, buffer, context, program } from "orusd/gl.js";
 import { parse } from "orusd/glb.js";
 import * as m from "orusd/matrix.js";
@@ -13,6 +13,8 @@ const MARK = [0.16, 0.55, 1];
 const TONES = { srgb: 0, film: 1, photograph: 2 };
 // A press that moves farther than this is no click, pixels.
 const CLICK_PX = 4;
+// What hangs on a wall is so near to it, metres.
+const BESIDE_M = 0.05;
 const NOTHING = { nodes: [], meshes: [], materials: [], textures: [], images: [] };
 const BACK = [0.62, 0.68, 0.74];
 
@@ -32,12 +34,15 @@ export class Room {
     this.matt = 1;
     this.outside = true;
     this.shell = [];
+    this.hung = [];
     this.overlays = new Map();
     /** Finds a point of a scan at a place of the canvas, where one is shown. */
     this.points = null;
     /** Called with a camera of the state that somebody has jumped into. */
     this.jumps = [];
     this.handlers = { pick: [], draw: [] };
+    /** Called with what is clicked in place of all who listen, while a tool is in use. */
+    this.tool = null;
     this.hidden = new Set();
     this.wanted = false;
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -155,6 +160,8 @@ export class Room {
       const inside = eye.every((value, k) => value > box[0][k] - 0.3 && value < box[1][k] + 0.3);
       if (!inside) for (const { path, middle, normal } of this.shell)
         if (m.dot(m.add(eye, middle, -1), normal) > 0) hidden.add(path);
+      for (const { path, walls } of this.hung)
+        if (walls.length && walls.every((wall) => hidden.has(wall))) hidden.add(path);
     }
     const before = this.surfaces.hidden;
     if (before.size === hidden.size && [...hidden].every((path) => before.has(path))) return false;
@@ -162,8 +169,8 @@ export class Room {
     return true;
   }
 
-  /** What the room's shell is made of: walls, ceilings and what is in them. */
-  enclose(paths) {
+  /** What the room's shell is made of: walls, ceilings and what is in them; hung: what hangs there. */
+  enclose(paths, hung = []) {
     this.box = this.bounds(paths);
     if (!this.box) return;
     this.camera.box = this.box;
@@ -175,9 +182,17 @@ export class Room {
         const thin = size.indexOf(Math.min(...size));
         const normal = [0, 0, 0];
         normal[thin] = Math.sign(at[thin] - middle[thin]) || 1;
-        return { path, middle: at, normal };
+        return { path, middle: at, normal, box: [low, high] };
       });
+    this.hung = hung.map((path) => ({ path, walls: this.wallsOf(this.bounds([path])) }));
     this.refresh();
+  }
+
+  /** The parts of the shell beside which a box stands upright. */
+  wallsOf(box) {
+    const near = ({ box: [low, high], normal }) => !normal[2] && box[0].every((value, k) => (
+      value < high[k] + BESIDE_M && box[1][k] > low[k] - BESIDE_M));
+    return box ? this.shell.filter(near).map(({ path }) => path) : [];
   }
 
   /** Draw into a frame, or on the canvas; output: 0 for people, 1 light in nits, 2 base colour. */
@@ -299,15 +314,27 @@ export class Room {
     return pixels;
   }
 
+  /** See the whole room, from where it is looked at. */
+  fit() {
+    const box = this.box ?? this.bounds();
+    if (box) this.camera.frame(...box);
+  }
+
   listen() {
+    addEventListener("keydown", (event) => {
+      if (event.key.toLowerCase() !== "f" || event.ctrlKey || event.metaKey || event.target.matches(WRITING)) return;
+      this.fit();
+    });
     let start = null;
-    this.canvas.addEventListener("pointerdown", (event) => { start = [event.clientX, event.clientY]; });
+    this.canvas.addEventListener("pointerdown", (event) => {
+      start = event.isPrimary ? [event.clientX, event.clientY] : null;
+    });
     this.canvas.addEventListener("pointerup", (event) => {
       const near = start && Math.hypot(event.clientX - start[0], event.clientY - start[1]) <= CLICK_PX;
       start = null;
       if (!near || event.button !== 0 || !this.surfaces) return;
       const found = this.at(event.offsetX, event.offsetY);
-      this.handlers.pick.forEach((handler) => handler(found, event));
+      for (const handler of this.tool ? [this.tool] : this.handlers.pick) handler(found, event);
     });
   }
 }
