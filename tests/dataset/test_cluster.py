@@ -17,10 +17,9 @@ from openrooms_usd.dataset.cluster import RayExecutor
 from openrooms_usd.dataset.executor import Wanted
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.errors import InputError, MissingPackageError
+from tests.dataset.conftest import PATIENCE_S, wait_for
 
 HERE = Path(__file__).parent
-_PATIENCE_S = 300.0
-
 Start = Callable[..., subprocess.Popen[str]]
 Checksums = Callable[[Path], dict[str, str]]
 
@@ -95,7 +94,7 @@ def test_a_dataset_has_the_same_bytes_whoever_works(
     process.communicate()
     assert len(hands) == 2
     # Nobody writes when the next run begins.
-    deadline = time.monotonic() + _PATIENCE_S
+    deadline = time.monotonic() + PATIENCE_S
     while any(b"WorkerActor" in command_of(pid) for pid in hands):
         assert time.monotonic() < deadline
         time.sleep(0.05)
@@ -143,13 +142,6 @@ def test_a_node_that_dies_takes_its_views_alone(
         cluster.stdin.close()
     assert status_of(out).finished == 4
     assert checksums(out) == checksums(local)
-
-
-def wait_for(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
-    deadline = time.monotonic() + _PATIENCE_S
-    while not any(out.glob(pattern)):
-        assert process.poll() is None and time.monotonic() < deadline, pattern
-        time.sleep(0.002)
 
 
 def descendants(pid: int) -> list[int]:

@@ -15,22 +15,13 @@ import pytest
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import verify
 from openrooms_usd.rendering.reading import read_render
+from tests.dataset.conftest import PATIENCE_S, wait_for
 from tests.disks import disk
 
 pytestmark = pytest.mark.slow
 
-_PATIENCE_S = 300.0
-
 Checksums = Callable[[Path], dict[str, str]]
 Start = Callable[..., subprocess.Popen[str]]
-
-
-def wait_for(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
-    """Wait until something is there."""
-    deadline = time.monotonic() + _PATIENCE_S
-    while not any(out.glob(pattern)):
-        assert process.poll() is None and time.monotonic() < deadline, pattern
-        time.sleep(0.002)
 
 
 def kill_when(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
@@ -90,7 +81,7 @@ def test_a_clock_that_jumps_changes_nothing(
     for pattern, jump in (("scenes/*/*/layers/*", "+365d"), ("records/*/*/view_0.json", "-365d")):
         wait_for(process, out, pattern)
         clock.write_text(jump)
-    _, wrong = process.communicate(timeout=10 * _PATIENCE_S)
+    _, wrong = process.communicate(timeout=10 * PATIENCE_S)
     assert process.returncode == 1, wrong
     assert checksums(out) == checksums(undisturbed)
 

@@ -19,6 +19,7 @@ from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.work import BEGUN, FAILED, FINISHED
 
 Fate = Callable[[str, int], str]
+Pretend = Callable[[Fate], "Pretending"]
 
 
 class Pretending:
@@ -91,7 +92,7 @@ def finish(store: Store, job: Job, view: int) -> None:
 
 
 @pytest.fixture
-def pretend(monkeypatch: pytest.MonkeyPatch) -> Callable[[Fate], Pretending]:
+def pretend(monkeypatch: pytest.MonkeyPatch) -> Pretend:
     def install(fate: Fate) -> Pretending:
         crew, load = Pretending(fate), adapters.load
         monkeypatch.setattr(
@@ -105,25 +106,25 @@ def pretend(monkeypatch: pytest.MonkeyPatch) -> Callable[[Fate], Pretending]:
 GOOD, BAD = "room_good/main", "room_poisoned/main"
 
 
-def test_what_fails_is_recorded_and_the_rest_goes_on(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+@pytest.mark.parametrize(("fate", "reason"), [("fails", "no light"), ("dies", "the worker died")])
+def test_what_fails_or_dies_is_recorded_and_the_rest_goes_on(
+    fate: str, reason: str, source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
-    crew = pretend(lambda job, view: "fails" if (job, view) == (GOOD, 0) else "")
+    crew = pretend(lambda job, view: fate if (job, view) == (GOOD, 0) else "")
     done = run.run_dataset(source, tmp_path / "out")
-    assert done.failed == {f"{GOOD}/view_0": "no light"}
+    assert done.failed == {f"{GOOD}/view_0": reason}
     assert (done.made, done.kept) == (7, 0)
     assert set(crew.begun.values()) == {1}
 
 
-def test_what_fails_is_tried_so_often(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
-) -> None:
+def test_what_fails_is_tried_so_often(source: Path, tmp_path: Path, pretend: Pretend) -> None:
     source.write_text(source.read_text().replace("retries: 0", "retries: 3"))
     tries: Counter[int] = Counter()
 
     def fate(job: str, view: int) -> str:
         tries[view] += (job, view) == (GOOD, 1)
-        return "fails" if (job, view) == (GOOD, 0) or (tries[1] < 3 and (job, view) == (GOOD, 1)) else ""  # fmt: skip # noqa: E501
+        soon = tries[1] < 3 and (job, view) == (GOOD, 1)
+        return "fails" if (job, view) == (GOOD, 0) or soon else ""
 
     crew = pretend(fate)
     done = run.run_dataset(source, tmp_path / "out")
@@ -135,18 +136,8 @@ def test_what_fails_is_tried_so_often(
     assert (again.made, again.kept) == (0, 7)
 
 
-def test_a_worker_that_dies_takes_one_view_with_it(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
-) -> None:
-    crew = pretend(lambda job, view: "dies" if (job, view) == (GOOD, 0) else "")
-    done = run.run_dataset(source, tmp_path / "out")
-    assert done.failed == {f"{GOOD}/view_0": "the worker died"}
-    assert done.made == 7
-    assert set(crew.begun.values()) == {1}
-
-
 def test_a_room_that_kills_its_worker_takes_its_views_alone(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     pretend(lambda job, view: "dies" if job == GOOD and view < 0 else "")
     done = run.run_dataset(source, tmp_path / "out")
@@ -156,7 +147,7 @@ def test_a_room_that_kills_its_worker_takes_its_views_alone(
 
 @pytest.mark.parametrize(("view", "fate"), [(0, "dies before it says so"), (-1, "dies at the end")])
 def test_what_a_dead_worker_had_finished_is_finished(
-    view: int, fate: str, source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    view: int, fate: str, source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     crew = pretend(lambda job, at: fate if (job, at) == (GOOD, view) else "")
     done = run.run_dataset(source, tmp_path / "out")
@@ -166,7 +157,7 @@ def test_what_a_dead_worker_had_finished_is_finished(
 
 
 def test_what_has_failed_is_not_lost_besides(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     fates = {(GOOD, 1): "fails", (GOOD, -1): "dies at the end"}
     pretend(lambda job, view: fates.get((job, view), ""))
@@ -177,10 +168,7 @@ def test_what_has_failed_is_not_lost_besides(
 
 
 def test_a_disk_that_takes_no_record_of_a_failure_stops_nothing(
-    source: Path,
-    tmp_path: Path,
-    pretend: Callable[[Fate], Pretending],
-    monkeypatch: pytest.MonkeyPatch,
+    source: Path, tmp_path: Path, pretend: Pretend, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pretend(lambda job, view: "fails" if (job, view) == (GOOD, 0) else "")
     write = atomic.write_text
@@ -197,7 +185,7 @@ def test_a_disk_that_takes_no_record_of_a_failure_stops_nothing(
 
 
 def test_the_folder_of_another_dataset_is_refused(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     pretend(lambda job, view: "")
     run.run_dataset(source, tmp_path / "out")

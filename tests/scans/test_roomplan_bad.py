@@ -10,19 +10,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from openrooms_usd.adapters import IMPORTERS, load
-from openrooms_usd.capture import Capture
 from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError
+from tests.scans.roomplan_usdz import pack, read
 
 CORNERS = [[0, 0], [5, 0], [5, 4], [0, 4]]
 HEAD = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'
 IDENTITY = "( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) )"
-
-
-def read(path: Path) -> Capture:
-    capture: Capture = load(IMPORTERS, "roomplan").read(path)
-    return capture
 
 
 def refused(path: Path) -> InputError:
@@ -153,13 +147,6 @@ BAD_LAYERS = {
     "no USD": ("#usda 1.0\ndef Xform {{{", "not readable as USD"),
     "text": ("hello", "not readable as USD"),
 }
-
-
-def pack(path: Path, files: dict[str, str | bytes], **how: Any) -> Path:
-    with zipfile.ZipFile(path, "w", **how) as archive:
-        for name, text in files.items():
-            archive.writestr(name, text)
-    return path
 
 
 @pytest.mark.parametrize("name", BAD_LAYERS)

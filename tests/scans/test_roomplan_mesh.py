@@ -14,8 +14,11 @@ from tests.scans.roomplan_usdz import (
     assert_same,
     component,
     cube,
+    curve_of,
+    curved_front,
     full_room,
     matrix_text,
+    mesh,
     pack,
     read,
 )
@@ -28,15 +31,8 @@ def boxes_mesh(name: str, matrix: list[float], boxes: list[list[float]]) -> str:
     corners = [(x, y, z) for z in (4, 5) for x, y in ((0, 2), (1, 2), (1, 3), (0, 3))]
     points = [tuple(float(box[i]) for i in corner) for box in boxes for corner in corners]
     quads = [(4, 5, 6, 7), (3, 2, 1, 0), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
-    indices = [8 * i + k for i in range(len(boxes)) for quad in quads for k in quad]
-    return (
-        f'    def Mesh "{name}"\n    {{\n'
-        f"        int[] faceVertexCounts = {[4] * (len(indices) // 4)}\n"
-        f"        int[] faceVertexIndices = {indices}\n"
-        f"        point3f[] points = {points}\n"
-        f"        matrix4d xformOp:transform = {matrix_text(matrix)}\n"
-        '        uniform token[] xformOpOrder = ["xformOp:transform"]\n    }\n'
-    )
+    faces = [[8 * i + k for k in quad] for i in range(len(boxes)) for quad in quads]
+    return mesh(name, matrix, points, faces)
 
 
 def wall_mesh(name: str, row: dict[str, Any], inside: list[dict[str, Any]], block: bool) -> str:
@@ -71,14 +67,7 @@ def floor_mesh(name: str, row: dict[str, Any]) -> str:
         for z in (0.0, -THICK):
             faces.append(list(range(len(points), len(points) + 3)))
             points += [(*p, z) for p in three.tolist()]
-    return (
-        f'    def Mesh "{name}"\n    {{\n'
-        f"        int[] faceVertexCounts = {[3] * len(faces)}\n"
-        f"        int[] faceVertexIndices = {[i for face in faces for i in face]}\n"
-        f"        point3f[] points = {points}\n"
-        f"        matrix4d xformOp:transform = {matrix_text(row['transform'])}\n"
-        '        uniform token[] xformOpOrder = ["xformOp:transform"]\n    }\n'
-    )
+    return mesh(name, row["transform"], points, faces)
 
 
 def mesh_layers(data: dict[str, Any]) -> dict[str, str]:
@@ -92,8 +81,8 @@ def mesh_layers(data: dict[str, Any]) -> dict[str, str]:
             if row["parentIdentifier"] == wall["identifier"]
         ]
         folder = f"assets/Mesh/Walls/Wall{i}"
-        mesh = wall_mesh(f"Wall{i}", wall, own, block=i % 2 == 0)
-        layers[f"{folder}/Wall{i}.usda"] = component(f"Wall{i}", "Wall", wall["identifier"], mesh)
+        slab = wall_mesh(f"Wall{i}", wall, own, block=i % 2 == 0)
+        layers[f"{folder}/Wall{i}.usda"] = component(f"Wall{i}", "Wall", wall["identifier"], slab)
         for j, row in enumerate(own):
             kind = next(iter(row["category"]))
             if kind == "opening":
@@ -103,8 +92,8 @@ def mesh_layers(data: dict[str, Any]) -> dict[str, str]:
             )
             name = f"{kind.capitalize()}{i}_{j}"
             w, h = 0.5 * row["dimensions"][0], 0.5 * row["dimensions"][1]
-            mesh = boxes_mesh(name, row["transform"], [[-w, w, -h, h, -0.08, 0.0]])
-            layers[f"{folder}/{name}.usda"] = component(name, word, row["identifier"], mesh)
+            leaf = boxes_mesh(name, row["transform"], [[-w, w, -h, h, -0.08, 0.0]])
+            layers[f"{folder}/{name}.usda"] = component(name, word, row["identifier"], leaf)
     for i, row in enumerate(data["floors"]):
         layers["assets/Mesh/Floors/Floor0.usda"] = component(
             f"Floor{i}", "Floor", row["identifier"], floor_mesh(f"Floor{i}", row)
@@ -170,30 +159,16 @@ def test_a_curved_wall_with_a_thickness_has_the_arc_of_its_front(scanner, tmp_pa
     data = furnished(scanner) | {"windows": []}
     wall, layers = data["walls"][0], mesh_layers(data)
     # Bulging out of the room, whose inside is at -z of this wall: it is thick towards its centre.
-    radius, half, y = 4.0, np.arcsin(2.5 / 4.0), 0.5 * 2.45
-    angles = np.linspace(0.5 * np.pi + half, 0.5 * np.pi - half, 25)
-    rings = []
-    for r in (radius, radius - THICK):
-        x, z = r * np.cos(angles), r * np.sin(angles) - radius * np.cos(half)
-        rings += [np.column_stack([x, np.full(25, side), z]) for side in (-y, y)]
-    faces = [[k + i, k + i + 1, k + i + 26, k + i + 25] for k in (0, 50) for i in range(24)]
-    mesh = (
-        '    def Mesh "Wall0"\n    {\n'
-        f"        int[] faceVertexCounts = {[4] * 48}\n"
-        f"        int[] faceVertexIndices = {[i for face in faces for i in face]}\n"
-        f"        point3f[] points = {[tuple(map(float, p)) for p in np.concatenate(rings)]}\n"
-        f"        matrix4d xformOp:transform = {matrix_text(wall['transform'])}\n"
-        '        uniform token[] xformOpOrder = ["xformOp:transform"]\n    }\n'
+    rows = [curved_front(radius, 5.0) for radius in (4.0, 4.0 - THICK)]
+    faces = [
+        [k + i for i in face] for k, (_, own) in zip((0, 50), rows, strict=True) for face in own
+    ]
+    points = np.concatenate([points for points, _ in rows])
+    layers["assets/Mesh/Walls/Wall0/Wall0.usda"] = component(
+        "Wall0", "Wall", wall["identifier"], mesh("Wall0", wall["transform"], points, faces)
     )
-    name = "assets/Mesh/Walls/Wall0/Wall0.usda"
-    layers[name] = component("Wall0", "Wall", wall["identifier"], mesh)
     usdz = read(pack(tmp_path / "Room.usdz", layers))
-    wall["curve"] = {
-        "radius": radius,
-        "center": [0, -radius * np.cos(half)],
-        "startAngle": 0.5 * np.pi + half,
-        "endAngle": 0.5 * np.pi - half,
-    }
+    wall["curve"] = curve_of(5.0)
     known = read(scanner.write(data))
     assert len(known.floor) > 12
     assert usdz.floor == pytest.approx(known.floor, abs=1e-4)

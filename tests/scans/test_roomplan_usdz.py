@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 from pxr import Sdf, Usd
 
@@ -13,9 +12,11 @@ from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scans.roomplan_usdz import (
     assert_same,
     component,
+    curve_of,
+    curved_front,
     full_room,
     layers_of,
-    matrix_text,
+    mesh,
     pack,
     read,
 )
@@ -45,31 +46,13 @@ def test_a_curved_wall_is_found_in_its_mesh(scanner, tmp_path: Path) -> None:
     data = full_room(scanner) | {"windows": []}
     layers = layers_of(data)
     # Over the edge from (0, 0) to (5, 0): local z looks out of the room.
-    radius, half = 4.0, np.arcsin(2.5 / 4.0)
-    angles = np.linspace(0.5 * np.pi + half, 0.5 * np.pi - half, 25)
-    x, z = radius * np.cos(angles), radius * (np.sin(angles) - np.cos(half))
-    y = 0.5 * 2.45
-    points = [*zip(x, np.full(25, -y), z, strict=True), *zip(x, np.full(25, y), z, strict=True)]
-    faces = [[i, i + 1, i + 26, i + 25] for i in range(24)]
     wall = data["walls"][0]
-    mesh = (
-        '    def Mesh "Wall0"\n    {\n'
-        f"        int[] faceVertexCounts = {[4] * 24}\n"
-        f"        int[] faceVertexIndices = {[i for face in faces for i in face]}\n"
-        f"        point3f[] points = {[tuple(map(float, p)) for p in points]}\n"
-        f"        matrix4d xformOp:transform = {matrix_text(wall['transform'])}\n"
-        '        uniform token[] xformOpOrder = ["xformOp:transform"]\n    }\n'
-    )
+    front = mesh("Wall0", wall["transform"], *curved_front(4.0, 5.0))
     layers["assets/Parametric/walls/Wall0.usda"] = component(
-        "Wall0", "Wall", wall["identifier"], mesh
+        "Wall0", "Wall", wall["identifier"], front
     )
     from_usdz = read(pack(tmp_path / "Room.usdz", layers))
-    wall["curve"] = {
-        "radius": radius,
-        "center": [0, -radius * np.cos(half)],
-        "startAngle": 0.5 * np.pi + half,
-        "endAngle": 0.5 * np.pi - half,
-    }
+    wall["curve"] = curve_of(5.0)
     from_json = read(scanner.write(data))
     assert len(from_json.floor) > 12
     assert from_usdz.floor == pytest.approx(from_json.floor, abs=1e-5)
