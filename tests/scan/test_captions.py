@@ -13,7 +13,7 @@ WINDOW = FoundOpening(
 )
 
 
-def a_room(ceiling: float | None, guessed: tuple[int, ...] = ()) -> FoundRoom:
+def tilted_room(ceiling: float | None, guessed: tuple[int, ...] = ()) -> FoundRoom:
     tilt = np.array([0.0, 0.6, 0.8])
     across, ahead = np.array([1.0, 0, 0]), np.array([0.0, 0.8, -0.6])
     corners = np.stack([0 * tilt, 4 * across, 4 * across + 3 * ahead, 3 * ahead]) + 5.0
@@ -27,7 +27,7 @@ def an_object(shift: float) -> FoundObject:
 
 
 def test_captions_say_what_was_found() -> None:
-    rooms = [a_room(2.5, (1, 3)), a_room(None)]
+    rooms = [tilted_room(2.5, (1, 3)), tilted_room(None)]
     told = [line.text for line in captions(rooms, [an_object(0.08), an_object(0.001)])]
     assert "room 0: 12.0 m2, 2.50 m high" in told
     assert "  guessed: wall 1, 3" in told
@@ -38,7 +38,7 @@ def test_captions_say_what_was_found() -> None:
 
 
 def test_many_captions_stand_in_columns_that_are_not_higher_than_the_plan() -> None:
-    lines = captions([a_room(2.5)], [an_object(0.1)] * 60)
+    lines = captions([tilted_room(2.5)], [an_object(0.1)] * 60)
     one, many = panel(LEGEND, 600), panel(lines, 600)
     assert many.shape[0] <= 600
     assert many.shape[1] > 2 * one.shape[1]

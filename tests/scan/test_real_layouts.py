@@ -14,7 +14,6 @@ from openrooms_usd.scan.openings.detection import find_openings
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.reconstruction import VOXEL_M
 from openrooms_usd.scan.results import FoundOpening
-from tests.scan.real_rooms import found_plans, iou, truth_of
 
 # An opening is found if its middle is so near to that of a true one, metres.
 NEAR_M = 0.4
