@@ -31,6 +31,11 @@ PATIENCE_S = 300.0
 MAIN = "from openrooms_usd.cli import main; main()"
 
 
+Start = Callable[..., subprocess.Popen[str]]
+Made = tuple[Path, Path]
+Checksums = Callable[[Path], dict[str, str]]
+
+
 def start(file: Path, out: object, workers: int = 1, *words: str) -> subprocess.Popen[str]:
     """Begin a run in a process of its own."""
     command = [sys.executable, "-c", MAIN, "dataset", "run", str(file), "-o", str(out), "--json"]

@@ -51,12 +51,6 @@ def numbered(file: str, number: int) -> str:
     return f"{stem}_{number}.{suffix}"
 
 
-@pytest.fixture
-def day(render: RenderedScene, tmp_path: Path) -> Path:
-    """A copy of the render, to be changed."""
-    return Path(shutil.copytree(render.folder, tmp_path / "day"))
-
-
 @pytest.fixture(scope="module")
 def split(render: RenderedScene, tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("split") / "data"

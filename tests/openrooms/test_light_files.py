@@ -3,7 +3,6 @@
 import itertools
 import json
 import pickle
-import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -153,13 +152,12 @@ def test_without_a_sun_another_lobe_comes_first() -> None:
     assert not found["intensitySky"].any() and found["intensityGrd"].all()
 
 
-def test_an_opening_without_a_fit_is_even(render: RenderedScene, tmp_path: Path) -> None:
-    shutil.copytree(render.folder, tmp_path / "day")
-    manifest = json.loads((tmp_path / "day/manifest.json").read_text())
+def test_an_opening_without_a_fit_is_even(day: Path, tmp_path: Path) -> None:
+    manifest = json.loads((day / "manifest.json").read_text())
     for light in manifest["lights"]:
         light["gaussians"] = []
-    (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
-    window = lights_of(read_render(tmp_path / "day"))[1]
+    (day / "manifest.json").write_text(json.dumps(manifest))
+    window = lights_of(read_render(day))[1]
     for made in (source, single_source):
         found = made(window, np.eye(4))
         np.testing.assert_allclose(found["intensity"], [500.0, 600.0, 700.0])

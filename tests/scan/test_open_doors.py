@@ -15,10 +15,9 @@ from openrooms_usd.scan.rooms.layout import find_layout, open_leaves
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.occupancy import PIXEL_M, at_sensor_height, free_space
 from openrooms_usd.scan.rooms.spaces import _markers, _rooms
-from tests.scan.scanned_rooms import DOOR, RoomScan, corner_error
+from tests.scan.scanned_rooms import DOOR, SQUARE, RoomScan, corner_error
 from tests.scan.walled_rooms import CORNERS, HEIGHT, SENSOR_ORIGINS, Sheet, casing_of, room
 
-SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 LONG = ((0.0, 0.0), (4.2, 0.0), (4.2, 4.5), (0.0, 4.5))
 # The wall at x = 4.2 has a door from 1 to 1.9 m; nothing higher than 2 m was scanned.
 DOORWAY = (1, 1.0, 1.9, 0.0, 2.5)
