@@ -17,6 +17,7 @@ from openrooms_usd.rendering import color
 from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.rendering.reading import RenderedScene, read_render
 from orusd_nerf import NerfDataset, cameras
+from tests.folders import contents
 from tests.openrooms.synthetic import make_render, write_exr
 
 ROOT = Path(__file__).parents[2]
@@ -133,16 +134,11 @@ def changed(folder: Path, name: str, change) -> RenderedScene:
     return read_render(folder)
 
 
-def files(root: Path) -> dict[str, bytes]:
-    paths = (path for path in root.rglob("*") if path.is_file())
-    return {path.relative_to(root).as_posix(): path.read_bytes() for path in paths}
-
-
 def test_the_same_render_gives_the_same_bytes(render: RenderedScene, tmp_path: Path) -> None:
     for name in "ab":
         assert write(render, tmp_path / name).files == 13
     write(render, tmp_path / "a")
-    assert files(tmp_path / "a") == files(tmp_path / "b")
+    assert contents(tmp_path / "a") == contents(tmp_path / "b")
 
 
 def test_all_images_have_one_exposure(render: RenderedScene, dataset: Path) -> None:
@@ -195,7 +191,7 @@ def test_a_capture_of_somebody_else_is_not_replaced(
     (tmp_path / name).write_text("theirs")
     with pytest.raises(OutputError, match="not of an earlier run"):
         write(render, tmp_path)
-    assert files(tmp_path) == {name: b"theirs"}
+    assert contents(tmp_path) == {name: b"theirs"}
 
 
 def test_nothing_appears_when_something_fails(render: RenderedScene, tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from orusd_urdf.looks import Look, look_of
 from orusd_urdf.mjcf import write_mjcf
 from orusd_urdf.urdf import write_urdf
 from tests.engines import NO_PYBULLET, needs_pybullet
+from tests.folders import contents
 
 LOAD = """
 import sys, pybullet
@@ -51,10 +52,6 @@ def world(make: SimpleNamespace) -> World:
             make.cabinet(0.1, 0.2),
         )
     )
-
-
-def contents(folder: Path) -> dict[str, bytes]:
-    return {str(f.relative_to(folder)): f.read_bytes() for f in folder.rglob("*") if f.is_file()}
 
 
 @needs_pybullet
