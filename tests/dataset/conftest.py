@@ -4,6 +4,7 @@ import hashlib
 import json
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -26,7 +27,13 @@ retries: 0
 """
 
 
+PATIENCE_S = 300.0
 MAIN = "from openrooms_usd.cli import main; main()"
+
+
+Start = Callable[..., subprocess.Popen[str]]
+Made = tuple[Path, Path]
+Checksums = Callable[[Path], dict[str, str]]
 
 
 def start(file: Path, out: object, workers: int = 1, *words: str) -> subprocess.Popen[str]:
@@ -35,6 +42,14 @@ def start(file: Path, out: object, workers: int = 1, *words: str) -> subprocess.
     command += ["--workers", str(workers), *words]
     pipe = subprocess.PIPE
     return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+
+
+def wait_for(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
+    """Wait until a run has written something."""
+    deadline = time.monotonic() + PATIENCE_S
+    while not any(out.glob(pattern)):
+        assert process.poll() is None and time.monotonic() < deadline, pattern
+        time.sleep(0.002)
 
 
 @pytest.fixture(scope="session", name="start")

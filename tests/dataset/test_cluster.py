@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -17,12 +16,9 @@ from openrooms_usd.dataset.cluster import RayExecutor
 from openrooms_usd.dataset.executor import Wanted
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.errors import InputError, MissingPackageError
+from tests.dataset.conftest import PATIENCE_S, Checksums, Made, Start, wait_for
 
 HERE = Path(__file__).parent
-_PATIENCE_S = 300.0
-
-Start = Callable[..., subprocess.Popen[str]]
-Checksums = Callable[[Path], dict[str, str]]
 
 
 @pytest.mark.parametrize(
@@ -83,7 +79,7 @@ def test_only_this_machine_reaches_it(own: dict[str, Any]) -> None:
 
 @pytest.mark.slow
 def test_a_dataset_has_the_same_bytes_whoever_works(
-    made: tuple[Path, Path], tmp_path: Path, checksums: Checksums, start: Start
+    made: Made, tmp_path: Path, checksums: Checksums, start: Start
 ) -> None:
     """Killed in the middle with all that is Ray's, and begun again."""
     pytest.importorskip("ray")
@@ -95,7 +91,7 @@ def test_a_dataset_has_the_same_bytes_whoever_works(
     process.communicate()
     assert len(hands) == 2
     # Nobody writes when the next run begins.
-    deadline = time.monotonic() + _PATIENCE_S
+    deadline = time.monotonic() + PATIENCE_S
     while any(b"WorkerActor" in command_of(pid) for pid in hands):
         assert time.monotonic() < deadline
         time.sleep(0.05)
@@ -108,11 +104,7 @@ def test_a_dataset_has_the_same_bytes_whoever_works(
 
 @pytest.mark.long
 def test_a_node_that_dies_takes_its_views_alone(
-    made: tuple[Path, Path],
-    tmp_path: Path,
-    checksums: Checksums,
-    start: Start,
-    monkeypatch: pytest.MonkeyPatch,
+    made: Made, tmp_path: Path, checksums: Checksums, start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("ray")
     file, local = made
@@ -143,13 +135,6 @@ def test_a_node_that_dies_takes_its_views_alone(
         cluster.stdin.close()
     assert status_of(out).finished == 4
     assert checksums(out) == checksums(local)
-
-
-def wait_for(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
-    deadline = time.monotonic() + _PATIENCE_S
-    while not any(out.glob(pattern)):
-        assert process.poll() is None and time.monotonic() < deadline, pattern
-        time.sleep(0.002)
 
 
 def descendants(pid: int) -> list[int]:

@@ -40,16 +40,8 @@ def test_a_worker_that_dies_is_told_and_replaced() -> None:
     lost = {name: what.reason for name, what in found if isinstance(what, Lost)}
     assert lost == {"dies": "the worker died (SIGKILL)", "raises": "ValueError: no such thing"}
     assert ("b", {"ended": "b"}) in found
-    assert (
-        len(
-            {
-                what["process"]
-                for _, what in found
-                if not isinstance(what, Lost) and "process" in what
-            }
-        )
-        == 2
-    )
+    began = [what for _, what in found if not isinstance(what, Lost) and "process" in what]
+    assert len({what["process"] for what in began}) == 2
 
 
 def test_tasks_are_taken_when_a_worker_is_free() -> None:

@@ -21,6 +21,7 @@ from openrooms_usd.errors import InputError, OutputError
 from openrooms_usd.loading import open_source
 from openrooms_usd.rendering.datasets import write_dataset
 from openrooms_usd.rendering.reading import read_render
+from tests.dataset.conftest import Checksums, Made
 
 SENSOR = """\
 sensor:
@@ -30,11 +31,12 @@ sensor:
   seed: 1
 """
 NAMES = {"sensor.exr", "sensor.png", "sensor_depth.exr", "sensor_depth.png"}
+Finished = tuple[Store, Dataset]
 CHANNELS = ("radiance", "depth", "instance", "valid")
 
 
 @pytest.fixture
-def finished(made: tuple[Path, Path], tmp_path: Path) -> tuple[Store, Dataset]:
+def finished(made: Made, tmp_path: Path) -> Finished:
     """A copy of a dataset that was made, one of whose rooms cannot be."""
     file, out = made
     shutil.copytree(out, tmp_path / "made")
@@ -53,7 +55,7 @@ def there(store: Store, tmp_path: Path) -> RemoteFolder:
     return remote
 
 
-def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> None:
+def test_shards_have_every_finished_view(finished: Finished) -> None:
     store, dataset = finished
     wished = asking(dataset, **{"as": "webdataset"})
     assert finish(store, wished) == ()
@@ -80,7 +82,7 @@ def test_shards_have_every_finished_view(finished: tuple[Store, Dataset]) -> Non
 
 
 @pytest.mark.slow
-def test_a_room_that_moves_on_is_written_by_its_new_number(finished: tuple[Store, Dataset]) -> None:
+def test_a_room_that_moves_on_is_written_by_its_new_number(finished: Finished) -> None:
     """As where another one is put before it: its views stay, what forms call it does not."""
     store, dataset = finished
     wished = asking(dataset, **{"as": "webdataset"})
@@ -97,9 +99,7 @@ def test_a_room_that_moves_on_is_written_by_its_new_number(finished: tuple[Store
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["webdataset", "nerf"])
-def test_a_form_that_somebody_removed_is_written_again(
-    kind: str, finished: tuple[Store, Dataset]
-) -> None:
+def test_a_form_that_somebody_removed_is_written_again(kind: str, finished: Finished) -> None:
     store, dataset = finished
     wished, home = asking(dataset, **{"as": kind}), store.root / "outputs" / kind
     finish(store, wished)
@@ -109,9 +109,7 @@ def test_a_form_that_somebody_removed_is_written_again(
     assert sorted(path.relative_to(home) for path in home.rglob("*")) == files
 
 
-def test_other_code_writes_a_form_anew(
-    finished: tuple[Store, Dataset], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_other_code_writes_a_form_anew(finished: Finished, monkeypatch: pytest.MonkeyPatch) -> None:
     store, dataset = finished
     wished, done = asking(dataset, **{"as": "coco"}), store.root / "records/coco.json"
     finish(store, wished)
@@ -127,7 +125,7 @@ def test_other_code_writes_a_form_anew(
 
 
 def test_behind_a_url_a_form_that_is_half_put_counts_as_none(
-    finished: tuple[Store, Dataset], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    finished: Finished, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Also when what is asked for is later what it was before."""
     pytest.importorskip("fsspec")
@@ -158,9 +156,7 @@ def test_behind_a_url_a_form_that_is_half_put_counts_as_none(
 
 
 @pytest.mark.slow
-def test_behind_a_url_forms_have_the_composed_rooms_too(
-    finished: tuple[Store, Dataset], tmp_path: Path
-) -> None:
+def test_behind_a_url_forms_have_the_composed_rooms_too(finished: Finished, tmp_path: Path) -> None:
     pytest.importorskip("fsspec")
     store, dataset = finished
     remote = there(store, tmp_path)
@@ -179,7 +175,7 @@ def test_behind_a_url_forms_have_the_composed_rooms_too(
     assert {name: remote.read(name) for name in remote.names("outputs/openrooms/")} == files
 
 
-def test_each_render_is_a_form_of_its_own(finished: tuple[Store, Dataset]) -> None:
+def test_each_render_is_a_form_of_its_own(finished: Finished) -> None:
     store, dataset = finished
     assert finish(store, asking(dataset, **{"as": "nerf"})) == ()
     for variant in ("main", "mainDiffMat"):
@@ -189,14 +185,14 @@ def test_each_render_is_a_form_of_its_own(finished: tuple[Store, Dataset]) -> No
         assert (folder / "sparse/0/cameras.txt").is_file()
 
 
-def test_what_cannot_be_written_is_told(finished: tuple[Store, Dataset]) -> None:
+def test_what_cannot_be_written_is_told(finished: Finished) -> None:
     store, dataset = finished
     notes = finish(store, asking(dataset, **{"as": "webdataset", "files": ["lights.exr"]}))
     assert len(notes) == 1 and "no file 'lights.exr'" in notes[0]
     assert not (store.root / "records/webdataset.json").exists()
 
 
-def test_what_hinders_readers_is_told(finished: tuple[Store, Dataset]) -> None:
+def test_what_hinders_readers_is_told(finished: Finished) -> None:
     store, dataset = finished
     notes = finish(store, asking(dataset, **{"as": "openrooms", "layout": "merged"}))
     assert "openrooms: the released loaders expect pictures of 640x480" in notes
@@ -205,9 +201,7 @@ def test_what_hinders_readers_is_told(finished: tuple[Store, Dataset]) -> None:
 
 
 @pytest.mark.parametrize("crowded", ["leave-out", "keep"])
-def test_a_room_whose_variants_share_no_view_is_told(
-    finished: tuple[Store, Dataset], crowded: str
-) -> None:
+def test_a_room_whose_variants_share_no_view_is_told(finished: Finished, crowded: str) -> None:
     store, dataset = finished
     (store.root / "records/room_good/main/view_1.json").unlink()
     (store.root / "records/room_good/mainDiffMat/view_0.json").unlink()
@@ -216,7 +210,7 @@ def test_a_room_whose_variants_share_no_view_is_told(
     assert not (store.root / "outputs").exists()
 
 
-def test_one_table_has_all_views(finished: tuple[Store, Dataset]) -> None:
+def test_one_table_has_all_views(finished: Finished) -> None:
     parquet, duckdb = pytest.importorskip("pyarrow.parquet"), pytest.importorskip("duckdb")
     store, dataset = finished
     assert finish(store, asking(dataset, **{"as": "parquet"})) == ()
@@ -241,7 +235,7 @@ def test_one_table_has_all_views(finished: tuple[Store, Dataset]) -> None:
     assert path.read_bytes() == before
 
 
-def test_renders_of_one_name_are_told_apart(made: tuple[Path, Path], tmp_path: Path) -> None:
+def test_renders_of_one_name_are_told_apart(made: Made, tmp_path: Path) -> None:
     renders = [tmp_path / name / "main" for name in ("a", "b")]
     for render in renders:
         shutil.copytree(made[1] / "renders/room_good/main", render)
@@ -256,7 +250,7 @@ def test_renders_of_one_name_are_told_apart(made: tuple[Path, Path], tmp_path: P
 
 # pycocotools' own code speaks of numpy 2.
 @pytest.mark.filterwarnings("ignore:__array__ implementation")
-def test_annotations_of_all_rooms_are_one_file_a_split(finished: tuple[Store, Dataset]) -> None:
+def test_annotations_of_all_rooms_are_one_file_a_split(finished: Finished) -> None:
     coco = pytest.importorskip("pycocotools.coco")
     store, dataset = finished
     assert finish(store, asking(dataset, **{"as": "coco"})) == ()
@@ -279,9 +273,7 @@ def test_annotations_of_all_rooms_are_one_file_a_split(finished: tuple[Store, Da
 
 @pytest.mark.slow
 def test_no_file_of_the_truth_changes_by_a_bit(
-    tmp_path: Path,
-    write_source: Callable[[Path], Path],
-    checksums: Callable[[Path], dict[str, str]],
+    tmp_path: Path, write_source: Callable[[Path], Path], checksums: Checksums
 ) -> None:
     file = write_source(tmp_path / "source")
     text = (

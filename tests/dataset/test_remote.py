@@ -21,14 +21,12 @@ from openrooms_usd.dataset.scratch import Lease, leased, root_of, store_at
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.errors import InputError, MissingPackageError, OutputError
+from tests.dataset.conftest import Checksums, Made, Start
 
 pytest.importorskip("fsspec")
 
 BUCKET = "s3://bucket"
 _PATIENCE_S = 300.0
-
-Start = Callable[..., subprocess.Popen[str]]
-Checksums = Callable[[Path], dict[str, str]]
 
 
 @pytest.fixture
@@ -246,7 +244,7 @@ def answers(port: int) -> bool:
 @pytest.mark.slow
 @pytest.mark.usefixtures("server")
 def test_a_run_behind_a_url_has_the_same_bytes(
-    made: tuple[Path, Path], tmp_path: Path, start: Start, checksums: Checksums
+    made: Made, tmp_path: Path, start: Start, checksums: Checksums
 ) -> None:
     """Killed in the middle, begun again, with another form of files; then damaged."""
     file, local = made
@@ -298,7 +296,7 @@ def test_of_two_that_begin_together_one_gets_it(monkeypatch: pytest.MonkeyPatch)
 @pytest.mark.slow
 @pytest.mark.usefixtures("server")
 def test_other_forms_are_the_same_behind_a_url(
-    made: tuple[Path, Path], tmp_path: Path, start: Start, checksums: Checksums
+    made: Made, tmp_path: Path, start: Start, checksums: Checksums
 ) -> None:
     file, local = made
     shutil.copytree(local, tmp_path / "local", ignore=shutil.ignore_patterns(".orusd.lock"))

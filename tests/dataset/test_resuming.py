@@ -7,7 +7,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -15,22 +14,10 @@ import pytest
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.verify import verify
 from openrooms_usd.rendering.reading import read_render
+from tests.dataset.conftest import PATIENCE_S, Checksums, Made, Start, wait_for
 from tests.disks import disk
 
 pytestmark = pytest.mark.slow
-
-_PATIENCE_S = 300.0
-
-Checksums = Callable[[Path], dict[str, str]]
-Start = Callable[..., subprocess.Popen[str]]
-
-
-def wait_for(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
-    """Wait until something is there."""
-    deadline = time.monotonic() + _PATIENCE_S
-    while not any(out.glob(pattern)):
-        assert process.poll() is None and time.monotonic() < deadline, pattern
-        time.sleep(0.002)
 
 
 def kill_when(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
@@ -41,7 +28,7 @@ def kill_when(process: subprocess.Popen[str], out: Path, pattern: str) -> None:
 
 
 def test_a_run_that_is_killed_ends_with_the_same_bytes(
-    made: tuple[Path, Path], tmp_path: Path, checksums: Checksums, start: Start
+    made: Made, tmp_path: Path, checksums: Checksums, start: Start
 ) -> None:
     file, undisturbed = made
     out = tmp_path / "out"
@@ -58,11 +45,7 @@ def test_a_run_that_is_killed_ends_with_the_same_bytes(
 
 
 def test_a_clock_that_jumps_changes_nothing(
-    made: tuple[Path, Path],
-    tmp_path: Path,
-    checksums: Checksums,
-    start: Start,
-    monkeypatch: pytest.MonkeyPatch,
+    made: Made, tmp_path: Path, checksums: Checksums, start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """By a year, to and fro, with the real thing: libfaketime between the run and its clock."""
     if shutil.which("faketime") is None:
@@ -90,12 +73,12 @@ def test_a_clock_that_jumps_changes_nothing(
     for pattern, jump in (("scenes/*/*/layers/*", "+365d"), ("records/*/*/view_0.json", "-365d")):
         wait_for(process, out, pattern)
         clock.write_text(jump)
-    _, wrong = process.communicate(timeout=10 * _PATIENCE_S)
+    _, wrong = process.communicate(timeout=10 * PATIENCE_S)
     assert process.returncode == 1, wrong
     assert checksums(out) == checksums(undisturbed)
 
 
-def test_a_poisoned_room_is_recorded_and_the_rest_is_there(made: tuple[Path, Path]) -> None:
+def test_a_poisoned_room_is_recorded_and_the_rest_is_there(made: Made) -> None:
     _, out = made
     found = status_of(out)
     assert (found.finished, found.left) == (4, 0)
@@ -105,7 +88,7 @@ def test_a_poisoned_room_is_recorded_and_the_rest_is_there(made: tuple[Path, Pat
     assert (whole.damages, whole.views) == ((), 4)
 
 
-def test_variants_share_their_views_and_what_no_material_changes(made: tuple[Path, Path]) -> None:
+def test_variants_share_their_views_and_what_no_material_changes(made: Made) -> None:
     _, out = made
     main, other = (
         read_render(out / "renders" / "room_good" / name) for name in ("main", "mainDiffMat")
@@ -120,7 +103,7 @@ def test_variants_share_their_views_and_what_no_material_changes(made: tuple[Pat
 
 
 def test_a_full_disk_stops_nothing_for_good(
-    made: tuple[Path, Path], tmp_path: Path, checksums: Checksums, start: Start
+    made: Made, tmp_path: Path, checksums: Checksums, start: Start
 ) -> None:
     """A disk that has room for nothing, for a part, and at last for all."""
     file, undisturbed = made

@@ -1,4 +1,4 @@
-"""The story of a run, told by an executor that only pretends."""
+"""The story of a run, told by an executor that only pretends, and the records it leaves."""
 
 import errno
 from collections import Counter
@@ -12,13 +12,16 @@ import pytest
 from openrooms_usd import adapters, atomic
 from openrooms_usd.dataset import run
 from openrooms_usd.dataset.executor import Lost, Task, Wanted
-from openrooms_usd.dataset.plan import Job, job_of
+from openrooms_usd.dataset.plan import Job, PlannedRoom, job_of
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.store import Store, write_json
+from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.dataset.work import BEGUN, FAILED, FINISHED
+from openrooms_usd.errors import InputError
 
 Fate = Callable[[str, int], str]
+Pretend = Callable[[Fate], "Pretending"]
 
 
 class Pretending:
@@ -91,7 +94,7 @@ def finish(store: Store, job: Job, view: int) -> None:
 
 
 @pytest.fixture
-def pretend(monkeypatch: pytest.MonkeyPatch) -> Callable[[Fate], Pretending]:
+def pretend(monkeypatch: pytest.MonkeyPatch) -> Pretend:
     def install(fate: Fate) -> Pretending:
         crew, load = Pretending(fate), adapters.load
         monkeypatch.setattr(
@@ -105,25 +108,25 @@ def pretend(monkeypatch: pytest.MonkeyPatch) -> Callable[[Fate], Pretending]:
 GOOD, BAD = "room_good/main", "room_poisoned/main"
 
 
-def test_what_fails_is_recorded_and_the_rest_goes_on(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+@pytest.mark.parametrize(("fate", "reason"), [("fails", "no light"), ("dies", "the worker died")])
+def test_what_fails_or_dies_is_recorded_and_the_rest_goes_on(
+    fate: str, reason: str, source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
-    crew = pretend(lambda job, view: "fails" if (job, view) == (GOOD, 0) else "")
+    crew = pretend(lambda job, view: fate if (job, view) == (GOOD, 0) else "")
     done = run.run_dataset(source, tmp_path / "out")
-    assert done.failed == {f"{GOOD}/view_0": "no light"}
+    assert done.failed == {f"{GOOD}/view_0": reason}
     assert (done.made, done.kept) == (7, 0)
     assert set(crew.begun.values()) == {1}
 
 
-def test_what_fails_is_tried_so_often(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
-) -> None:
+def test_what_fails_is_tried_so_often(source: Path, tmp_path: Path, pretend: Pretend) -> None:
     source.write_text(source.read_text().replace("retries: 0", "retries: 3"))
     tries: Counter[int] = Counter()
 
     def fate(job: str, view: int) -> str:
         tries[view] += (job, view) == (GOOD, 1)
-        return "fails" if (job, view) == (GOOD, 0) or (tries[1] < 3 and (job, view) == (GOOD, 1)) else ""  # fmt: skip # noqa: E501
+        soon = tries[1] < 3 and (job, view) == (GOOD, 1)
+        return "fails" if (job, view) == (GOOD, 0) or soon else ""
 
     crew = pretend(fate)
     done = run.run_dataset(source, tmp_path / "out")
@@ -135,18 +138,8 @@ def test_what_fails_is_tried_so_often(
     assert (again.made, again.kept) == (0, 7)
 
 
-def test_a_worker_that_dies_takes_one_view_with_it(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
-) -> None:
-    crew = pretend(lambda job, view: "dies" if (job, view) == (GOOD, 0) else "")
-    done = run.run_dataset(source, tmp_path / "out")
-    assert done.failed == {f"{GOOD}/view_0": "the worker died"}
-    assert done.made == 7
-    assert set(crew.begun.values()) == {1}
-
-
 def test_a_room_that_kills_its_worker_takes_its_views_alone(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     pretend(lambda job, view: "dies" if job == GOOD and view < 0 else "")
     done = run.run_dataset(source, tmp_path / "out")
@@ -156,7 +149,7 @@ def test_a_room_that_kills_its_worker_takes_its_views_alone(
 
 @pytest.mark.parametrize(("view", "fate"), [(0, "dies before it says so"), (-1, "dies at the end")])
 def test_what_a_dead_worker_had_finished_is_finished(
-    view: int, fate: str, source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    view: int, fate: str, source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     crew = pretend(lambda job, at: fate if (job, at) == (GOOD, view) else "")
     done = run.run_dataset(source, tmp_path / "out")
@@ -166,7 +159,7 @@ def test_what_a_dead_worker_had_finished_is_finished(
 
 
 def test_what_has_failed_is_not_lost_besides(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     fates = {(GOOD, 1): "fails", (GOOD, -1): "dies at the end"}
     pretend(lambda job, view: fates.get((job, view), ""))
@@ -177,10 +170,7 @@ def test_what_has_failed_is_not_lost_besides(
 
 
 def test_a_disk_that_takes_no_record_of_a_failure_stops_nothing(
-    source: Path,
-    tmp_path: Path,
-    pretend: Callable[[Fate], Pretending],
-    monkeypatch: pytest.MonkeyPatch,
+    source: Path, tmp_path: Path, pretend: Pretend, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pretend(lambda job, view: "fails" if (job, view) == (GOOD, 0) else "")
     write = atomic.write_text
@@ -197,10 +187,128 @@ def test_a_disk_that_takes_no_record_of_a_failure_stops_nothing(
 
 
 def test_the_folder_of_another_dataset_is_refused(
-    source: Path, tmp_path: Path, pretend: Callable[[Fate], Pretending]
+    source: Path, tmp_path: Path, pretend: Pretend
 ) -> None:
     pretend(lambda job, view: "")
     run.run_dataset(source, tmp_path / "out")
     source.write_text(source.read_text().replace("name: small", "name: other"))
     with pytest.raises(Exception, match="another dataset"):
         run.run_dataset(source, tmp_path / "out")
+
+
+JOB = Job(PlannedRoom("room_a", 0, {"file": "a.yaml", "sha256": "0"}, "train"), "main", 4, "k", (0, 1, 2))  # fmt: skip # noqa: E501
+
+
+ENTRY = {"resolution": [1, 1], "K": [], "world_from_camera": [], "channels": {}}
+RECORD: dict[str, Any] = {
+    "unit": "room_a/main/view_0",
+    "room": "room_a",
+    "variant": "main",
+    "split": "train",
+    "source": {},
+    "entry": ENTRY,
+    "told": [],
+    "pixels": {},
+    "files": {},
+    "quality": {"measures": {}, "faults": ["it is dark"]},
+    "rejected": [],
+}
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """Of three views one is finished, one has failed, one is left."""
+    store = Store(tmp_path / "made")
+    store.write_plan([JOB])
+    folder = store.render(JOB)
+    (folder / "view_0" / "lights").mkdir(parents=True)
+    (folder / "view_0" / "channels.exr").write_bytes(b"pixels")
+    (folder / "view_0" / "lights" / "a.png").write_bytes(b"picture")
+    (folder / "openings").mkdir()
+    (folder / "openings" / "window.exr").write_bytes(b"sky")
+    shared: dict[str, Any] = {
+        "key": "k",
+        "entry": {"generator": "openrooms_usd"},
+        "report": {"approximated": 1, "losses": []},
+        "licences": [],
+        "files": store.digests(JOB, "openings"),
+    }
+    write_json(store.record_path(JOB, SCENE), shared)
+    record = {**RECORD, "files": store.digests(JOB, "view_0")}
+    store.finish(JOB, 0, record, {"render": 1.0})
+    for _ in range(2):
+        store.fail(JOB, 1, {"code": "render", "reason": "no light"})
+    store.write_manifest(JOB)
+    return store
+
+
+def test_the_plan_comes_back(store: Store) -> None:
+    assert list(store.jobs()) == [JOB]
+
+
+def test_status_counts_and_tells_reasons(store: Store) -> None:
+    found = status_of(store.root)
+    assert (found.units, found.finished, found.left) == (3, 1, 1)
+    (failure,) = found.failures
+    assert (failure.unit, failure.reason, failure.attempts) == ("room_a/main/view_1", "no light", 2)
+    assert found.faults == {"it is dark": 1}
+    assert found.as_dict()["failed"] == 1
+
+
+def test_what_is_made_at_last_has_failed_no_more(store: Store) -> None:
+    store.finish(JOB, 1, RECORD, {})
+    assert not status_of(store.root).failures
+    assert store.failure(JOB, 1) is None
+
+
+def test_records_of_another_plan_count_for_nothing(store: Store) -> None:
+    other = Job(JOB.room, JOB.variant, JOB.seed, "other", JOB.views)
+    store.write_plan([other])
+    found = status_of(store.root)
+    assert (found.finished, found.left) == (0, 3)
+
+
+def test_a_dataset_that_is_whole_verifies(store: Store) -> None:
+    found = verify(store.root)
+    assert (found.damages, found.views, found.files, found.unfinished) == ((), 1, 2, 2)
+
+
+@pytest.mark.parametrize(
+    ("file", "what"),
+    [
+        ("view_0/channels.exr", CHANGED),
+        ("view_0/channels.exr", MISSING),
+        ("view_0/lights/a.png", MISSING),
+        ("view_0/more.exr", EXTRA),
+        ("openings/window.exr", CHANGED),
+        ("manifest.json", CHANGED),
+        ("manifest.json", MISSING),
+    ],
+)
+def test_every_damage_is_named(store: Store, file: str, what: str) -> None:
+    path = store.render(JOB) / file
+    if what == MISSING:
+        path.unlink()
+    else:
+        path.write_bytes(b"something else")
+    assert verify(store.root).damages == (Damage(f"renders/room_a/main/{file}", what),)
+
+
+@pytest.mark.parametrize(
+    "text", ['{"key": "k", "fil', '{"key": "k"}', "[]", "3", "\x00", '{"key": ["k"]}', "[" * 9999]
+)
+def test_a_damaged_record_makes_its_view_unfinished(store: Store, text: str) -> None:
+    store.record_path(JOB, "view_0").write_text(text)
+    assert status_of(store.root).finished == 0
+    store.record_path(JOB, SCENE).write_text(text)
+    store.failure_path(JOB, 1).write_text(text)
+    assert status_of(store.root).left == 3
+    assert verify(store.root).views == 0
+
+
+def test_a_folder_without_a_dataset_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError):
+        status_of(tmp_path)
+    (tmp_path / "plan.jsonl").write_text('{"key": 1}\n')
+    with pytest.raises(InputError, match="no plan"):
+        status_of(tmp_path)

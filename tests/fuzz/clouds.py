@@ -9,6 +9,7 @@ import numpy as np
 from tests.fuzz.captures import COMPOSED, write_frames
 from tests.fuzz.kinds import Kind, planting
 from tests.fuzz.models import write_glbs
+from tests.scans.laser import write_e57, write_las
 
 Points = np.ndarray
 
@@ -131,31 +132,13 @@ def _meshes(folder: Path) -> None:
 
 
 def _las(folder: Path) -> None:
-    import laspy
-
     for ending in ("las", "laz"):
-        header = laspy.LasHeader(point_format=2, version="1.2")
-        header.scales, header.offsets = np.full(3, 1e-4), np.array([4e5, 5e6, 0])
-        cloud = laspy.LasData(header)
-        cloud.x, cloud.y, cloud.z = (_points() + np.array([4e5, 5e6, 0])).T
-        cloud.red = np.arange(len(_points())) * 37
-        cloud.write(folder / f"a.{ending}")
+        red = np.arange(len(_points())) * 37
+        write_las(folder / f"a.{ending}", _points() + np.array([4e5, 5e6, 0]), red=red)
 
 
 def _e57(folder: Path) -> None:
-    import warnings
-
-    import pye57
-
-    points = _points()[::4]
-    columns = {f"cartesian{axis}": points[:, i] for i, axis in enumerate("XYZ")}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        file = pye57.E57(str(folder / "a.e57"), mode="w")
-        file.write_scan_raw(
-            columns, rotation=np.array([1.0, 0, 0, 0]), translation=np.array([1.0, 2, 3])
-        )
-        file.close()
+    write_e57(folder / "a.e57", _points()[::4], translation=[1.0, 2, 3])
 
 
 def _reading(*files: str) -> tuple[tuple[int, str], ...]:

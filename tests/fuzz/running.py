@@ -24,7 +24,7 @@ from tests.fuzz.spoiling import prepare
 
 Case = tuple[str, int]
 
-_READERS: Final = ("captures", "scans", "clouds", "models", "materials", "stages")
+_READERS: Final = ("captures", "clouds", "models", "materials", "stages")
 SOURCES: Final = (*_READERS, "renders", "targets")
 # A process that does not even end itself gets these seconds more.
 _GRACE: Final = 10.0

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from tests.fuzz.hostile import BESIDE
 from tests.fuzz.kinds import Kind
 from tests.fuzz.renders import plant_finished
+from tests.fuzz.spoiling import BESIDE
 
 _BOXES = "id,label,x,y,z,width,depth,height,yaw\na,chair,1,2,0,0.5,0.6,0.9,30\n"
 _ROOM = "name: t\nroom: office\nmaterials: {resolution: 16}\n"

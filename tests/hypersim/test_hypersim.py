@@ -17,6 +17,7 @@ from openrooms_usd.rendering.reading import read_render
 from orusd_hypersim import HypersimDataset
 from orusd_hypersim.dataset import scene_name
 from orusd_hypersim.hdf5 import write_array
+from tests.folders import contents
 
 HEIGHT, WIDTH = 18, 24
 # Neither in the middle nor with square pixels: both show in the matrices.
@@ -106,12 +107,7 @@ def test_frames_that_are_none_now_go(tmp_path: Path) -> None:
     write_scene(write_render(tmp_path / "two", 2), tmp_path / "again")
     one = write_render(tmp_path / "one", 1)
     again, once = (write_scene(one, tmp_path / name) for name in ("again", "once"))
-
-    def content(root: Path) -> dict[str, bytes]:
-        files = (path for path in root.rglob("*") if path.is_file())
-        return {path.relative_to(root).as_posix(): path.read_bytes() for path in files}
-
-    assert content(again) == content(once)
+    assert contents(again) == contents(once)
     source = open_source(again, form="hypersim")
     assert len(source) == 1
 

@@ -12,6 +12,7 @@ import pytest
 from benchmarks.scenes import SMALL_ROOM
 from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.sample import Sample
+from tests.commands import output_of
 
 CHANNELS = tuple(
     (
@@ -24,29 +25,9 @@ EXACT = ("depth", "distance", "position", "normal_geometric", "instance")
 
 
 def render(scene: Path, out: Path, size: tuple[int, int], channels: str, *words: str) -> Path:
-    from click.testing import CliRunner
-
-    from openrooms_usd.cli import orusd
-
     camera = words or ("--renderer", "preview")
-    done = CliRunner().invoke(
-        orusd,
-        [
-            "render",
-            str(scene),
-            "-o",
-            str(out),
-            "--resolution",
-            f"{size[0]}x{size[1]}",
-            "--channels",
-            channels,
-            "--spp",
-            "2",
-            *camera,
-        ],
-        catch_exceptions=False,
-    )
-    assert done.exit_code == 0, done.output
+    asked = ("--resolution", f"{size[0]}x{size[1]}", "--channels", channels, "--spp", 2)
+    output_of("render", scene, "-o", out, *asked, *camera)
     return out
 
 
@@ -101,10 +82,6 @@ splits: {train: 0.5, val: 0.5, test: 0.0}
 @pytest.fixture(scope="session")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two rooms, two variants, two views, as `orusd dataset run` leaves them."""
-    from click.testing import CliRunner
-
-    from openrooms_usd.cli import orusd
-
     folder = tmp_path_factory.mktemp("dataset")
     for name in ("one", "two"):
         (folder / name).mkdir()
@@ -112,9 +89,7 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
             SMALL_ROOM.replace("seed: 3", f"seed: {len(name)}")
         )
     (folder / "dataset.yaml").write_text(DATASET)
-    words = ["dataset", "run", str(folder / "dataset.yaml"), "-o", str(folder / "out")]
-    done = CliRunner().invoke(orusd, words, catch_exceptions=False)
-    assert done.exit_code == 0, done.output
+    output_of("dataset", "run", folder / "dataset.yaml", "-o", folder / "out")
     return folder / "out"
 
 

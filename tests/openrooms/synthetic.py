@@ -167,6 +167,15 @@ def write_view(
     return {"resolution": list(size), "K": K.tolist(), "world_from_camera": pose.tolist()}
 
 
+def random_pose(rng: np.random.Generator, spread: float = 1.0) -> np.ndarray:
+    """A pose of any direction, right-handed."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    matrix[:3, 0] *= np.linalg.det(matrix[:3, :3])
+    matrix[:3, 3] = rng.normal(size=3) * spread
+    return matrix
+
+
 def make_render(
     folder: Path,
     size: tuple[int, int] = (64, 48),

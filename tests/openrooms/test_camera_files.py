@@ -12,14 +12,7 @@ from openrooms_usd.rendering.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.cameras import pose, write_cameras
 from orusd_openrooms.readers import read_cameras
-
-
-def random_pose(rng: np.random.Generator) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    matrix[:3, 0] *= np.linalg.det(matrix[:3, :3])
-    matrix[:3, 3] = rng.normal(size=3) * 10
-    return matrix
+from tests.openrooms.synthetic import random_pose
 
 
 def loaded(path: Path) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -38,7 +31,7 @@ def loaded(path: Path) -> list[tuple[np.ndarray, np.ndarray]]:
 
 def test_readers_get_the_pose_back(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
-    cameras = [random_pose(rng) for _ in range(20)]
+    cameras = [random_pose(rng, 10) for _ in range(20)]
     write_cameras(tmp_path / "cam.txt", [pose(camera) for camera in cameras])
     for (R, t), camera in zip(loaded(tmp_path / "cam.txt"), cameras, strict=True):
         # Y is up: (x, y, z) of ours is (x, z, -y) of theirs.
@@ -50,7 +43,7 @@ def test_readers_get_the_pose_back(tmp_path: Path) -> None:
 
 def test_view_and_up_are_far_more_orthogonal_than_loaders_demand(tmp_path: Path) -> None:
     rng = np.random.default_rng(4)
-    write_cameras(tmp_path / "cam.txt", [pose(random_pose(rng)) for _ in range(200)])
+    write_cameras(tmp_path / "cam.txt", [pose(random_pose(rng, 10)) for _ in range(200)])
     found = read_cameras(tmp_path / "cam.txt")
     assert len(found) == 200
     for origin, target, up in found:

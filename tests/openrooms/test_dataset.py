@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError, OrusdError, OutputError
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
 from orusd_openrooms.readers import read_cameras, read_view_names
+from tests.commands import output_of
 from tests.openrooms.synthetic import make_render, write_exr
 from tests.openrooms.synthetic import write_dataset as write
 
@@ -154,13 +153,14 @@ def test_scenes_gather_in_the_lists(render: RenderedScene, tmp_path: Path) -> No
     assert (tmp_path / "val.txt").read_text() == "scene0001_00\n"
 
 
-def test_lights_that_are_gone_leave_no_files(render: RenderedScene, tmp_path: Path) -> None:
+def test_lights_that_are_gone_leave_no_files(
+    render: RenderedScene, day: Path, tmp_path: Path
+) -> None:
     write([render], tmp_path / "data")
-    shutil.copytree(render.folder, tmp_path / "day")
-    manifest = json.loads((tmp_path / "day/manifest.json").read_text())
+    manifest = json.loads((day / "manifest.json").read_text())
     manifest["lights"] = [light for light in manifest["lights"] if light["number"] != 1]
-    (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
-    write([read_render(tmp_path / "day")], tmp_path / "data")
+    (day / "manifest.json").write_text(json.dumps(manifest))
+    write([read_render(day)], tmp_path / "data")
     masks = (tmp_path / "data/LightSource/main_xml/scene0000_00/light_1").glob("mask*")
     assert [path.name for path in masks] == ["mask0.png"]
 
@@ -183,26 +183,28 @@ def test_a_render_without_light_channels_gives_what_it_can(
     assert (tmp_path / "data/Shading/main_xml/scene0000_00/imshading_2.hdr").is_file()
 
 
-def test_channels_of_pixels_are_none_of_lights(render: RenderedScene, tmp_path: Path) -> None:
+def test_channels_of_pixels_are_none_of_lights(
+    render: RenderedScene, day: Path, tmp_path: Path
+) -> None:
     """``direct`` is radiance; ``direct_0`` is what the first light brings."""
-    shutil.copytree(render.folder, tmp_path / "day")
     for view in render.views.values():
-        path = tmp_path / "day" / view.name
+        path = day / view.name
         (path / "lights.exr").unlink()
         write_exr(path / "channels.exr", {**view.pixels, "direct": view.pixels["radiance"]})
-    summary = write([read_render(tmp_path / "day")], tmp_path / "data")
+    summary = write([read_render(day)], tmp_path / "data")
     assert summary.missing["imDS"] == "the render has no direct_i"
 
 
-def test_a_light_without_its_channel_is_named(render: RenderedScene, tmp_path: Path) -> None:
-    shutil.copytree(render.folder, tmp_path / "day")
+def test_a_light_without_its_channel_is_named(
+    render: RenderedScene, day: Path, tmp_path: Path
+) -> None:
     lights = render.views["view_1"].lights
     layers = {
         f"{n}_{i}": p for n, of in lights.items() for i, p in of.items() if (n, i) != ("mask", 1)
     }
-    write_exr(tmp_path / "day/view_1/lights.exr", layers)
+    write_exr(day / "view_1/lights.exr", layers)
     with pytest.raises(InputError, match="light 1 has no channel mask_1"):
-        write([read_render(tmp_path / "day")], tmp_path / "data")
+        write([read_render(day)], tmp_path / "data")
 
 
 def test_without_h5py_all_but_the_fits_is_written(
@@ -235,11 +237,12 @@ def test_files_that_no_earlier_run_wrote_are_not_replaced(
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 
-def test_nothing_appears_when_something_fails(render: RenderedScene, tmp_path: Path) -> None:
-    shutil.copytree(render.folder, tmp_path / "day")
-    (tmp_path / "day/view_1/lights.exr").write_bytes(b"damaged")
+def test_nothing_appears_when_something_fails(
+    render: RenderedScene, day: Path, tmp_path: Path
+) -> None:
+    (day / "view_1/lights.exr").write_bytes(b"damaged")
     with pytest.raises(OrusdError):
-        write([read_render(tmp_path / "day")], tmp_path / "data")
+        write([read_render(day)], tmp_path / "data")
     assert not (tmp_path / "data").exists()
 
 
@@ -282,25 +285,23 @@ def test_options_that_make_no_sense(
     assert not (tmp_path / "data").exists()
 
 
-def test_a_damaged_light_is_named(render: RenderedScene, tmp_path: Path) -> None:
-    shutil.copytree(render.folder, tmp_path / "day")
-    manifest = json.loads((tmp_path / "day/manifest.json").read_text())
+def test_a_damaged_light_is_named(render: RenderedScene, day: Path, tmp_path: Path) -> None:
+    manifest = json.loads((day / "manifest.json").read_text())
     del manifest["lights"][1]["size"]
-    (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
+    (day / "manifest.json").write_text(json.dumps(manifest))
     with pytest.raises(InputError, match=r"manifest.json: lights\[1\].size: it is missing"):
-        write([read_render(tmp_path / "day")], tmp_path / "data")
+        write([read_render(day)], tmp_path / "data")
 
 
 def test_the_command(render: RenderedScene, tmp_path: Path) -> None:
     out = tmp_path / "mask_data"
-    arguments = ["dataset", "write", str(render.folder), "-o", str(out), "--layout", "merged"]
-    done = CliRunner().invoke(orusd, arguments)
-    assert done.exit_code == 0, done.output
-    assert "of 2 views" in done.output
-    assert "note: the released loaders expect pictures of 640x480" in done.output
-    assert "holds 'mask', which the released loaders replace" in done.output
-    done = CliRunner().invoke(orusd, [*arguments, "--json", "--scene", "scene0001_00"])
-    assert json.loads(done.output)["frames"] == {"main_xml": [1, 2]}
+    words = ("dataset", "write", render.folder, "-o", out, "--layout", "merged")
+    said = output_of(*words)
+    assert "of 2 views" in said
+    assert "note: the released loaders expect pictures of 640x480" in said
+    assert "holds 'mask', which the released loaders replace" in said
+    said = output_of(*words, "--json", "--scene", "scene0001_00")
+    assert json.loads(said)["frames"] == {"main_xml": [1, 2]}
 
 
 def test_a_folder_that_is_no_render(tmp_path: Path) -> None:
@@ -317,23 +318,24 @@ def test_scenes_of_others_stay_in_the_lists_whatever_their_names(
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 3e38, -3e38])
-def test_pixels_may_be_any_number(render: RenderedScene, tmp_path: Path, value: float) -> None:
+def test_pixels_may_be_any_number(
+    render: RenderedScene, day: Path, tmp_path: Path, value: float
+) -> None:
     """All but labels: a renderer may find no number, and its manifest says where."""
-    shutil.copytree(render.folder, tmp_path / "day")
     view = render.views["view_1"]
     kept = ("instance", "material", "semantic", "emission_mask")
     layers = {name: pixels.copy() for name, pixels in view.pixels.items()}
     for name in layers.keys() - {*kept}:
         layers[name][10:20, 30:40] = value
-    write_exr(tmp_path / "day/view_1/channels.exr", layers)
+    write_exr(day / "view_1/channels.exr", layers)
     lights = {
         f"{name}_{n}": np.full_like(p, value)
         for name, of in view.lights.items()
         for n, p in of.items()
     }
-    write_exr(tmp_path / "day/view_1/lights.exr", lights)
-    write([read_render(tmp_path / "day")], tmp_path / "data")
+    write_exr(day / "view_1/lights.exr", lights)
+    write([read_render(day)], tmp_path / "data")
     layers["semantic"][3, 3] = value
-    write_exr(tmp_path / "day/view_1/channels.exr", layers)
+    write_exr(day / "view_1/channels.exr", layers)
     with pytest.raises(InputError, match="'semantic' holds what is no whole number"):
-        write([read_render(tmp_path / "day")], tmp_path / "data")
+        write([read_render(day)], tmp_path / "data")

@@ -3,7 +3,6 @@
 import itertools
 import json
 import pickle
-import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.lights import box, camera_from_world, single_source, source, spread
 from orusd_openrooms.readers import read_bytes, read_light, read_light_box
 from orusd_openrooms.records import Light, Lobe, lights_of
-from tests.openrooms.synthetic import GAUSSIANS, LAMP, RADIANCE, WINDOW
+from tests.openrooms.synthetic import GAUSSIANS, LAMP, RADIANCE, WINDOW, random_pose
 
 
 @pytest.fixture(scope="module")
@@ -39,18 +38,10 @@ def random_light(rng: np.random.Generator) -> Light:
     return Light(0, False, True, rng.normal(size=3), axes, rng.random(3) + 0.1, np.ones(3), {})
 
 
-def random_camera(rng: np.random.Generator) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    matrix[:3, 0] *= np.linalg.det(matrix[:3, :3])
-    matrix[:3, 3] = rng.normal(size=3)
-    return matrix
-
-
 @pytest.mark.parametrize("seed", range(30))
 def test_a_box_is_the_same_solid_in_the_cameras_frame(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    light, world_from_camera = random_light(rng), random_camera(rng)
+    light, world_from_camera = random_light(rng), random_pose(rng)
     found = box(light, camera_from_world(world_from_camera), np.zeros((4, 4), bool))["box3D"]
     axes = np.stack([found[f"{name}Axis"] for name in "xyz"], axis=1)
     size = np.array([found[f"{name}Len"] for name in "xyz"])
@@ -161,13 +152,12 @@ def test_without_a_sun_another_lobe_comes_first() -> None:
     assert not found["intensitySky"].any() and found["intensityGrd"].all()
 
 
-def test_an_opening_without_a_fit_is_even(render: RenderedScene, tmp_path: Path) -> None:
-    shutil.copytree(render.folder, tmp_path / "day")
-    manifest = json.loads((tmp_path / "day/manifest.json").read_text())
+def test_an_opening_without_a_fit_is_even(day: Path, tmp_path: Path) -> None:
+    manifest = json.loads((day / "manifest.json").read_text())
     for light in manifest["lights"]:
         light["gaussians"] = []
-    (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
-    window = lights_of(read_render(tmp_path / "day"))[1]
+    (day / "manifest.json").write_text(json.dumps(manifest))
+    window = lights_of(read_render(day))[1]
     for made in (source, single_source):
         found = made(window, np.eye(4))
         np.testing.assert_allclose(found["intensity"], [500.0, 600.0, 700.0])

@@ -1,6 +1,5 @@
 """A room's meshes and ``main.xml`` beside pictures of it, as the 3D loader asks for them."""
 
-import hashlib
 import shutil
 from pathlib import Path
 from xml.etree import ElementTree
@@ -14,6 +13,7 @@ from openrooms_usd.rendering import render_stage
 from openrooms_usd.rendering.datasets import DatasetOptions, write_dataset
 from openrooms_usd.rendering.reading import read_render
 from orusd_openrooms.readers import read_cameras
+from tests.folders import contents
 
 SPLITS = ("main_xml", "mainDiffMat_xml")
 FOV_DEG = 57.95
@@ -42,14 +42,6 @@ def root(rendered: Path, composed_demo: Path, tmp_path_factory: pytest.TempPathF
     options = DatasetOptions(splits=SPLITS, layout="merged", stages=(composed_demo,) * 2)
     write_dataset([rendered] * 2, root, options=options)
     return root
-
-
-def files(root: Path) -> dict[str, str]:
-    return {
-        path.relative_to(root).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted(root.rglob("*"))
-        if path.is_file()
-    }
 
 
 @pytest.mark.slow
@@ -93,10 +85,10 @@ def test_another_room_leaves_those_that_are_there(
 ) -> None:
     """Things of two rooms have the same names, and other shapes."""
     shutil.copytree(root, tmp_path / "data")
-    before = files(tmp_path / "data")
+    before = contents(tmp_path / "data")
     options = DatasetOptions(scene="scene0001_00", layout="merged", stages=(composed_demo,))
     write_dataset([rendered], tmp_path / "data", options=options)
-    after = files(tmp_path / "data")
+    after = contents(tmp_path / "data")
     changed = {name for name in before if after[name] != before[name]}
     assert changed == {"train.txt"}
     assert "scenes/xml/scene0001_00/main.xml" in after
@@ -109,10 +101,10 @@ def test_another_room_leaves_those_that_are_there(
 def test_a_second_time_the_bytes_are_the_same(
     root: Path, rendered: Path, composed_demo: Path
 ) -> None:
-    before = files(root)
+    before = contents(root)
     options = DatasetOptions(splits=SPLITS, layout="merged", stages=(composed_demo,) * 2)
     write_dataset([rendered] * 2, root, options=options)
-    assert files(root) == before
+    assert contents(root) == before
 
 
 @pytest.mark.slow

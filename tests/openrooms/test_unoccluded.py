@@ -1,7 +1,6 @@
 """The light of an opening's lobes without occlusion, against closed forms and brute force."""
 
 import json
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.rendering.datasets import DatasetOptions
-from openrooms_usd.rendering.reading import RenderedScene, read_render
+from openrooms_usd.rendering.reading import read_render
 from orusd_openrooms import OpenRoomsDataset, lightfiles
 from orusd_openrooms.lightfiles import approximate
 from orusd_openrooms.readers import read_light
@@ -109,15 +108,14 @@ def test_no_surface_gets_no_light() -> None:
     assert (at(light, [0, 0, 0], [0, 0, 0], np.eye(4)) == 0).all()
 
 
-def test_the_file_of_a_window_with_an_even_sky(render: RenderedScene, tmp_path: Path) -> None:
+def test_the_file_of_a_window_with_an_even_sky(day: Path, tmp_path: Path) -> None:
     """From depth, intrinsics and pose to the file: the floor of the synthetic room."""
-    shutil.copytree(render.folder, tmp_path / "day")
-    manifest = json.loads((tmp_path / "day/manifest.json").read_text())
+    manifest = json.loads((day / "manifest.json").read_text())
     sky = {"name": "sky", "axis": [0, 1, 0], "sharpness": 0.0, "amplitude": [100.0, 200.0, 300.0]}
     for light in manifest["lights"]:
         light["gaussians"] = [sky]
-    (tmp_path / "day/manifest.json").write_text(json.dumps(manifest))
-    scene = read_render(tmp_path / "day")
+    (day / "manifest.json").write_text(json.dumps(manifest))
+    scene = read_render(day)
     OpenRoomsDataset().write([scene], tmp_path / "data", DatasetOptions(layout="merged"))
     found = read_light(tmp_path / "data/main_xml/scene0000_00/light_1/imDSNoOccluApprox1.hdr")
     view, (_, window) = scene.views["view_0"], lights_of(scene)

@@ -37,7 +37,8 @@ SOFA: tuple[Block, ...] = (
     ((0.72, -0.40, 0.42), (0.90, 0.20, 0.62)),
 )
 CABINET: tuple[Block, ...] = (((-0.40, -0.22, 0.0), (0.40, 0.22, 0.90)),)
-_FACES = np.array(
+# Of a box whose corner 4 x + 2 y + z is at the ends of its three sides.
+BOX_FACES = np.array(
     [
         [0, 1, 3],
         [0, 3, 2],
@@ -51,7 +52,8 @@ _FACES = np.array(
         [0, 6, 4],
         [1, 5, 7],
         [1, 7, 3],
-    ]
+    ],
+    dtype=np.int32,
 )
 
 
@@ -61,7 +63,7 @@ def mesh(blocks: tuple[Block, ...]) -> tuple[Array, NDArray[np.int32]]:
         [[box[i][0], box[j][1], box[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
         for box in blocks
     ]
-    faces = [_FACES + 8 * n for n in range(len(blocks))]
+    faces = [BOX_FACES + 8 * n for n in range(len(blocks))]
     return np.array(vertices, dtype=np.float64).reshape(-1, 3), np.concatenate(faces).astype("i4")
 
 

@@ -10,25 +10,8 @@ from scipy.spatial.transform import Rotation
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.correcting import Placement
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
+from tests.scan.alignment_cases import BOX_FACES
 
-# Faces of a box whose corner 4 x + 2 y + z is at the ends of its three sides.
-_FACES = np.array(
-    [
-        [0, 1, 3],
-        [0, 3, 2],
-        [4, 6, 7],
-        [4, 7, 5],
-        [0, 4, 5],
-        [0, 5, 1],
-        [2, 3, 7],
-        [2, 7, 6],
-        [0, 2, 6],
-        [0, 6, 4],
-        [1, 5, 7],
-        [1, 7, 3],
-    ],
-    dtype=np.int32,
-)
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
 Block = tuple[float, float, float, float, float, float]
 
@@ -38,7 +21,7 @@ def blocks(*rows: Block) -> tuple[np.ndarray, np.ndarray]:
     corners = np.indices((2, 2, 2)).reshape(3, -1).T
     boxes = [np.array(row).reshape(3, 2) for row in rows]
     points = np.concatenate([box[np.arange(3), corners] for box in boxes])
-    return points, np.concatenate([_FACES + 8 * k for k in range(len(boxes))])
+    return points, np.concatenate([BOX_FACES + 8 * k for k in range(len(boxes))])
 
 
 def _legs(x: float, y: float, high: float, width: float = 0.05) -> list[Block]:

@@ -8,10 +8,13 @@ import shapely
 from numpy.typing import NDArray
 
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.rooms.layout import find_layout
+from openrooms_usd.scan.rooms.levelling import level
 
 Array = NDArray[np.float64]
 
 WALL, FLOOR, CABINET, DOOR, CEILING = 1, 2, 3, 8, 22
+SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,13 @@ def motion(tilt: float, yaw: float, offset: Sequence[float]) -> Array:
     matrix[:3, :3] = (Rotation.from_rotvec(axis) * Rotation.from_euler("z", yaw, True)).as_matrix()
     matrix[:3, 3] = offset
     return matrix
+
+
+def rings_found(cloud: Cloud) -> list[Array]:
+    """The corners in plan of all rooms that the layout finds."""
+    stand = level(cloud)
+    rooms = find_layout(cloud.moved(stand.level_from_scan), stand)
+    return [room.found(stand).corners[:, :2] for room in rooms]
 
 
 def corner_error(found: Array, truth: Array) -> float:

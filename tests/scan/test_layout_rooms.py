@@ -10,12 +10,11 @@ from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.occupancy import free_along_rays
-from tests.scan.scanned_rooms import RoomScan, corner_error, motion
+from tests.scan.scanned_rooms import SQUARE, RoomScan, corner_error, motion
 
-RECTANGLE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 FURNITURE = ((1.0, 0.6, 1.4, 0.8, 0.70, 0.74), (0.02, 1.3, 0.6, 1.2, 0.0, 2.0))
 ROOMS = {
-    "rectangle": RECTANGLE,
+    "rectangle": SQUARE,
     "L": ((0, 0), (4.5, 0), (4.5, 2.0), (2.4, 2.0), (2.4, 3.6), (0, 3.6)),
     "niche": ((0, 0), (4, 0), (4, 3), (2.6, 3), (2.6, 3.4), (1.4, 3.4), (1.4, 3), (0, 3)),
     "pier": ((0, 0), (4, 0), (4, 3), (2.4, 3), (2.4, 2.7), (2.0, 2.7), (2.0, 3), (0, 3)),
@@ -59,13 +58,13 @@ def test_corners_lie_at_the_inner_faces(name):
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("labels", ["given", "a fifth wrong", "absent"])
 def test_furniture_along_walls_is_no_wall(labels):
-    cloud = RoomScan(RECTANGLE, boxes=FURNITURE).cloud()
+    cloud = RoomScan(SQUARE, boxes=FURNITURE).cloud()
     rng = np.random.default_rng(0)
     label = cloud.label.copy()
     wrong = rng.random(len(label)) < (0.2 if labels == "a fifth wrong" else 0.0)
     label[wrong] = rng.choice([1, 2, 3, 5, 22], wrong.sum())
     _, corners = only(Cloud(cloud.points, label=None if labels == "absent" else label))
-    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.04
+    assert corner_error(corners[:, :2], np.array(SQUARE)) < 0.04
 
 
 def test_a_moved_scan_gives_the_moved_room():
@@ -78,8 +77,8 @@ def test_a_moved_scan_gives_the_moved_room():
 
 
 def test_a_missing_wall_is_closed_and_said_to_be_guessed():
-    room, corners = only(RoomScan(RECTANGLE, missing=(1,)).cloud())
-    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.08
+    room, corners = only(RoomScan(SQUARE, missing=(1,)).cloud())
+    assert corner_error(corners[:, :2], np.array(SQUARE)) < 0.08
     assert len(room.guessed) == 1
     start = corners[room.guessed[0], :2]
     end = corners[(room.guessed[0] + 1) % 4, :2]
@@ -90,45 +89,45 @@ def test_a_missing_wall_is_closed_and_said_to_be_guessed():
 @pytest.mark.slow
 def test_a_corridor_seen_through_a_door_is_not_the_room():
     door = (1, 1.0, 1.9, 0.0, 2.05)
-    cloud = RoomScan(RECTANGLE, holes=(door,)).cloud()
+    cloud = RoomScan(SQUARE, holes=(door,)).cloud()
     beyond = RoomScan(((4.3, 0.4), (5.6, 0.0), (5.6, 2.9), (4.3, 2.5)), missing=(0, 2, 3)).cloud()
     both = Cloud(np.concatenate([cloud.points, beyond.points]))
     _, corners = only(both)
-    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.04
+    assert corner_error(corners[:, :2], np.array(SQUARE)) < 0.04
 
 
 @pytest.mark.slow
 def test_two_rooms_are_two_polygons():
     door, other = (1, 1.0, 1.9, 0.0, 2.05), ((4.35, 0.2), (7.3, 0.2), (7.3, 3.4), (4.35, 3.4))
-    first = RoomScan(RECTANGLE, holes=(door,)).cloud()
+    first = RoomScan(SQUARE, holes=(door,)).cloud()
     second = RoomScan(other, holes=((3, 1.5, 2.4, 0.0, 2.05),)).cloud()
     found = layout(Cloud(np.concatenate([first.points, second.points])))
     assert len(found) == 2
-    for truth in (np.array(RECTANGLE), np.array(other)):
+    for truth in (np.array(SQUARE), np.array(other)):
         assert min(corner_error(corners[:, :2], truth) for _, corners in found) < 0.04
 
 
 @pytest.mark.slow
 def test_thirty_percent_outliers():
-    cloud = RoomScan(RECTANGLE, boxes=FURNITURE).cloud()
+    cloud = RoomScan(SQUARE, boxes=FURNITURE).cloud()
     rng = np.random.default_rng(1)
     stray = rng.uniform((-1.0, -1.0, -0.5), (5.2, 4.1, 3.0), (int(0.43 * len(cloud)), 3))
     _, corners = only(Cloud(np.concatenate([cloud.points, stray])))
-    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.05
+    assert corner_error(corners[:, :2], np.array(SQUARE)) < 0.05
 
 
 @pytest.mark.slow
 def test_what_a_mirror_shows_is_not_the_room():
-    cloud = RoomScan(RECTANGLE, holes=((0, 1.0, 2.6, 0.8, 2.0),)).cloud()
+    cloud = RoomScan(SQUARE, holes=((0, 1.0, 2.6, 0.8, 2.0),)).cloud()
     seen = cloud.points[np.abs(cloud.points[:, 0] - 1.8) < 0.4 + 0.35 * cloud.points[:, 1]]
     mirrored = seen[seen[:, 1] > 0.1] * [1.0, -1.0, 1.0]
     _, corners = only(Cloud(np.concatenate([cloud.points, mirrored])))
-    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.05
+    assert corner_error(corners[:, :2], np.array(SQUARE)) < 0.05
 
 
 @pytest.mark.slow
 def test_ceilings_that_slope_or_are_missing_have_no_height():
-    cloud = RoomScan(RECTANGLE, ceiling=False).cloud()
+    cloud = RoomScan(SQUARE, ceiling=False).cloud()
     assert only(cloud)[0].ceiling is None
     plan = np.random.default_rng(2).uniform((0.0, 0.0), (4.2, 3.1), (12000, 2))
     slope = np.column_stack([plan, 2.1 + 0.35 * plan[:, 1]])
@@ -139,7 +138,7 @@ def test_ceilings_that_slope_or_are_missing_have_no_height():
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("gable", [False, True])
 def test_slopes_of_a_ceiling_are_measured(gable):
-    walls = RoomScan(RECTANGLE, ceiling=False, height=3.4).cloud()
+    walls = RoomScan(SQUARE, ceiling=False, height=3.4).cloud()
     plan = np.random.default_rng(3).uniform((0.0, 0.0), (4.2, 3.1), (24000, 2))
 
     def roof(y: np.ndarray) -> np.ndarray:
@@ -148,7 +147,7 @@ def test_slopes_of_a_ceiling_are_measured(gable):
     below = walls.take(walls.points[:, 2] < roof(walls.points[:, 1]))
     points = np.concatenate([below.points, np.column_stack([plan, roof(plan[:, 1])])])
     (room, corners), *_ = layout(Cloud(points))
-    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.04
+    assert corner_error(corners[:, :2], np.array(SQUARE)) < 0.04
     stand = level(Cloud(points))
     found = room.found(stand)
     assert found.ceiling is None
@@ -162,16 +161,16 @@ def test_slopes_of_a_ceiling_are_measured(gable):
 
 @pytest.mark.parametrize("floor", [False, True])
 def test_one_wall_is_too_little(floor):
-    cloud = RoomScan(RECTANGLE, missing=(1, 2, 3), floor=floor, ceiling=False).cloud()
+    cloud = RoomScan(SQUARE, missing=(1, 2, 3), floor=floor, ceiling=False).cloud()
     with pytest.raises(InputError, match="too little") as caught:
         layout(cloud)
     assert "scan the floor" in str(caught.value.remedy)
 
 
 def test_a_partial_view_is_closed_on_request():
-    view = RoomScan(RECTANGLE, missing=(1, 2, 3), ceiling=False).cloud()
+    view = RoomScan(SQUARE, missing=(1, 2, 3), ceiling=False).cloud()
     room, corners = layout(view, LayoutOptions(partial=True))[0]
-    assert corner_error(corners[:, :2], np.array(RECTANGLE)) < 0.1
+    assert corner_error(corners[:, :2], np.array(SQUARE)) < 0.1
     assert len(room.guessed) == 3
 
 

@@ -11,13 +11,10 @@ from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.scan.rooms.levelling import Level, level
 from openrooms_usd.scan.rooms.storeys import storeys
-from tests.scan.scanned_rooms import RoomScan, corner_error, motion
+from tests.scan.scanned_rooms import SQUARE, RoomScan, corner_error, motion
 
-RECTANGLE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
-ROOM = RoomScan(RECTANGLE, boxes=((1.0, 0.5, 1.4, 0.7, 0.70, 0.74), (0.0, 2.4, 1.2, 0.6, 0.0, 2.1)))
-SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
+ROOM = RoomScan(SQUARE, boxes=((1.0, 0.5, 1.4, 0.7, 0.70, 0.74), (0.0, 2.4, 1.2, 0.6, 0.0, 2.1)))
 UP = np.array([0.0, 0.0, 1.0])
-SMALL = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 LARGE = ((-0.6, -0.4), (5.4, -0.4), (5.4, 3.6), (-0.6, 3.6))
 RISE = 2.8
 
@@ -64,7 +61,7 @@ def test_the_level_frame_is_rigid_and_aligned():
 
 
 def test_no_floor_is_said_and_taken_from_the_walls():
-    room = RoomScan(RECTANGLE, floor=False, ceiling=False)
+    room = RoomScan(SQUARE, floor=False, ceiling=False)
     matrix = motion(3.0, 10.0, (0.0, 0.0, 0.0))
     found = level(room.cloud().moved(matrix))
     assert not found.floor_seen
@@ -74,7 +71,7 @@ def test_no_floor_is_said_and_taken_from_the_walls():
 
 
 def test_a_floor_of_which_a_quarter_is_seen_is_the_floor_and_no_table():
-    cloud = RoomScan(RECTANGLE, boxes=((0.5, 0.5, 2.0, 1.5, 0.70, 0.74),)).cloud()
+    cloud = RoomScan(SQUARE, boxes=((0.5, 0.5, 2.0, 1.5, 0.70, 0.74),)).cloud()
     hidden = (cloud.label == 2) & (cloud.points[:, 0] > 1.05)
     assert_floor(level(cloud.take(~hidden)), np.eye(4), metres=0.015)
 
@@ -83,7 +80,7 @@ def test_dense_half_does_not_tilt_the_floor():
     cloud = ROOM.cloud()
     rng = np.random.default_rng(1)
     sparse = (cloud.points[:, 0] < 2.0) | (rng.random(len(cloud)) < 0.05)
-    dense = RoomScan(RECTANGLE, spacing=0.012, ceiling=False).cloud()
+    dense = RoomScan(SQUARE, spacing=0.012, ceiling=False).cloud()
     half = dense.points[:, 0] < 2.0
     mixed = Cloud(np.concatenate([cloud.points[sparse], dense.points[half]]))
     assert_floor(level(mixed), np.eye(4))
@@ -175,7 +172,7 @@ def house(lower: tuple[tuple[float, float], ...], upper: tuple[tuple[float, floa
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("larger", ["below", "above"])
 def test_the_larger_of_two_storeys_is_taken_alone(larger: str):
-    cloud = house(LARGE, SMALL) if larger == "below" else house(SMALL, LARGE)
+    cloud = house(LARGE, SQUARE) if larger == "below" else house(SQUARE, LARGE)
     found = find_rooms(cloud)
     (room,) = found.rooms
     back = room.moved(found.level.scan_from_level).corners
@@ -189,16 +186,16 @@ def test_the_larger_of_two_storeys_is_taken_alone(larger: str):
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("storey", [0, 1])
 def test_another_storey_is_taken_where_that_is_asked(storey: int):
-    found = find_rooms(house(LARGE, SMALL), LayoutOptions(storey=storey))
+    found = find_rooms(house(LARGE, SQUARE), LayoutOptions(storey=storey))
     (room,) = found.rooms
     back = room.moved(found.level.scan_from_level).corners
-    assert corner_error(back[:, :2], np.array((LARGE, SMALL)[storey])) < 0.05
+    assert corner_error(back[:, :2], np.array((LARGE, SQUARE)[storey])) < 0.05
     assert back[:, 2] == pytest.approx(RISE * storey, abs=0.02)
     assert any("as asked" in note for note in found.notes)
 
 
 def test_a_lower_ceiling_is_no_storey():
-    hall, side = RoomScan(LARGE, height=4.5).cloud().points, RoomScan(SMALL).cloud(1).points
+    hall, side = RoomScan(LARGE, height=4.5).cloud().points, RoomScan(SQUARE).cloud(1).points
     both = surfels(Cloud(np.concatenate([hall, side + np.array([6.2, 0.0, 0.0])])))
     assert len(storeys(both)) == 1
-    assert len(storeys(surfels(RoomScan(SMALL).cloud()))) == 1
+    assert len(storeys(surfels(RoomScan(SQUARE).cloud()))) == 1

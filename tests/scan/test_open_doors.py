@@ -1,18 +1,23 @@
-"""Open doors: neither their leaves nor what is seen through them change a room."""
+"""Doors: open leaves, what is seen through them, and closed ones by their frames' relief."""
 
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from openrooms_usd.scan.openings.detection import find_openings
+from openrooms_usd.scan.openings.doorframes import frames
+from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.sightlines import sight_of
 from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.layout import find_layout, open_leaves
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.occupancy import PIXEL_M, at_sensor_height, free_space
 from openrooms_usd.scan.rooms.spaces import _markers, _rooms
-from tests.scan.scanned_rooms import DOOR, RoomScan, corner_error
+from tests.scan.scanned_rooms import DOOR, SQUARE, RoomScan, corner_error
+from tests.scan.walled_rooms import CORNERS, HEIGHT, SENSOR_ORIGINS, Sheet, casing_of, room
 
-SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 LONG = ((0.0, 0.0), (4.2, 0.0), (4.2, 4.5), (0.0, 4.5))
 # The wall at x = 4.2 has a door from 1 to 1.9 m; nothing higher than 2 m was scanned.
 DOORWAY = (1, 1.0, 1.9, 0.0, 2.5)
@@ -106,3 +111,68 @@ def test_nobody_looks_through_what_stands_at_the_height_of_the_eyes():
     assert not free_space(barrier | at_sensor_height(pieces, 1.5, low, shape), sensor_origins)[
         behind
     ]
+
+
+GAP = Sheet(0, (2.5, 3.4), (0.0, 2.1))
+
+
+def beside(before: float) -> list[Sheet]:
+    """A leaf beside the doorway, so far before the pier."""
+    return [Sheet(0, (1.5, 2.4), (0.0, 2.1), -before, DOOR)]
+
+
+def test_a_leaf_opened_against_the_pier_is_no_door_there() -> None:
+    found = find_openings(room([GAP, *beside(0.16)]), CORNERS, HEIGHT)
+    assert len(found) == 1
+    (door,) = found
+    along = abs(door.corners[1, 0] - door.corners[0, 0])
+    assert door.type == "door" and abs(along - 0.9) < 0.15
+
+
+def test_a_closed_leaf_in_its_wall_is_a_door() -> None:
+    found = find_openings(room([GAP, *beside(0.02)]), CORNERS, HEIGHT)
+    assert [door.type for door in found] == ["door", "door"]
+
+
+def wall(sheets: list[Sheet], noise: float = 0.003) -> WallGrid:
+    """The picture of the first wall."""
+    cloud = room(sheets, labels=False, noise=noise)
+    return next(wall_grids(cloud, CORNERS, HEIGHT, sight_of(cloud.points, SENSOR_ORIGINS)))
+
+
+@pytest.mark.parametrize(("proud", "noise"), [(0.01, 0.003), (0.015, 0.01), (0.03, 0.005)])
+def test_boards_around_a_leaf(proud: float, noise: float) -> None:
+    grid = wall(casing_of(0, (1.5, 2.4), 2.05, proud), noise)
+    ((where, clear),) = frames(grid)
+    edges = CELL_M * np.array([where.left, where.right, where.top])
+    np.testing.assert_allclose(edges, [1.5, 2.4, 2.05], atol=CELL_M)
+    assert where.bottom == 0
+    assert 0 < clear <= 1
+
+
+def test_a_leaf_that_lies_deeper_than_the_wall() -> None:
+    grid = wall([Sheet(0, (1.5, 2.4), (0.0, 2.05), 0.02, DOOR)])
+    ((where, _),) = frames(grid)
+    edges = CELL_M * np.array([where.left, where.right, where.top])
+    np.testing.assert_allclose(edges, [1.5, 2.4, 2.05], atol=2 * CELL_M)
+
+
+@pytest.mark.parametrize(
+    "sheets",
+    [
+        [],
+        # A picture, a board that ends above the floor, a shelf as high as a hip, and a step.
+        [Sheet(0, (1.5, 2.4), (1.0, 2.0), -0.02)],
+        [s for s in casing_of(0, (1.5, 2.4), 2.05, 0.015) if s.z[0] > 0],
+        casing_of(0, (1.5, 2.4), 1.0, 0.015),
+        [Sheet(0, (2.0, 4.0), (0.0, HEIGHT), -0.02)],
+    ],
+)
+def test_what_is_no_door(sheets: list[Sheet]) -> None:
+    assert list(frames(wall(sheets))) == []
+
+
+def test_a_low_wall_has_no_door() -> None:
+    cloud = room([])
+    grid = next(wall_grids(cloud, CORNERS, 1.5, sight_of(cloud.points, SENSOR_ORIGINS)))
+    assert list(frames(grid)) == []

@@ -8,13 +8,47 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
+from numpy.typing import NDArray
 
 from openrooms_usd.capture import read_capture
 from openrooms_usd.scan.openings.detection import find_openings
 from openrooms_usd.scan.points.thinning import thin
-from openrooms_usd.scan.reconstruction import VOXEL_M
+from openrooms_usd.scan.reconstruction import VOXEL_M, FoundLayout, find_rooms
 from openrooms_usd.scan.results import FoundOpening
-from tests.scan.real_rooms import found_plans, iou, truth_of
+from openrooms_usd.stages.layout.scanned import in_metres
+
+Array = NDArray[np.float64]
+
+
+def truth_of(folder: Path, name: str) -> dict[str, Any]:
+    """What is true of a capture."""
+    truth: dict[str, Any] = json.loads((folder / "truth" / f"{name}.json").read_text())
+    return truth
+
+
+def found_plans(
+    scan: Path, truth: dict[str, Any], options: dict[str, str]
+) -> tuple[FoundLayout, list[Array]]:
+    """The rooms of a scan, and (N, 2) the corners of each in the plan of the truth."""
+    capture = read_capture("scan", scan, options)
+    assert capture.cloud is not None
+    found = find_rooms(capture.cloud)
+    back = in_metres(capture.source_from_world) @ found.level.scan_from_level
+    frame = truth["frame"]
+    axes = np.column_stack([frame["x"], frame["y"]])
+    plans = [
+        (room.corners @ back[:3, :3].T + back[:3, 3] - frame["origin"]) @ axes
+        for room in found.rooms
+    ]
+    return found, plans
+
+
+def iou(plan: Array, true: Any) -> float:
+    """Intersection over union of two outlines."""
+    a, b = shapely.Polygon(plan), shapely.Polygon(true)
+    return float(a.intersection(b).area / a.union(b).area)
+
 
 # An opening is found if its middle is so near to that of a true one, metres.
 NEAR_M = 0.4

@@ -14,18 +14,11 @@ from openrooms_usd.scan.rooms.outline import outline_of
 from openrooms_usd.scan.rooms.soffits import NO_CEILINGS, ceilings_of
 from openrooms_usd.scan.rooms.spaces import _rooms, _watershed, find_spaces, roofed, walled_shares
 from openrooms_usd.scan.rooms.walls import upright
-from tests.scan.scanned_rooms import RoomScan, corner_error
+from tests.scan.scanned_rooms import SQUARE, RoomScan, corner_error, rings_found
 
-SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 HEIGHT, UNDERSIDE = 2.7, 2.25
 HALL = ((0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0))
 GATE = (1, 0.8, 3.6, 0.0, 2.6)
-
-
-def found(cloud: Cloud) -> list[np.ndarray]:
-    stand = level(cloud)
-    rooms = find_layout(cloud.moved(stand.level_from_scan), stand)
-    return [room.found(stand).corners[:, :2] for room in rooms]
 
 
 def plan(*walls: tuple[slice, slice]) -> np.ndarray:
@@ -69,7 +62,7 @@ def test_pixels_go_where_the_way_is_widest():
 def test_a_lamp_below_the_ceiling_leaves_the_room_whole():
     lamp = ((1.95, 1.4, 0.3, 0.3, 2.1, 2.5),)
     cloud = RoomScan(SQUARE, boxes=lamp).cloud()
-    (corners,) = found(Cloud(cloud.points))
+    (corners,) = rings_found(Cloud(cloud.points))
     assert corner_error(corners, np.array(SQUARE)) < 0.04
 
 
@@ -83,7 +76,7 @@ def test_a_wall_that_was_missed_stands_behind_the_floor_that_ends_in_waves():
     moved = moved_behind(near, unseen, pieces)
     assert abs(float(moved.offsets[unseen][0]) - 4.2) < 0.08
     np.testing.assert_array_equal(moved.offsets[~unseen], near.offsets[~unseen])
-    (corners,) = found(cloud.take(cloud.points[:, 0] < end))
+    (corners,) = rings_found(cloud.take(cloud.points[:, 0] < end))
     assert corner_error(corners, np.array(SQUARE)) < 0.1
 
 

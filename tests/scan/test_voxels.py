@@ -1,11 +1,13 @@
-"""Sums over voxels: the order does not matter, memory is bounded, majorities win."""
+"""Points of a cloud are cleaned, thinned and summed: identities, counts, bounded memory."""
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.thinning import thin
+from openrooms_usd.scan.points.thinning import clean, thin
 from openrooms_usd.scan.points.voxels import Samples, Table, VoxelSums
 
 ROOMY = 1 << 28
@@ -121,3 +123,111 @@ def test_a_path_into_the_distance_is_refused() -> None:
     sums.add(samples(np.zeros((1, 3))))
     with pytest.raises(InputError, match="reaches more than 10 km"):
         sums.add(samples(np.full((1, 3), 2e4)))
+
+
+def cloud(points: np.ndarray, seed: int = 0) -> Cloud:
+    rng, n = np.random.default_rng(seed), len(points)
+    normals = rng.normal(size=(n, 3))
+    return Cloud(
+        points=points,
+        normals=(normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype("f4"),
+        colors=rng.integers(0, 256, (n, 3)).astype("u1"),
+        label=rng.integers(0, 5, n).astype("i4"),
+        instance=rng.integers(0, 9, n).astype("i4"),
+        confidence=rng.random(n).astype("f4"),
+        sensor_origins=np.array([[1.0, 2.0, 3.0]]),
+    )
+
+
+def by_hand(points: np.ndarray, voxel: float) -> dict[tuple, list[int]]:
+    """Rows by voxel, the slow way."""
+    found: dict[tuple, list[int]] = {}
+    for row, p in enumerate(points):
+        found.setdefault(tuple(int(c) for c in np.floor(p / voxel)), []).append(row)
+    return dict(sorted(found.items()))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(1, 200), st.sampled_from([0.05, 0.3, 2.0]), st.sampled_from([0.0, 1e6, -37.3]))
+def test_thinning_is_the_mean_of_each_voxel(count: int, voxel: float, offset: float) -> None:
+    rng = np.random.default_rng(count)
+    full = cloud(rng.uniform(-1, 1, (count, 3)) + offset)
+    thinned, rows = thin(full, voxel), by_hand(full.points, voxel)
+    assert len(thinned) == len(rows)
+    for i, inside in enumerate(rows.values()):
+        assert thinned.points[i] == pytest.approx(full.points[inside].mean(axis=0), abs=1e-9)
+        mean = full.normals[inside].mean(axis=0)
+        assert thinned.normals[i] == pytest.approx(mean / np.linalg.norm(mean), abs=1e-4)
+        assert thinned.confidence[i] == pytest.approx(full.confidence[inside].mean(), abs=1e-6)
+        assert np.abs(thinned.colors[i] - full.colors[inside].mean(axis=0)).max() <= 0.5
+        for name in ("label", "instance"):
+            values, votes = np.unique(getattr(full, name)[inside], return_counts=True)
+            assert getattr(thinned, name)[i] == values[np.argmax(votes)]
+    assert thinned.sensor_origins is full.sensor_origins
+
+
+def test_points_alone_in_their_voxels_stay_as_they_are() -> None:
+    lattice = np.stack(np.meshgrid(*[np.arange(4) * 0.1 + 0.03] * 3, indexing="ij"), -1)
+    full = cloud(lattice.reshape(-1, 3) + 1e6)
+    once = thin(full, 0.05)
+    assert (once.points == full.points).all()
+    assert (thin(once, 0.05).points == once.points).all()
+
+
+def test_a_part_of_a_scan_thins_as_the_whole_does() -> None:
+    full = cloud(np.random.default_rng(1).uniform(0, 2, (5000, 3)))
+    left = full.take(full.points[:, 0] < 1.0)
+    whole = thin(full, 0.1)
+    assert thin(left, 0.1).points == pytest.approx(whole.points[whole.points[:, 0] < 1.0])
+
+
+def test_opposite_normals_do_not_vanish() -> None:
+    normals = np.array([[0, 0, 1], [0, 0, -1]], "f4")
+    thinned = thin(Cloud(np.zeros((2, 3)), normals=normals), 1.0)
+    assert np.linalg.norm(thinned.normals, axis=1) == pytest.approx(1.0)
+
+
+def test_far_outliers_do_not_overflow_the_voxels() -> None:
+    points = np.array([[0, 0, 0], [0.001, 0, 0], [1e8, -1e8, 1e8], [9e7, 3.0, -1e8]])
+    thinned = thin(Cloud(points), 0.005)
+    assert len(thinned) == 3
+    assert np.sort(thinned.points[:, 0]) == pytest.approx([0.0005, 9e7, 1e8])
+
+
+def test_broken_points_and_repetitions_are_dropped_and_counted() -> None:
+    points = np.random.default_rng(2).uniform(0, 1, (1000, 3))
+    points[[3, 4, 5], [0, 1, 2]] = [np.nan, np.inf, 1e300]
+    points[100:150] = points[200:250]
+    points[900] = -0.0
+    points[901] = 0.0
+    full = cloud(points)
+    kept, dropped = clean(full)
+    assert (dropped.broken, dropped.duplicates) == (3, 51)
+    assert len(kept) == 1000 - 54
+    rows = [i for i in range(1000) if i not in (3, 4, 5, 901) and not 200 <= i < 250]
+    assert (kept.points == points[rows]).all(), "the first of equal points stays, in its order"
+    assert (kept.label == full.label[rows]).all()
+    assert dropped.notes()[1] == "51 duplicated points were dropped"
+    again, nothing = clean(kept)
+    assert nothing.notes() == ()
+    assert (again.points == kept.points).all()
+
+
+@pytest.mark.parametrize(("broken", "dropped", "left"), [(5, False, 995), (400, True, 1000)])
+def test_broken_normals(broken: int, dropped: bool, left: int) -> None:
+    full = cloud(np.random.default_rng(3).uniform(0, 1, (1000, 3)))
+    full.normals[:broken] = np.nan
+    full.normals[0] = 0.0
+    full.normals[broken:] *= 7.0
+    kept, counts = clean(full)
+    assert (counts.normals, counts.normals_dropped, len(kept)) == (broken, dropped, left)
+    if dropped:
+        assert kept.normals is None
+    else:
+        assert np.linalg.norm(kept.normals, axis=1) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_an_empty_cloud_stays_empty() -> None:
+    empty = Cloud(np.empty((0, 3)))
+    assert len(thin(clean(empty)[0], 0.1)) == 0
+    assert len(clean(Cloud(np.full((3, 3), np.nan)))[0]) == 0

@@ -10,16 +10,13 @@ from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.candidates import wall_lines
 from openrooms_usd.scan.rooms.cells import Cells, cut_plan, inside_by_cut
 from openrooms_usd.scan.rooms.directions import angle_between, wall_directions
-from openrooms_usd.scan.rooms.layout import find_layout
-from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.outline import outline_of
 from openrooms_usd.scan.rooms.refit import refitted
 from openrooms_usd.scan.rooms.walls import Line, profile, upright
-from tests.scan.scanned_rooms import CABINET, RoomScan, corner_error, motion
+from tests.scan.scanned_rooms import CABINET, SQUARE, RoomScan, corner_error, motion, rings_found
 
 RECTANGLE = ((0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0))
 X, Y = np.array([1.0, 0.0]), np.array([0.0, 1.0])
-SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))
 # A block of 1 x 1.3 m stands out from the wall at x = 4.
 BLOCK = (
     (0.0, 0.0),
@@ -136,12 +133,6 @@ def test_a_wall_that_nobody_saw_runs_as_the_others_do() -> None:
     assert (unseen_wall_cost(normals, ()) == 1.0).all()
 
 
-def found(cloud: Cloud) -> list[np.ndarray]:
-    stand = level(cloud)
-    rooms = find_layout(cloud.moved(stand.level_from_scan), stand)
-    return [room.found(stand).corners[:, :2] for room in rooms]
-
-
 @pytest.mark.slow
 def test_a_block_whose_side_nobody_saw_is_no_floor():
     scan = RoomScan(BLOCK, missing=(2,), boxes=((3.1, 1.2, 0.7, 0.6, 0.0, 0.9),))
@@ -149,13 +140,13 @@ def test_a_block_whose_side_nobody_saw_is_no_floor():
     # Nothing of the floor and ceiling is seen where furniture beside the block hides them.
     x, y, z = cloud.points.T
     hidden = (x > 2.9) & (y > 1.3) & (y < 2.0) & (z < 0.05)
-    (corners,) = found(cloud.take(~hidden))
+    (corners,) = rings_found(cloud.take(~hidden))
     assert corner_error(corners, np.array(BLOCK)) < 0.06
 
 
 def test_a_column_that_stands_free_before_a_wall_is_no_block():
     column = ((2.0, 1.0, 0.5, 0.5, 0.0, 2.5),)
-    (corners,) = found(Cloud(RoomScan(SQUARE, boxes=column).cloud().points))
+    (corners,) = rings_found(Cloud(RoomScan(SQUARE, boxes=column).cloud().points))
     assert corner_error(corners, np.array(SQUARE)) < 0.06
 
 
@@ -183,5 +174,5 @@ def test_a_wall_that_was_seen_in_part_is_where_it_was_seen():
     kept = (x < 4.15) | ((y > 1.2) & (y < 1.9)) | (z < 0.02) | (z > 2.48)
     strays = cloud.points[(x > 3.9) & (z < 0.05)] + [0.12, 0.0, 0.0]
     points = np.concatenate([cloud.points[kept], strays])
-    (corners,) = found(Cloud(points))
+    (corners,) = rings_found(Cloud(points))
     assert corner_error(corners, np.array(SQUARE)) < 0.05

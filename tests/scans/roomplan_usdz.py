@@ -42,6 +42,39 @@ def cube(name: str, row: dict[str, Any], thickness: float) -> str:
     )
 
 
+def mesh(name: str, matrix: list[float], points: Any, faces: Any) -> str:
+    """A mesh in its own frame."""
+    return (
+        f'    def Mesh "{name}"\n    {{\n'
+        f"        int[] faceVertexCounts = {[len(face) for face in faces]}\n"
+        f"        int[] faceVertexIndices = {[i for face in faces for i in face]}\n"
+        f"        point3f[] points = {[tuple(map(float, p)) for p in points]}\n"
+        f"        matrix4d xformOp:transform = {matrix_text(matrix)}\n"
+        '        uniform token[] xformOpOrder = ["xformOp:transform"]\n    }\n'
+    )
+
+
+def curved_front(radius: float, width: float, bulge: float = 4.0) -> tuple[Any, Any]:
+    """(50, 3) points of a curved wall's face, its lower edge first, and its quads."""
+    half = np.arcsin(0.5 * width / bulge)
+    angles = np.linspace(0.5 * np.pi + half, 0.5 * np.pi - half, 25)
+    x, z = radius * np.cos(angles), radius * np.sin(angles) - bulge * np.cos(half)
+    y = 0.5 * 2.45
+    rows = [np.column_stack([x, np.full(25, side), z]) for side in (-y, y)]
+    return np.concatenate(rows), [[i, i + 1, i + 26, i + 25] for i in range(24)]
+
+
+def curve_of(width: float, bulge: float = 4.0) -> dict[str, Any]:
+    """What the JSON says of the same wall."""
+    half = np.arcsin(0.5 * width / bulge)
+    return {
+        "radius": bulge,
+        "center": [0, -bulge * np.cos(half)],
+        "startAngle": 0.5 * np.pi + half,
+        "endAngle": 0.5 * np.pi - half,
+    }
+
+
 def fan(name: str, row: dict[str, Any], depth: float = 1e-4) -> str:
     """A slab: a fan above (this floor is seen whole from its first corner), one below, sides."""
     upper = np.array(row["polygonCorners"], dtype=float)
@@ -50,14 +83,7 @@ def fan(name: str, row: dict[str, Any], depth: float = 1e-4) -> str:
     faces = [[0, i, i + 1] for i in range(1, n - 1)]
     faces += [[n, n + i + 1, n + i] for i in range(1, n - 1)]
     faces += [[i, (i + 1) % n, n + (i + 1) % n, n + i] for i in range(n)]
-    return (
-        f'    def Mesh "{name}"\n    {{\n'
-        f"        int[] faceVertexCounts = {[len(face) for face in faces]}\n"
-        f"        int[] faceVertexIndices = {[i for face in faces for i in face]}\n"
-        f"        point3f[] points = {[tuple(p) for p in points.tolist()]}\n"
-        f"        matrix4d xformOp:transform = {matrix_text(row['transform'])}\n"
-        '        uniform token[] xformOpOrder = ["xformOp:transform"]\n    }\n'
-    )
+    return mesh(name, row["transform"], points, faces)
 
 
 def layers_of(data: dict[str, Any]) -> dict[str, str]:
@@ -87,8 +113,8 @@ def layers_of(data: dict[str, Any]) -> dict[str, str]:
     return {"Room.usda": root, **layers}
 
 
-def pack(path: Path, layers: dict[str, str | bytes]) -> Path:
-    with zipfile.ZipFile(path, "w") as archive:
+def pack(path: Path, layers: dict[str, str | bytes], **how: Any) -> Path:
+    with zipfile.ZipFile(path, "w", **how) as archive:
         for name, text in layers.items():
             archive.writestr(name, text)
     return path

@@ -33,7 +33,9 @@ def png(path: Path, values: np.ndarray) -> None:
     image.write(str(path))
 
 
-def scan(folder: Path, frames: str = f"{ID}_frames") -> Path:
+def scan(
+    folder: Path, frames: str = f"{ID}_frames", moments: int = 11, points: np.ndarray | None = None
+) -> Path:
     """Depth at 10 Hz between the poses at 5 Hz of a wall at y = 2 m; pixels of 0 are unsure."""
     inner = folder / frames if frames else folder
     (inner / "lowres_wide_intrinsics").mkdir(parents=True)
@@ -43,7 +45,7 @@ def scan(folder: Path, frames: str = f"{ID}_frames") -> Path:
         numbers = [100 + i / 5, *Rotation.from_matrix(M[:3, :3]).as_rotvec(), *M[:3, 3]]
         lines.append(" ".join(f"{n:.9f}" for n in numbers))
     (inner / "lowres_wide.traj").write_text("\n".join(lines) + "\n")
-    for i in range(11):
+    for i in range(moments):
         name = f"{ID}_{100 + i / 10:.3f}"
         (inner / f"lowres_wide_intrinsics/{name}.pincam").write_text("64 48 50 50 32 24\n")
         v, u = np.mgrid[:HEIGHT, :WIDTH] + 0.5
@@ -55,10 +57,11 @@ def scan(folder: Path, frames: str = f"{ID}_frames") -> Path:
         sure[:, :10], depth[:, :10] = 0, 500
         png(inner / f"lowres_depth/{name}.png", depth)
         png(inner / f"confidence/{name}.png", sure)
-    points = np.random.default_rng(0).uniform(0, 1, (200, 3)).astype("<f4")
-    head = "ply\nformat binary_little_endian 1.0\nelement vertex 200\n"
+    if points is None:
+        points = np.random.default_rng(0).uniform(0, 1, (200, 3))
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
     head += "".join(f"property float {a}\n" for a in "xyz") + "end_header\n"
-    (folder / f"{ID}_3dod_mesh.ply").write_bytes(head.encode() + points.tobytes())
+    (folder / f"{ID}_3dod_mesh.ply").write_bytes(head.encode() + points.astype("<f4").tobytes())
     drawn = {"centroid": [1, 2, 0.5], "axesLengths": [0.6, 1.0, 0.4]}
     box = {"uid": "u1", "label": "chair"}
     box["segments"] = {"obbAligned": drawn | {"normalizedAxes": AXES.ravel().tolist()}}

@@ -15,11 +15,11 @@ from scipy.io import savemat
 from openrooms_usd import untrusted
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
-from openrooms_usd.unpickling import read_pickled
 from orusd_scans.plainscan import READERS, read_scanned
 from orusd_scans.roomplan.importer import RoomPlanImporter
 from orusd_scans.scannet.sens import Sens
 from orusd_scans.sunrgbd.files import read_matrix
+from tests.scans.laser import write_e57, write_las
 
 POINTS = np.random.default_rng(0).random((300, 3))
 
@@ -157,23 +157,13 @@ def test_fields_of_nothing(tmp_path: Path, form: str) -> None:
     refused(tmp_path / "a.pcd", f"{text}POINTS 5\nDATA {form}\n".encode() + bytes(8), "nothing")
 
 
-def las(path: Path, kind: int = 2, version: str = "1.2") -> bytearray:
-    laspy = pytest.importorskip("laspy")
-    header = laspy.LasHeader(point_format=kind, version=version)
-    header.scales = [1e-4] * 3
-    points = laspy.LasData(header)
-    points.x, points.y, points.z = POINTS.T
-    points.write(path)
-    return bytearray(path.read_bytes())
-
-
 @pytest.mark.parametrize("at", [96, 100])
 def test_records_that_las_announces(tmp_path: Path, at: int) -> None:
     path = tmp_path / "a.las"
-    data = las(path)
+    data = bytearray(write_las(path, POINTS).read_bytes())
     struct.pack_into("<I", data, at, 0xFFFFFFF0)
     refused(path, bytes(data), "ends too early")
-    more = las(path, 7, "1.4")
+    more = bytearray(write_las(path, POINTS, 7, "1.4").read_bytes())
     struct.pack_into("<QI", more, 235, len(more) - 60, 0xFFFFFFF0)
     refused(path, bytes(more), "ends too early")
 
@@ -181,7 +171,7 @@ def test_records_that_las_announces(tmp_path: Path, at: int) -> None:
 def test_chunks_that_laz_announces(tmp_path: Path) -> None:
     pytest.importorskip("lazrs")
     path = tmp_path / "a.laz"
-    data = las(path)
+    data = bytearray(write_las(path, POINTS).read_bytes())
     (start,) = struct.unpack_from("<I", data, 96)
     (table,) = struct.unpack_from("<q", data, start)
     struct.pack_into("<I", data, table + 4, 0x61000000)
@@ -189,26 +179,17 @@ def test_chunks_that_laz_announces(tmp_path: Path) -> None:
     struct.pack_into("<q", data, start, 1 << 60)
     refused(path, bytes(data), "outside the file")
     # The size of its chunks stands 12 bytes after the head of the record that says how it packs.
-    whole = las(path)
+    whole = bytearray(write_las(path, POINTS).read_bytes())
     at = whole.index(b"laszip encoded") - 2 + 54 + 12
     assert struct.unpack_from("<I", whole, at) == (50_000,)
     struct.pack_into("<I", whole, at, 0x91000000)
     refused(path, bytes(whole), "chunks of 2,432,696,320 points")
 
 
-def e57(path: Path) -> bytearray:
-    pye57 = pytest.importorskip("pye57")
-    file = pye57.E57(str(path), mode="w")
-    columns = {f"cartesian{axis}": POINTS[:, i] for i, axis in enumerate("XYZ")}
-    file.write_scan_raw(columns, rotation=np.array([1.0, 0, 0, 0]), translation=np.zeros(3))
-    file.close()
-    return bytearray(path.read_bytes())
-
-
 @pytest.mark.filterwarnings("ignore")
 def test_descriptions_of_e57_declare_no_entities(tmp_path: Path) -> None:
     path = tmp_path / "a.e57"
-    data = e57(path)
+    data = bytearray(write_e57(path, POINTS).read_bytes())
     at = data.index(b"<?xml")
     for text in (b"<!DOCTYPE a>", b"<! entity a "):
         changed = data[:at] + data[at:].replace(b"<e57Root type", text, 1)
@@ -300,9 +281,3 @@ def test_messages_quote_little(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         read_scanned(tmp_path / "a.xyz")
     assert len(str(caught.value)) < 800
-
-
-def test_pickles_come_through_the_door(tmp_path: Path) -> None:
-    for kind in ("pipe", "endless"):
-        with pytest.raises(InputError, match=NO_FILES[kind]):
-            read_pickled(made(tmp_path / kind, kind))

@@ -4,17 +4,11 @@ import numpy as np
 import pytest
 import shapely
 
-from openrooms_usd.adapters import IMPORTERS, load
 from openrooms_usd.capture import Capture
 from openrooms_usd.errors import InputError
+from tests.scans.roomplan_usdz import CORNERS, read
 
-CORNERS = np.array([[0, 0], [5, 0], [5, 2.5], [3, 2.5], [2, 4], [0, 4]], dtype=float)
 HEIGHT = 2.45
-
-
-def read(path: Path) -> Capture:
-    capture: Capture = load(IMPORTERS, "roomplan").read(path)
-    return capture
 
 
 def to_source(capture: Capture, points: np.ndarray) -> np.ndarray:

@@ -6,23 +6,15 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from openrooms_usd.adapters import IMPORTERS, load
-from openrooms_usd.capture import Capture
-from openrooms_usd.cli import orusd
 from openrooms_usd.errors import InputError
+from tests.commands import run
+from tests.scans.roomplan_usdz import pack, read
 
 CORNERS = [[0, 0], [5, 0], [5, 4], [0, 4]]
 HEAD = '#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = "Y"\n)\n'
 IDENTITY = "( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) )"
-
-
-def read(path: Path) -> Capture:
-    capture: Capture = load(IMPORTERS, "roomplan").read(path)
-    return capture
 
 
 def refused(path: Path) -> InputError:
@@ -32,7 +24,7 @@ def refused(path: Path) -> InputError:
     assert path.name in str(error.value.place)
     assert error.value.remedy
     out = path.parent / "out"
-    done = CliRunner().invoke(orusd, ["import", "roomplan", str(path), "-o", str(out)])
+    done = run("import", "roomplan", path, "-o", out)
     assert done.exit_code != 0
     assert isinstance(done.exception, InputError)
     assert not out.exists()
@@ -47,25 +39,6 @@ def test_what_is_missing_in_an_object_is_named(scanner) -> None:
         error = refused(scanner.write(data))
         assert f"{key!r} is missing" in str(error)
         assert "objects[0]" in str(error.place)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda M: M.T, "row by row"),
-        (lambda M: M @ np.diag([1, 1, -1, 1]), "left-handed"),
-        (lambda M: M @ np.diag([1, 2, 1, 1]), "scales the axes by 1, 2, 1"),
-        (lambda M: M @ (np.eye(4) + np.eye(4, k=1) * [0, 0.5, 0, 0]), "scales|shears"),
-    ],
-)
-def test_transforms_that_are_no_motion_are_named(scanner, change: Any, message: str) -> None:
-    data = scanner.room(CORNERS, 2.5)
-    row = scanner.box("chair", [1, 1, 0.4], [0.5, 0.5, 0.8], 20)
-    M = np.array(row["transform"]).reshape(4, 4).T
-    data["objects"] = [row | {"transform": change(M).T.ravel().tolist()}]
-    error = refused(scanner.write(data))
-    assert "objects[0].transform" in str(error.place)
-    assert any(word in str(error) for word in message.split("|"))
 
 
 @pytest.mark.parametrize("word", ["\ud800", "a\x00b", "x" * 5000, "", [1], {"a": {}}])
@@ -153,13 +126,6 @@ BAD_LAYERS = {
     "no USD": ("#usda 1.0\ndef Xform {{{", "not readable as USD"),
     "text": ("hello", "not readable as USD"),
 }
-
-
-def pack(path: Path, files: dict[str, str | bytes], **how: Any) -> Path:
-    with zipfile.ZipFile(path, "w", **how) as archive:
-        for name, text in files.items():
-            archive.writestr(name, text)
-    return path
 
 
 @pytest.mark.parametrize("name", BAD_LAYERS)

@@ -6,20 +6,14 @@ import numpy as np
 import pytest
 import shapely
 
-from openrooms_usd.adapters import IMPORTERS, load
-from openrooms_usd.capture import Capture
 from openrooms_usd.description import parse_room
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
+from tests.scans.roomplan_usdz import read
 
 WIDTH, DEPTH, HEIGHT, RADIUS = 4.0, 3.0, 2.5, 2.5
 HALF = np.arcsin(0.5 * WIDTH / RADIUS)  # half of the arc's angle
 CORNERS = [[0, 0], [WIDTH, 0], [WIDTH, DEPTH], [0, DEPTH]]
-
-
-def read(path: Path) -> Capture:
-    capture: Capture = load(IMPORTERS, "roomplan").read(path)
-    return capture
 
 
 def measurement(radians: float, unit: str = "rad") -> dict:

@@ -7,26 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from click.testing import CliRunner
 from pxr import Usd
 
 from openrooms_usd import names
-from openrooms_usd.adapters import IMPORTERS, load
 from openrooms_usd.capture import Capture
-from openrooms_usd.cli import orusd
 from openrooms_usd.composing import compose_room
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.places.partitions import read_partitions
+from tests.commands import output_of
+from tests.scans.roomplan_usdz import read
 
 HEIGHT = 2.5
 SMALL = [[0, 0], [3, 0], [3, 3], [0, 3]]
 LARGE = [[3.2, 0], [8.2, 0], [8.2, 3], [3.2, 3]]
-
-
-def read(path: Path, room: str | None = None) -> Capture:
-    options = {} if room is None else {"room": room}
-    capture: Capture = load(IMPORTERS, "roomplan").read(path, options)
-    return capture
 
 
 def section(scanner, label: str, center: list[float], story: int = 0) -> dict:
@@ -98,15 +91,8 @@ def test_a_room_that_is_not_there_is_refused_with_those_that_are(scanner) -> Non
 
 
 def test_stories_are_told_apart(scanner) -> None:
-    data = flat(scanner)
-    above = scanner.room(LARGE, HEIGHT)
-    for key in ("walls", "floors"):
-        for row in above[key]:
-            row["story"] = 1
-            row["transform"][13] += 2.8
-        data[key] += above[key]
+    data = storeys(scanner)
     data["sections"].append(section(scanner, "study", [5, 1, 3.8], story=1))
-    data["objects"][2]["transform"][13] += 2.8
     assert ids(read(scanner.write(data), "study"))[1] == ["upstairs"]
     assert ids(read(scanner.write(data), "kitchen"))[1] == ["table"]
     for row in [row for rows in data.values() for row in rows]:
@@ -168,11 +154,8 @@ def test_vectors_with_named_coordinates_are_read(scanner) -> None:
 def test_the_command_takes_a_room(scanner, tmp_path: Path) -> None:
     path = scanner.write(structure(scanner))
     out = tmp_path / "out"
-    done = CliRunner().invoke(
-        orusd, ["import", "roomplan", str(path), "-o", str(out), "--room", "bedroom", "--json"]
-    )
-    assert done.exit_code == 0, done.output
-    assert json.loads(done.output)["objects"] == 1
+    said = output_of("import", "roomplan", path, "-o", out, "--room", "bedroom", "--json")
+    assert json.loads(said)["objects"] == 1
     assert "bedroom" in (out / "room.yaml").read_text()
 
 
@@ -293,7 +276,7 @@ def test_a_wall_inside_the_floor_is_a_partition_with_its_door(scanner) -> None:
         scanner.surface("door", (4.9, 1), (4.9, 1.9), 0.0, 2.0, parentIdentifier="inner")
     ]
     path = scanner.write(data)
-    capture = load(IMPORTERS, "roomplan").read(path)
+    capture = read(path)
     [one] = capture.partitions
     assert one.id == "inner"
     assert np.linalg.norm(one.ends[1] - one.ends[0]) == pytest.approx(4.0)

@@ -5,7 +5,6 @@ import json
 import shutil
 import struct
 import sys
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -25,6 +24,8 @@ from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.plainscan import READERS, ScanImporter, read_scanned
 from tests.scan.scanned_rooms import RoomScan
 from tests.scans import test_arkitscenes, test_scannet_scene, test_sunrgbd
+from tests.scans.damage import cuts_are_refused
+from tests.scans.laser import write_e57, write_las
 
 CORNERS = ((0, 0), (5, 0), (5, 4), (0, 4))
 THINGS = ((0.3, 0.2, 1.6, 0.8, 0.0, 0.75), (2.2, 1.4, 0.9, 0.9, 0.0, 0.45))
@@ -144,37 +145,20 @@ def test_draco_without_its_package_is_said(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("ending", ["las", "laz"])
 def test_las_by_laspy(tmp_path: Path, ending: str) -> None:
-    laspy = pytest.importorskip("laspy")
-    header = laspy.LasHeader(point_format=2, version="1.2")
-    header.scales, header.offsets = [1e-4] * 3, FAR
-    las = laspy.LasData(header)
-    las.x, las.y, las.z = (POINTS + FAR).T
-    las.red = np.arange(500) * 131
-    las.write(tmp_path / f"a.{ending}")
-    cloud = read_las(tmp_path / f"a.{ending}").cloud
+    file = write_las(tmp_path / f"a.{ending}", POINTS + FAR, red=np.arange(500) * 131)
+    cloud = read_las(file).cloud
     assert cloud.points == pytest.approx(POINTS + FAR, abs=1e-4)
     assert cloud.colors[:, 0] == pytest.approx(np.arange(500) * 131 / 257, abs=0.51)
-    capture = ScanImporter().read(tmp_path / f"a.{ending}")
+    capture = ScanImporter().read(file)
     assert np.abs(capture.cloud.points).max() < 10
     back = capture.source_from_world @ [*capture.cloud.points[7], 1.0]
     assert back[:3] == pytest.approx(cloud.points[7], abs=1e-8)
-    whole = (tmp_path / f"a.{ending}").read_bytes()
-    for length in (1, 100, 226, 300, len(whole) - 3000):
-        (tmp_path / f"cut.{ending}").write_bytes(whole[:length])
-        with pytest.raises(InputError, match=r"cut\.la"):
-            read_las(tmp_path / f"cut.{ending}")
+    cuts_are_refused(read_las, file, (1, 100, 226, 300, file.stat().st_size - 3000))
 
 
 def test_e57_by_pye57(tmp_path: Path) -> None:
-    pye57 = pytest.importorskip("pye57")
-    path = tmp_path / "a.e57"
-    turned = np.array([np.cos(0.5), 0.0, 0.0, np.sin(0.5)])
-    for_writing = {f"cartesian{axis}": POINTS[:, i] for i, axis in enumerate("XYZ")}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        file = pye57.E57(str(path), mode="w")
-        file.write_scan_raw(for_writing, rotation=turned, translation=np.array([1.0, 2.0, 3.0]))
-        file.close()
+    turned = [np.cos(0.5), 0.0, 0.0, np.sin(0.5)]
+    path = write_e57(tmp_path / "a.e57", POINTS, turned, [1.0, 2.0, 3.0])
     cloud = read_e57(path).cloud
     c, s = np.cos(1.0), np.sin(1.0)
     expected = POINTS @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T + [1, 2, 3]
@@ -249,9 +233,6 @@ def test_garbage_is_refused_by_every_reader(tmp_path: Path, ending: str, data: b
 def test_what_is_not_there_is_said(tmp_path: Path, ending: str) -> None:
     with pytest.raises(InputError, match="no such file"):
         read_scanned(tmp_path / f"none{ending}")
-    (tmp_path / f"folder{ending}").mkdir()
-    with pytest.raises(InputError, match="this is a folder"):
-        read_scanned(tmp_path / f"folder{ending}")
 
 
 def stored(path: Path, points: np.ndarray) -> Path:

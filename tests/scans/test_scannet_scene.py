@@ -29,10 +29,10 @@ def lattice() -> np.ndarray:
     return np.stack([x.ravel() + 0.005, y.ravel() + 0.005, np.full(x.size, 0.1)], -1)
 
 
-def scene(folder: Path) -> Path:
+def scene(folder: Path, points: np.ndarray | None = None) -> Path:
     """A floor; the vertices at x < 1 belong to a chair, those at y > 1.5 beyond to a lamp."""
     folder.mkdir()
-    points = lattice()
+    points = lattice() if points is None else points
     n = len(points)
     head = f"ply\nformat binary_little_endian 1.0\nelement vertex {n}\n"
     head += "".join(f"property float {a}\n" for a in "xyz")
@@ -62,12 +62,12 @@ def shot(i: int) -> tuple[np.ndarray, np.ndarray]:
     return pose, np.full(SIZE[::-1], round(1000 * (WALL - 0.2 * i)), "<u2")
 
 
-def sens(path: Path, coding: int = 1, depth: bytes | None = None) -> Path:
+def sens(path: Path, coding: int = 1, depth: bytes | None = None, count: int = 5) -> Path:
     out = [struct.pack("<IQ", 4, 3), b"lab", COLOR_K.astype("<f4").tobytes()]
     out += [np.eye(4, dtype="<f4").tobytes(), DEPTH_K.astype("<f4").tobytes()]
     out.append(np.eye(4, dtype="<f4").tobytes())
-    out.append(struct.pack("<2i4IfQ", 2, coding, 128, 96, *SIZE, 1000.0, 5))
-    for i in range(5):
+    out.append(struct.pack("<2i4IfQ", 2, coding, 128, 96, *SIZE, 1000.0, count))
+    for i in range(count):
         pose, values = shot(i)
         lost = i == 3
         blob = zlib.compress(values.tobytes()) if coding == 1 else values.tobytes()

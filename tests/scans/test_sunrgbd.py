@@ -31,15 +31,19 @@ def wall() -> tuple[np.ndarray, np.ndarray]:
     return depth, rays * depth[..., None]
 
 
-def votenet(folder: Path) -> Path:
+def colored(every: int) -> np.ndarray:
+    """(N, 6) rows of one in so many points of the wall."""
+    points = wall()[1].reshape(-1, 3)[::every]
+    return np.column_stack([points, np.tile([0.5, 1.0, 0.0], (len(points), 1))])
+
+
+def votenet(folder: Path, frames: tuple[str, ...] = ("000017", "000018"), every: int = 1) -> Path:
     for name in ("depth", "calib", "label"):
         (folder / name).mkdir(parents=True)
-    for frame in ("000017", "000018"):
+    for frame in frames:
         columns = [" ".join(map(str, M.T.ravel())) for M in (TILT, K)]
         (folder / f"calib/{frame}.txt").write_text("\n".join(columns) + "\n")
-        points = wall()[1].reshape(-1, 3)
-        rows = np.column_stack([points, np.tile([0.5, 1.0, 0.0], (len(points), 1))])
-        savemat(folder / f"depth/{frame}.mat", {"instance": rows})
+        savemat(folder / f"depth/{frame}.mat", {"instance": colored(every)})
         numbers = [*CENTER, ACROSS / 2, ALONG / 2, HIGH / 2, np.cos(ANGLE), np.sin(ANGLE)]
         (folder / f"label/{frame}.txt").write_text(
             "chair 1 2 30 40 " + " ".join(map(str, numbers)) + "\n"
@@ -47,11 +51,9 @@ def votenet(folder: Path) -> Path:
     return folder
 
 
-def index(folder: Path) -> Path:
-    folder.mkdir(parents=True)
-    points = wall()[1].reshape(-1, 3)
-    rows = np.column_stack([points, np.tile([0.5, 1.0, 0.0], (len(points), 1))])
-    rows.astype("<f4").tofile(folder / "000017.bin")
+def index(folder: Path, every: int = 1) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    colored(every).astype("<f4").tofile(folder / "000017.bin")
     box = {"bbox_3d": [*CENTER, ALONG, ACROSS, HIGH, ANGLE], "bbox_label_3d": 3}
     camera = {"depth2img": (K @ LEVEL.T @ TILT.T).tolist(), "img_path": "000017.jpg"}
     entry = {

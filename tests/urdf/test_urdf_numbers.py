@@ -36,31 +36,21 @@ def tensor(moments: object, quaternion: object) -> Array:
 
 
 @pytest.mark.parametrize("kind", list(MASSES))
-def test_bullet_has_the_mass_that_was_given(
-    make: SimpleNamespace, bullet_bodies: Any, client: int, kind: str
+def test_engines_have_the_mass_that_was_given(
+    make: SimpleNamespace, bullet_bodies: Any, client: int, mujoco_model: Any, kind: str
 ) -> None:
     mass = MASSES[kind]
-    body = make.block("B", np.array([1.0, 2.0, 3.0]), turn=TURN, link={"mass": mass})
-    number = bullet_bodies(World((body,)))["B"].number
+    world = World((make.block("B", np.array([1.0, 2.0, 3.0]), turn=TURN, link={"mass": mass}),))
+    number, model = bullet_bodies(world)["B"].number, mujoco_model(world)
     found = pybullet.getDynamicsInfo(number, -1, physicsClientId=client)
-    assert found[0] == pytest.approx(mass.mass)
-    np.testing.assert_allclose(found[3], mass.centre, atol=1e-12)
-    got = tensor(found[2], found[4])
-    np.testing.assert_allclose(got, mass.inertia, atol=2e-6 * np.trace(mass.inertia))
-
-
-@pytest.mark.parametrize("kind", list(MASSES))
-def test_mujoco_has_the_mass_that_was_given(
-    make: SimpleNamespace, mujoco_model: Any, kind: str
-) -> None:
-    mass = MASSES[kind]
-    body = make.block("B", np.array([1.0, 2.0, 3.0]), turn=TURN, link={"mass": mass})
-    model = mujoco_model(World((body,)))
+    bullet = found[0], found[3], tensor(found[2], found[4])
     at = model.body("B").id
-    assert model.body_mass[at] == pytest.approx(mass.mass)
-    np.testing.assert_allclose(model.body_ipos[at], mass.centre, atol=1e-12)
-    got = tensor(model.body_inertia[at], np.roll(model.body_iquat[at], -1))
-    np.testing.assert_allclose(got, mass.inertia, atol=2e-6 * np.trace(mass.inertia))
+    turned = np.roll(model.body_iquat[at], -1)
+    other = model.body_mass[at], model.body_ipos[at], tensor(model.body_inertia[at], turned)
+    for weight, centre, inertia in (bullet, other):
+        assert weight == pytest.approx(mass.mass)
+        np.testing.assert_allclose(centre, mass.centre, atol=1e-12)
+        np.testing.assert_allclose(inertia, mass.inertia, atol=2e-6 * np.trace(mass.inertia))
 
 
 def test_things_stand_where_they_stood(

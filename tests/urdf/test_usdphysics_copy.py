@@ -16,6 +16,7 @@ from openrooms_usd.validation.model import Rule, Subject
 from openrooms_usd.validation.physics_rules import articulations, nested_bodies
 from openrooms_usd.validation.physx_rules import PHYSX_RULES
 from orusd_urdf import UsdPhysicsExporter
+from tests.folders import contents
 from tests.validators import nvidia_issues
 
 EXPORT = """
@@ -148,12 +149,6 @@ def test_another_process_writes_the_same_bytes(
     command = [sys.executable, "-c", EXPORT, str(composed_bodies), str(tmp_path)]
     subprocess.run(command, check=True, capture_output=True)
     assert contents(copied[0]) and contents(tmp_path) == contents(copied[0])
-
-
-def contents(folder: Path) -> dict[Path, bytes]:
-    return {
-        file.relative_to(folder): file.read_bytes() for file in folder.rglob("*") if file.is_file()
-    }
 
 
 @pytest.mark.slow
