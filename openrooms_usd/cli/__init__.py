@@ -31,7 +31,7 @@ _COMMANDS: Final = {
     "relight": ("lighting", "relight", "Turn the lights of a finished render."),
     "probe": ("lighting", "probe", "Make light probes: panoramas and spherical harmonics."),
     "bake": ("baking", "bake", "Write the light as lightmaps, for real-time engines."),
-    "labels": ("labelling", "labels", "Write what a render shows as COCO or boxes."),
+    "labels": ("annotating", "labels", "Write what a render shows as COCO or boxes."),
     "annotate": ("annotating", "annotate", "Correct a room in the browser."),
     "library": ("libraries", "library", "Furniture: a list of it, or a picture."),
     "materials": ("materials", "materials", "Procedural materials: a list, or pictures."),

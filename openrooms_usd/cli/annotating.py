@@ -1,11 +1,11 @@
-"""The commands of ``annotate``: pages in which people correct a room."""
+"""The commands ``labels`` and ``annotate``: files and pages of what rooms and renders show."""
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import echo
+from openrooms_usd.cli.console import echo, json_option, print_json
 from openrooms_usd.cli.pages import page_options, show
 
 # What ``labels`` needs, and no page has.
@@ -35,7 +35,6 @@ class _Commands(click.Group):
         """Find the command."""
         if args[0] in self.commands or not any(word.startswith(_OUT) for word in args):
             return super().resolve_command(ctx, args)
-        from openrooms_usd.cli.labelling import labels
 
         echo(
             "hint: this is `orusd labels` now; `orusd annotate` opens rooms in the browser",
@@ -95,3 +94,44 @@ def objects(room: Path, description: Path | None, out: Path | None, **where: Any
     from openrooms_usd.view.objects import objects_app
 
     show(objects_app(corrections(room, description, out)), **where)
+
+
+@click.command()
+@click.argument(
+    "renders", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RENDER..."
+)
+@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
+@click.option(
+    "--format", "form", type=click.Choice(["coco", "boxes"]), default="coco", show_default=True
+)
+@click.option(
+    "--classes",
+    "--taxonomy",
+    "taxonomy",
+    type=click.Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
+    default="category",
+    show_default=True,
+    help="Whose classes, for coco.",
+)
+@click.option("--stage", type=click.Path(path_type=Path), help="What was rendered, for boxes.")
+@json_option
+def labels(
+    renders: tuple[Path, ...],
+    out: Path,
+    form: Literal["coco", "boxes"],
+    taxonomy: str,
+    stage: Path | None,
+    as_json: bool,
+) -> None:
+    """Write what is seen in finished RENDERs: COCO masks and boxes, or boxes in 2D and 3D.
+
+    Many renders make one COCO file; boxes are of one. A render needs the channel instance, and
+    semantic, semantic_nyu40, semantic_ade20k or semantic_coco for those classes.
+    """
+    from openrooms_usd.rendering.labelling import write_labels
+
+    summary = write_labels(renders, out, form=form, taxonomy=taxonomy, stage=stage)
+    if as_json:
+        print_json(summary.as_dict())
+    else:
+        echo(f"wrote {out}: {summary.objects} objects in {summary.views} views")

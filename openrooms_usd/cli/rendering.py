@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from openrooms_usd.rendering import RenderSummary
 
+
 # Of a channel's sum, and beyond so many standard errors: a render has some sixty channels, and
 # light that few paths find has heavy tails.
 _BIAS_WORTH_A_WARNING: Final = 0.03
@@ -113,7 +114,6 @@ def render(
     """
     from openrooms_usd import adapters
     from openrooms_usd.cli.datasets import print_dataset
-    from openrooms_usd.cli.filming import film
     from openrooms_usd.rendering import render_stage
     from openrooms_usd.rendering.datasets import DatasetOptions, DatasetWriter
     from openrooms_usd.rendering.reading import read_render
@@ -288,3 +288,33 @@ def _is_biased(channel: Mapping[str, Any]) -> bool:
     if bias is None:
         return False
     return abs(bias["total"]) - _SURE_STANDARD_ERRORS * bias["total_error"] > _BIAS_WORTH_A_WARNING
+
+
+def film(
+    stage: Path, out: Path, spec: str, settings: RenderSettings, as_json: bool, **how: Any
+) -> None:
+    """Render a path and say what came of it.
+
+    Args:
+        stage: The USD file.
+        out: The folder.
+        spec: The path, as `openrooms_usd.rendering.paths.rendering.render_path` takes it.
+        settings: What is asked for.
+        as_json: Whether to print JSON.
+        how: What else it takes.
+    """
+    from openrooms_usd.rendering.paths.rendering import render_path
+    from openrooms_usd.usd.files.diagnostics import quiet
+
+    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+        summary = render_path(stage, out, spec, settings, progress=progress, **how)
+    if as_json:
+        print_json(summary.as_dict())
+        return
+    told, spent = summary.manifest, sum(summary.timing.values())
+    width, height = told["resolution"]
+    echo(f"{len(told['frames'])} frames of {width}x{height}, {spent:.2f} s each")
+    flickers = told["flicker"]
+    if flickers["mean"] is not None:
+        echo(f"flicker {flickers['mean']:.2g}, stated error {flickers['stated']:.2g} (relative)")
+    echo(f"wrote {summary.video} and {summary.cameras.name}")

@@ -12,13 +12,19 @@ from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims
 from openrooms_usd.capture import CapturedFrame
-from openrooms_usd.comparison import sheets
-from openrooms_usd.comparison.edges import EdgeMatch, geometry_edges, match_edges, photograph_edges
+from openrooms_usd.comparison.edges import (
+    EdgeMap,
+    EdgeMatch,
+    geometry_edges,
+    match_edges,
+    photograph_edges,
+)
 from openrooms_usd.comparison.photographs import Photographs, chosen_frames, read_photographs
 from openrooms_usd.comparison.scandepth import DepthError, depth_error, scan_depth, spacing
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, part, silent
+from openrooms_usd.rendering.color import quantize
 from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.denoise import DENOISED, is_usable
 from openrooms_usd.rendering.opening import check_settings, open_for_rendering
@@ -29,6 +35,13 @@ from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.shading.textures import read_texture
 
+# Full colour of the difference of depth, metres.
+_FULL_M: Final = 0.3
+_MET: Final = (90, 230, 90)
+_MISSED: Final = (255, 70, 200)
+_UNKNOWN: Final = 40
+# How much of the photograph stays below the edges.
+_DIMMED: Final = 0.55
 Array = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 
@@ -194,17 +207,17 @@ def _compared(
     file = taken.file(frame)
     photograph = None if file is None else _photograph(file, size)
     match = None if photograph is None else match_edges(edges, photograph_edges(photograph))
-    error, difference = None, sheets.blank(size)
+    error, difference = None, blank(size)
     if scan is not None:
         scanned = scan_depth(*scan, K, frame.world_from_camera, size)
         error = depth_error(depth[..., 0], scanned)
-        difference = sheets.depth_picture(depth[..., 0], scanned)
-    shown = sheets.blank(size) if photograph is None else photograph
+        difference = depth_picture(depth[..., 0], scanned)
+    shown = blank(size) if photograph is None else photograph
     tiles = [
         (f"{frame.id}  photograph" + ("" if file else ": not found"), shown),
         (f"{frame.id}  render", preview(_COLOR, color.pixels).pixels),
-        (sheets.edge_words(match), sheets.edge_picture(shown, edges, match)),
-        (sheets.depth_words(error), difference),
+        (edge_words(match), edge_picture(shown, edges, match)),
+        (depth_words(error), difference),
     ]
     return ComparedFrame(frame.id, frame.picture if file else None, match, error), tiles
 
@@ -242,3 +255,48 @@ def _mean(rows: Sequence[Mapping[str, float]]) -> dict[str, float] | None:
     if not rows:
         return None
     return {key: round(float(np.mean([row[key] for row in rows])), 4) for key in rows[0]}
+
+
+def edge_picture(photograph: Bytes, edges: EdgeMap, match: EdgeMatch | None) -> Bytes:
+    """The render's edges over the photograph: green where the photograph has them, too."""
+    from scipy.ndimage import binary_dilation
+
+    picture = (_DIMMED * photograph.astype(np.float64)).astype(np.uint8)
+    picture[binary_dilation(edges.mask)] = _MISSED
+    if match is not None:
+        picture[binary_dilation(match.met)] = _MET
+    return picture
+
+
+def depth_picture(rendered: Array, scanned: Array) -> Bytes:
+    """Blue where the render is nearer than the scan, red where it is farther, white where alike."""
+    both = (rendered > 0.0) & (scanned > 0.0)
+    off = np.where(both, np.clip((rendered - scanned) / _FULL_M, -1.0, 1.0), 0.0)[..., None]
+    farther = np.array([1.0, 0.25, 0.2])
+    nearer = np.array([0.2, 0.4, 1.0])
+    mixed = 1.0 + np.maximum(off, 0.0) * (farther - 1.0) + np.maximum(-off, 0.0) * (nearer - 1.0)
+    picture = quantize(mixed)
+    picture[~both] = _UNKNOWN
+    return picture
+
+
+def blank(size: tuple[int, int]) -> Bytes:
+    """(H, W, 3) in place of a picture that is not there."""
+    return np.full((size[1], size[0], 3), _UNKNOWN, np.uint8)
+
+
+def edge_words(match: EdgeMatch | None) -> str:
+    """The caption of the edges."""
+    if match is None:
+        return "edges of the render over the photograph"
+    return f"edges: {match.share:.0%} meet (by chance {match.chance:.0%}), in green"
+
+
+def depth_words(error: DepthError | None) -> str:
+    """The caption of the difference of depth, in two lines."""
+    if error is None:
+        return "depth: nothing scanned here"
+    return (
+        f"depth off by {100 * error.median:.0f} cm (median)\n"
+        f"{error.right:.0%} within 10 cm; blue nearer, red farther than the scan"
+    )

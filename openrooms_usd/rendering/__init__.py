@@ -5,8 +5,8 @@
 adapter implements, and ``context`` puts its light and the core's exact channels (``exact``)
 together, before a ``lens`` where one is asked for. ``plan`` says which cameras and channels,
 ``channel_plan`` which are rendered, made of others (``shading``, ``friction``, ``denoise``, of all
-light: ``denoised_light``) and written, ``given`` who gives them. ``driver`` renders into files:
-``run`` writes a view beside the next one (``writer``), ``frames`` are the times of a stage that
+light) and written, ``given`` who gives them. ``driver`` renders into files:
+``run`` writes a view beside the next one, ``frames`` are the times of a stage that
 moves. The files are ``exr``, ``previews``
 (with ``tone`` and ``color``), ``sheet``, ``manifest`` and the ``folder`` of them all;
 ``storage`` says how they hold channels (``compact``, ``restoring`` read it). ``reading``
@@ -16,7 +16,7 @@ and ``manifest_schema`` give finished renders back and trust no file; ``relight`
 what a real camera would have made of them.
 
 Beside these: ``labelling`` (``boxes``, ``rle``), ``estimates`` of errors by ``halves``
-and ``rare_light``, ``bias``, ``fits``, ``lights`` and ``light_store``, which keeps the light of a
+and ``rare_light``, ``bias``, ``fits`` and ``light_store``, which keeps the light of a
 room beside it.
 """
 

@@ -108,7 +108,7 @@ class DenoisedImage:
     Attributes:
         pixels: (height, width, components) float32.
         change: By how much its mean differs from the raw one
-            (`openrooms_usd.rendering.denoised_light.EnergyChange`).
+            (`openrooms_usd.rendering.channel_plan.EnergyChange`).
     """
 
     pixels: NDArray[np.float32]

@@ -114,7 +114,7 @@ class GaussianEntry(_Part):
 
 
 class LightEntry(_Part):
-    """`openrooms_usd.rendering.lights.LightRecord` as it is written."""
+    """`openrooms_usd.rendering.manifest.LightRecord` as it is written."""
 
     number: _Count
     name: str
@@ -186,7 +186,7 @@ class ChannelEntry(_Part):
 
 
 class DenoisedEntry(_Part):
-    """`openrooms_usd.rendering.denoised_light.EnergyChange` as it is written."""
+    """`openrooms_usd.rendering.channel_plan.EnergyChange` as it is written."""
 
     bias: _Number | None = None
     standard_error: _Factor | None = None

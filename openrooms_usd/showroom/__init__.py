@@ -1,7 +1,7 @@
 """Shows what the library makes: one object or material a picture, in a studio, the ordinary way.
 
 `exhibits` chooses, `studio` composes and arranges them, `sheet` renders and tiles the pictures;
-`balls` and `materialsheet` do the same for materials.
+`materialsheet` does the same for materials, on balls.
 
 ``photograph`` renders what stands in the studio.
 """

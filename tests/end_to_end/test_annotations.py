@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 from pxr import Gf, Usd, UsdGeom, Vt
 
-from openrooms_usd.cli.labelling import labels
+from openrooms_usd.cli.annotating import labels
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering import render_stage

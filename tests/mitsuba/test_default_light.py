@@ -12,8 +12,7 @@ from openrooms_usd import names
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.exporters import convert_stage
 from openrooms_usd.rendering import render_stage
-from openrooms_usd.rendering.scene.default_light import BRIGHTEST_FROM, EXPOSURE, TOLD
-from openrooms_usd.rendering.scene.translate import translate
+from openrooms_usd.rendering.scene.translate import BRIGHTEST_FROM, EXPOSURE, TOLD, translate
 from openrooms_usd.usd.light.lights import define_mesh_light
 from tests import small
 from tests.mitsuba.rendering import radiance, session_of

@@ -38,7 +38,7 @@ def test_pixels_say_what_was_not_looked_up(
     few_surfels: None, lit: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nothing far from all corners, all of it by reference or where no ray is long enough."""
-    from orusd_mitsuba.cache import lookup
+    from orusd_mitsuba.cache import room_light
 
     stage = little_room(ior=1.0)
     session = session_of(stage, bsdf="openrooms", variant="llvm")
@@ -51,7 +51,7 @@ def test_pixels_say_what_was_not_looked_up(
     found = traced("cache")
     assert found.shape == (18, 24, 1) and (found >= 0.0).all() and (found <= 1.0).all()
     assert np.quantile(found, 0.2) == 0.0 and 0.05 < found.mean() < 0.6
-    monkeypatch.setattr(lookup, "NEAREST_PER_SIZE", 1e9)
+    monkeypatch.setattr(room_light, "NEAREST_PER_SIZE", 1e9)
     assert (traced("cache") == 1.0).all()
 
 

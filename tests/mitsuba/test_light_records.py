@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pxr import UsdGeom
 
-from openrooms_usd.rendering.lights import view_lights
+from openrooms_usd.rendering.manifest import view_lights
 from openrooms_usd.rendering.scene.lights import LightRecord
 from openrooms_usd.usd.light.lights import Portal, define_mesh_light
 from openrooms_usd.usd.semantics import label
@@ -107,8 +107,8 @@ def test_a_textured_lamp_is_the_mean_of_its_picture(
 
 
 def test_masks_are_where_pixels_see_the_light(lit: Any) -> None:
+    from openrooms_usd.rendering.exact import light_masks
     from openrooms_usd.rendering.scene.first_hits import first_hits
-    from openrooms_usd.rendering.scene.light_masks import light_masks
     from orusd_mitsuba.tracer import MitsubaTracer
 
     made = scene()

@@ -21,8 +21,7 @@ from openrooms_usd.rendering.given import EXACT
 from openrooms_usd.usd.shading.materials import define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface
 from orusd_preview import PreviewRenderer
-from orusd_preview.occlusion import openness
-from orusd_preview.shading import BACKGROUND, shade
+from orusd_preview.session import BACKGROUND, openness, shade
 from tests.commands import run
 from tests.opening import open_with
 

@@ -5,14 +5,14 @@ import pytest
 
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.rendering import Image, View
-from openrooms_usd.rendering.denoise import Denoiser, load_denoiser
-from openrooms_usd.rendering.denoised_light import (
+from openrooms_usd.rendering.channel_plan import (
     RATIOS,
     RECEIVED,
     REFLECTED,
     energy_change,
     with_denoised_light,
 )
+from openrooms_usd.rendering.denoise import Denoiser, load_denoiser
 from openrooms_usd.rendering.estimates import Halves
 from openrooms_usd.rendering.halves import KeptHalves
 

@@ -15,7 +15,7 @@ from openrooms_usd import ledger
 from openrooms_usd.channels import CHANNELS, DEFAULT, WRITTEN
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, OutputError, RenderError
-from openrooms_usd.rendering import exr, folder, render_stage, run, writer
+from openrooms_usd.rendering import driver, exr, folder, render_stage, run
 
 VIEW_FILES = {"channels.exr", "radiance.exr", *(f"{name}.png" for name in WRITTEN)}
 
@@ -193,7 +193,7 @@ def test_a_view_is_written_while_the_next_is_rendered(renderer, scene, tmp_path,
 def test_a_large_view_is_written_before_the_next_is_rendered(
     renderer, scene, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(writer, "_MOST_BESIDE_BYTES", 0)
+    monkeypatch.setattr(driver, "_MOST_BESIDE_BYTES", 0)
     out = tmp_path / "out"
 
     def progress(view: str, fraction: float) -> None:
@@ -219,7 +219,7 @@ def test_what_cannot_be_written_stops_the_next_render(renderer, scene, tmp_path,
             assert fraction <= 0.99, "the next view was rendered on"
             wait(futures)
 
-    monkeypatch.setattr(writer, "ThreadPoolExecutor", Pool)
+    monkeypatch.setattr(driver, "ThreadPoolExecutor", Pool)
     monkeypatch.setattr(exr, "write_channels", write)
     with pytest.raises(OutputError, match="no space"):
         render_stage(scene, tmp_path / "out", progress=progress)
@@ -228,9 +228,9 @@ def test_what_cannot_be_written_stops_the_next_render(renderer, scene, tmp_path,
 
 def test_interrupted_while_much_is_written(renderer, scene, tmp_path, monkeypatch):
     """The first view goes, after a moment: it is not waited for."""
-    monkeypatch.setattr(writer, "_GRACE_SECONDS", 0.0)
+    monkeypatch.setattr(driver, "_GRACE_SECONDS", 0.0)
     began, stopped = threading.Event(), threading.Event()
-    real, stop = exr.write_channels, writer.ViewWriter.stop
+    real, stop = exr.write_channels, driver.ViewWriter.stop
 
     def write(path, images, *how):
         began.set()
@@ -246,7 +246,7 @@ def test_interrupted_while_much_is_written(renderer, scene, tmp_path, monkeypatc
             assert began.wait(20.0)
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(writer.ViewWriter, "stop", stopping)
+    monkeypatch.setattr(driver.ViewWriter, "stop", stopping)
     monkeypatch.setattr(exr, "write_channels", write)
     with pytest.raises(KeyboardInterrupt):
         render_stage(scene, tmp_path / "out", progress=progress)

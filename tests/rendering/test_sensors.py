@@ -10,9 +10,17 @@ from openrooms_usd.description.sensor import DepthCamera, Distortion, Noise, Sen
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.rendering import Image, View, exr
-from openrooms_usd.rendering.sensors.lens import distorted, seen_through, undistorted
-from openrooms_usd.rendering.sensors.photons import Readout, counted, light_of
-from openrooms_usd.rendering.sensors.recording import check_sensor, photographed, record_sensor
+from openrooms_usd.rendering.sensors.recording import (
+    Readout,
+    check_sensor,
+    counted,
+    distorted,
+    light_of,
+    photographed,
+    record_sensor,
+    seen_through,
+    undistorted,
+)
 from openrooms_usd.rendering.sensors.structured_light import in_steps, measured
 
 WIDTH, HEIGHT = 64, 48

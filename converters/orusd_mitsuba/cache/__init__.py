@@ -2,10 +2,10 @@
 
 - ``surfels`` are the elements of surface that have a value, found by hashing.
 - ``population`` finds points of them where light may come, ``filling`` what arrives there: by
-  ``links`` of what lights and other surfels send, and ``bounces`` from one to the other.
-- ``tracing`` follows paths that end where the cache knows what is scattered, ``lookup`` adds that.
-- ``arriving`` looks up what very many rays bring to points, for environment maps: what surfels
-  have ``sent``.
+  ``links`` of what lights and other surfels send, from one to the other.
+- ``tracing`` follows paths that end where the cache knows what is scattered.
+- ``arriving`` looks up what very many rays bring to points, for environment maps.
 - ``scattered`` gives them to whoever finds straight light by itself.
-- ``room_light`` is the cache of an opened room: filled, or read from its file.
+- ``room_light`` is the cache of an opened room: filled, or read from its file;
+  and the integrator that looks it up.
 """

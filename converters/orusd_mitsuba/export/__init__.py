@@ -1,5 +1,5 @@
 """A stage as a Mitsuba XML scene.
 
-- ``exporter`` tells the story: cameras, lights, surfaces, and the files beside them.
-- ``xml_text`` writes plugin descriptions as XML, ``ply`` meshes.
+- ``exporter`` tells the story: cameras, lights, surfaces, and the files beside them;
+  it writes plugin descriptions as XML and meshes as PLY.
 """

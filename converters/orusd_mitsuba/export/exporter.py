@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,6 @@ from openrooms_usd.rendering.scene.pictures import Array, Picture
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
-from orusd_mitsuba.export.ply import ply_bytes
-from orusd_mitsuba.export.xml_text import scene_text
 from orusd_mitsuba.plugins.descriptions import (
     Description,
     describe_area,
@@ -33,6 +32,47 @@ from orusd_mitsuba.plugins.descriptions import (
 from orusd_mitsuba.plugins.light_weights import light_weights
 from orusd_mitsuba.plugins.sensors import describe_sensor
 
+_TAGS: Final = {
+    "path": "integrator",
+    "perspective": "sensor",
+    "thinlens": "sensor",
+    "orthographic": "sensor",
+    "independent": "sampler",
+    "hdrfilm": "film",
+    "box": "rfilter",
+    "ply": "shape",
+    "shapegroup": "shape",
+    "instance": "shape",
+    "area": "emitter",
+    "constant": "emitter",
+    "envmap": "emitter",
+    "directional": "emitter",
+    "diffuse": "bsdf",
+    "principled": "bsdf",
+    "normalmap": "bsdf",
+    "twosided": "bsdf",
+    "mask": "bsdf",
+    "blendbsdf": "bsdf",
+    "principledthin": "bsdf",
+    "thindielectric": "bsdf",
+    "bitmap": "texture",
+}
+_VERSION: Final = "3.0.0"
+_HEADER = """ply
+format binary_little_endian 1.0
+element vertex {vertices}
+property float x
+property float y
+property float z
+property float nx
+property float ny
+property float nz
+property float u
+property float v
+element face {faces}
+property list uchar int vertex_index
+end_header
+"""
 # Nearer to the origin than this, single precision still resolves a twentieth of a millimetre.
 _NEAR_ORIGIN_METRES: Final = 1000.0
 
@@ -226,3 +266,81 @@ def _write_exr(target: Path, pixels: NDArray[np.floating[Any]]) -> None:
     with atomic.replacing(target) as beside:
         # The library would write the time of day.
         imagefile.write(beside, pixels, kind, {"DateTime": ""})
+
+
+def ply_bytes(triangles: Triangles, origin: Array) -> bytes:
+    """A PLY file of triangles; corners that agree in everything become one vertex.
+
+    Args:
+        triangles: What to write.
+        origin: (3,) the point of the world that is the file's origin.
+    """
+    points = (triangles.corners - origin).astype(np.float32)
+    corners = np.concatenate([points, triangles.normals, triangles.st], axis=2).reshape(-1, 8)
+    # Adding zero makes -0 and 0 one number.
+    vertices, index = np.unique(corners + np.float32(0), axis=0, return_inverse=True)
+    faces = np.empty(len(triangles), dtype=[("count", "u1"), ("index", "<i4", 3)])
+    faces["count"], faces["index"] = 3, index.reshape(-1, 3)
+    header = _HEADER.format(vertices=len(vertices), faces=len(faces))
+    return header.encode("ascii") + vertices.astype("<f4").tobytes() + faces.tobytes()
+
+
+def scene_text(objects: dict[str, Any]) -> str:
+    """A whole scene file.
+
+    Args:
+        objects: Plugin descriptions by identifier. ``{"ref": identifier}`` refers to another.
+    """
+    root = ElementTree.Element("scene", version=_VERSION)
+    for identifier, description in objects.items():
+        element = _plugin(description)
+        element.set("id", identifier)
+        root.append(element)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _plugin(description: dict[str, Any]) -> ElementTree.Element:
+    kind = description["type"]
+    element = ElementTree.Element(_TAGS[kind], type=kind)
+    for name, value in description.items():
+        if name != "type":
+            element.append(_property(name, value))
+    return element
+
+
+def _property(name: str, value: Any) -> ElementTree.Element:
+    if isinstance(value, dict):
+        return _nested(name, value)
+    if isinstance(value, np.ndarray):
+        transform = ElementTree.Element("transform", name=name)
+        ElementTree.SubElement(transform, "matrix", value=_numbers(value))
+        return transform
+    if isinstance(value, list):
+        return ElementTree.Element("vector", name=name, value=_numbers(value))
+    tag, text = _scalar(value)
+    return ElementTree.Element(tag, name=name, value=text)
+
+
+def _nested(name: str, value: dict[str, Any]) -> ElementTree.Element:
+    if "ref" in value:
+        return ElementTree.Element("ref", name=name, id=value["ref"])
+    if value["type"] == "rgb":
+        return ElementTree.Element("rgb", name=name, value=_numbers(value["value"]))
+    element = _plugin(value)
+    element.set("name", name)
+    return element
+
+
+def _scalar(value: Any) -> tuple[str, str]:
+    if isinstance(value, bool):
+        return "boolean", "true" if value else "false"
+    if isinstance(value, int):
+        return "integer", str(value)
+    if isinstance(value, PurePosixPath | str):
+        return "string", str(value)
+    return "float", repr(float(value))
+
+
+def _numbers(values: Any) -> str:
+    return " ".join(repr(float(value)) for value in np.asarray(values).ravel())

@@ -8,7 +8,6 @@
   ``material_table`` makes many materials one of it.
 - ``light_weights`` says how often each light is sampled, and ``portal_environment`` samples the
   surroundings where they come in.
-- ``shaped_area`` is a lamp that follows a profile, ``one_sided`` what lamps are from behind,
-  ``sun_disk`` parallel light with soft shadows.
+- ``shaped_area`` is a lamp that follows a profile, ``sun_disk`` parallel light with soft shadows.
 - ``memory`` is where arrays lie, so that kernels do not depend on chance.
 """

@@ -15,7 +15,7 @@ import mitsuba as mi
 import numpy as np
 
 from openrooms_usd.rendering.scene.arrays import Patch
-from openrooms_usd.rendering.scene.linked import counted, is_linked
+from openrooms_usd.rendering.scene.lights import counted, is_linked
 from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.light.lights import Portal

@@ -2,7 +2,7 @@
 
 In the order of the work: ``units`` are the meshes and instances that get a lightmap; ``atlases``
 lays each out and places it in a picture; ``texels`` finds the points of the surfaces that every
-texel stands for, and ``buried`` those that are inside of something. Renderers that can
+texel stands for. Renderers that can
 (``request``) estimate the light there. ``pictures`` fills the pictures with it, ``layer`` writes
 the layer that refers to them, and ``baking`` tells the story.
 """

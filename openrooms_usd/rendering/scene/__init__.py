@@ -9,16 +9,14 @@ In the order in which they are needed:
   part and class everything belongs to (``labels``, ``legend``), and names what is in no picture
   (``unseen``). ``gathering`` makes shapes of what has
   the same surface: plain ``triangles``, and ``instances`` that share theirs. A stage without any
-  light stands in ``default_light``.
+  light stands in a default one.
 - ``models`` gives all surfaces one reflectance model where a renderer takes no other; ``cameras``
   says what the stage asks of pictures, and ``framing`` makes one for a large scene without any.
 - ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the
-  ``surroundings`` that they see and a fit of those (``window_fit``,
-  ``window_lobes``). ``linked`` says which lamps count on which surfaces.
+  ``surroundings`` that they see and a fit of those
+  (``window_lobes``); ``lights`` says, too, which lamps count on which surfaces.
 - ``rays`` finds the triangle in the centre of each pixel, ``first_hits`` computes where it is met
-  in double precision, ``ground_truth`` looks up geometry, material and labels there, and
-  ``light_masks`` which pixels see each light; ``flow`` where all that is in the next frame of a
-  path.
+  in double precision, ``ground_truth`` looks up geometry, material and labels there.
 
 `moving` follows what moves in a scene that is open; `digest` tells by what its light differs from
 others'.

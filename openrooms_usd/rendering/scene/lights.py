@@ -1,10 +1,13 @@
 """What is known of a light that ground truth is given for."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from openrooms_usd.rendering.scene.arrays import Patch
 
 LightKind = Literal["lamp", "opening", "elsewhere"]
 LobeName = Literal["sun", "sky", "ground"]
@@ -85,3 +88,20 @@ def plain(value: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     return value
+
+
+def is_linked(patches: Iterable[Patch]) -> bool:
+    """Whether there is a lamp that counts more on some surfaces than on others."""
+    return any(patch.unlit_by or patch.response != (1.0, 1.0) for patch in patches)
+
+
+def counted(lamp: Patch, patch: Patch) -> float:
+    """The factor of a lamp's light on a surface.
+
+    Args:
+        lamp: What emits.
+        patch: What receives: the second multiplier is for what is all metal.
+    """
+    if lamp.lamp in patch.unlit_by:
+        return 0.0
+    return lamp.response[patch.surface.metallic == 1.0]

@@ -9,9 +9,8 @@ from pxr import Gf, UsdGeom
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.geometry.rotations import is_rotation
 from openrooms_usd.rendering.paths.camera_path import frame_times
-from openrooms_usd.rendering.paths.keyframes import read_keyframes
+from openrooms_usd.rendering.paths.choosing import read_keyframes, time_range, timed_poses
 from openrooms_usd.rendering.paths.spline import eased, interpolated
-from openrooms_usd.rendering.paths.timed import time_range, timed_poses
 from tests.small import Stage
 
 TIMES = np.array([0.0, 0.5, 2.0, 2.25, 4.0])

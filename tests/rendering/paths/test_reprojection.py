@@ -5,9 +5,8 @@ import pytest
 
 from openrooms_usd.geometry.pinhole import intrinsics, look_at, pixel_directions
 from openrooms_usd.rendering.estimates import Halves
-from openrooms_usd.rendering.paths.accumulation import Accumulation
+from openrooms_usd.rendering.paths.film import Accumulation, flicker
 from openrooms_usd.rendering.paths.reprojection import Surfaces, reproject
-from openrooms_usd.rendering.paths.steadiness import flicker
 
 SIZE = (40, 30)
 K = intrinsics(60.0, *SIZE)

@@ -82,8 +82,8 @@ def test_a_panorama_has_the_flux_of_the_sky_and_the_sun_in_its_place() -> None:
 
 def test_parallel_light_comes_in_whole_and_only_from_its_side() -> None:
     from openrooms_usd.rendering.scene.arrays import Sun
+    from openrooms_usd.rendering.scene.light_records import fit
     from openrooms_usd.rendering.scene.surroundings import latlong, panorama, passing
-    from openrooms_usd.rendering.scene.window_fit import fit
 
     way = np.array([0.0, -0.8, 0.6])
     sky = around(np.ones((1, 1, 3)), (Sun(-way, np.array([100.0, 90.0, 80.0])),))
@@ -99,8 +99,8 @@ def test_parallel_light_comes_in_whole_and_only_from_its_side() -> None:
 
 
 def test_three_lobes_keep_the_sun_and_what_comes_in() -> None:
+    from openrooms_usd.rendering.scene.light_records import fit
     from openrooms_usd.rendering.scene.surroundings import passing
-    from openrooms_usd.rendering.scene.window_fit import fit
 
     sky = around(daylight(SUN, Air(), height=360))
     outwards = portal().world_from_portal[:3, 2]
@@ -133,8 +133,8 @@ def test_no_other_lobes_leave_much_less(overcast: bool) -> None:
     """Against the best of many starts of another method that may use any colour above zero."""
     from scipy.optimize import least_squares, nnls
 
+    from openrooms_usd.rendering.scene.light_records import fit
     from openrooms_usd.rendering.scene.surroundings import latlong
-    from openrooms_usd.rendering.scene.window_fit import fit
 
     lobes, error = fit(around(landscape(overcast)), portal())
     assert [lobe.name for lobe in lobes] == ["sun", "sky", "ground"]
@@ -168,8 +168,8 @@ def test_no_other_lobes_leave_much_less(overcast: bool) -> None:
 
 
 def test_two_lobes_are_found_again() -> None:
+    from openrooms_usd.rendering.scene.light_records import fit
     from openrooms_usd.rendering.scene.surroundings import latlong
-    from openrooms_usd.rendering.scene.window_fit import fit
 
     ways, _ = latlong(128)
     true = (
@@ -193,7 +193,7 @@ def test_two_lobes_are_found_again() -> None:
 def test_light_from_one_place_is_fitted_without_a_number_that_is_none(
     row: int, outwards: tuple[float, float, float]
 ) -> None:
-    from openrooms_usd.rendering.scene.window_fit import fit
+    from openrooms_usd.rendering.scene.light_records import fit
 
     pixels = np.zeros((32, 64, 3))
     pixels[row, 24:44, 1] = 5.0
@@ -203,7 +203,7 @@ def test_light_from_one_place_is_fitted_without_a_number_that_is_none(
 
 
 def test_a_black_sky_has_no_lobes() -> None:
-    from openrooms_usd.rendering.scene.window_fit import fit
+    from openrooms_usd.rendering.scene.light_records import fit
 
     assert fit(around(np.zeros((1, 1, 3))), portal()) == ((), 0.0)
 
