@@ -6,7 +6,7 @@
   where it stands and hangs; `rooms`: all of it;
 - `moments`, `outside`, `environments`, `lighting`: when it is seen, where it lies, and which lamps
   are on;
-- `clutter`: what lies about; `describing` (`finishlooks`), `writing`, `folders`: as text;
+- `clutter`: what lies about; `describing`, `writing`, `folders`: as text;
   `expansion`: inside a description; `statistics`.
 """
 
