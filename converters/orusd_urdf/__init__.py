@@ -2,9 +2,9 @@
 
 Importing this package imports neither USD nor an engine.
 
-- `checking`, `naming`, `frames`, `boxes`, `siblings`, `pairs`, `looks`, `assets`, `objfile`: what
-  the formats share; `reports`: what became of every prim;
-- `robot`, `urdf`; `tree`, `mjcf`; `flattening`, `usdfiles`, `usdphysics`: the three formats;
+- `checking`, `naming`, `frames`, `boxes`, `looks`, `assets`, `objfile`: what the formats
+  share; `reports`: what became of every prim;
+- `robot`, `urdf`; `tree`, `mjcf`; `usdphysics`: the three formats;
 - `exporters`: as entry points; `packages`, `loading`, `bullet`, `mujoco_engine`: the engines.
 """
 

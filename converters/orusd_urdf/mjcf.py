@@ -1,21 +1,145 @@
 """A world as MJCF: one scene that MuJoCo compiles, with its meshes and pictures beside it."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations, islice
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+import numpy as np
+from numpy.typing import NDArray
+
 from openrooms_usd import atomic
 from openrooms_usd.engines import DEFAULT_FRICTION, DEFAULT_TIMESTEP, Friction
+from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import World
 from orusd_urdf.assets import Assets
 from orusd_urdf.checking import check_world
 from orusd_urdf.frames import text
 from orusd_urdf.looks import Look, Loss
-from orusd_urdf.pairs import MAX_PAIRS, Choice, Which, chosen, contact_element
-from orusd_urdf.tree import Tree, joint_name, link_name
+from orusd_urdf.tree import Surface, Tree, joint_name, link_name
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Which = Literal["all", "near", "close", "none"]
+Choice = Literal["auto", "all", "near", "close", "none"]
+
+# So many pairs MuJoCo still looks at in every step; a library has hundreds of millions.
+MAX_PAIRS: Final = 100_000
+
+# Coefficients that differ by less are taken as one: a pair of them is off by half of it.
+_EQUAL_FRICTION: Final = 0.01
+# Metres between what can meet, and whether everything can meet the room; each needs fewer pairs.
+_REACH: Final[dict[Which, tuple[float, bool]]] = {
+    "all": (np.inf, True),
+    "near": (0.5, True),
+    "close": (0.1, False),
+}
+
+
+def contact_element(world: World, surfaces: Sequence[Surface], which: Which) -> Element:
+    """Explicit pairs for unequal surfaces, and no contacts where the world wants none.
+
+    Args:
+        world: Its bodies.
+        surfaces: The geoms of its shapes.
+        which: As `chosen` has it.
+    """
+    element = Element("contact")
+    apart = excluded(world)
+    for one, other in apart:
+        SubElement(element, "exclude", body1=one, body2=other)
+    passing = {frozenset(both) for both in apart}
+    for a, b in unequal_pairs(surfaces, which):
+        # An explicit pair would collide in spite of what is excluded.
+        if frozenset((a.link, b.link)) not in passing:
+            coefficient = text(pair.friction(a.friction, b.friction))
+            both = {"geom1": a.geom, "geom2": b.geom, "friction": f"{coefficient} {coefficient}"}
+            SubElement(element, "pair", both)
+    return element
+
+
+def chosen(surfaces: Sequence[Surface], which: Choice) -> Which:
+    """Which unequal surfaces get explicit pairs.
+
+    The number of pairs grows with the square of that of shapes, and MuJoCo looks at each of them in
+    every step.
+
+    Args:
+        surfaces: The geoms of all shapes.
+        which: ``all`` that can meet; those that are ``near`` at first or of the room; those that
+            are ``close``; or ``none``. Others have the larger coefficient. ``auto`` takes the first
+            of these that has at most 100,000, and at least what is close.
+    """
+    if which != "auto":
+        return which
+    for choice in _REACH:
+        if next(islice(unequal_pairs(surfaces, choice), MAX_PAIRS, None), None) is None:
+            return choice
+    return "close"
+
+
+def excluded(world: World) -> list[tuple[str, str]]:
+    """The elements of links that never collide: those of one body, and what the world says."""
+    found = [
+        (link_name(body, one), link_name(body, other))
+        for body in world.bodies
+        for one, other in combinations(body.links, 2)
+    ]
+    names_of = {
+        (body.name, link.name): link_name(body, link)
+        for body in world.bodies
+        for link in body.links
+    }
+    return [*found, *((names_of[one], names_of[other]) for one, other in world.apart)]
+
+
+def unequal_pairs(
+    surfaces: Sequence[Surface], which: Which = "all"
+) -> Iterator[tuple[Surface, Surface]]:
+    """Pairs of different bodies that can meet and whose coefficients differ.
+
+    Args:
+        surfaces: The geoms of all shapes.
+        which: As `chosen` gives it.
+    """
+    if which == "none" or not surfaces:
+        return
+    reach, rooms = _REACH[which]
+    moves = np.array([surface.moves for surface in surfaces])
+    rubs = np.array([surface.friction for surface in surfaces])
+    everywhere = rooms & np.array([surface.room for surface in surfaces])
+    bounds = np.stack([surface.bounds for surface in surfaces])
+    others = {}
+    for row, surface in enumerate(surfaces):
+        if surface.body not in others:
+            others[surface.body] = _others(surfaces, bounds, everywhere, surface.body, reach)
+        found = others[surface.body]
+        rest = found[np.searchsorted(found, row + 1) :]
+        larger, smaller = np.maximum(rubs[row], rubs[rest]), np.minimum(rubs[row], rubs[rest])
+        fits = (moves[rest] | moves[row]) & (larger - smaller > _EQUAL_FRICTION * larger)
+        fits &= (_gaps(bounds[row], bounds[rest]) < reach) | everywhere[row] | everywhere[rest]
+        for number in rest[fits].tolist():
+            yield surface, surfaces[number]
+
+
+def _others(
+    surfaces: Sequence[Surface], bounds: Array, everywhere: Flags, body: str, reach: float
+) -> NDArray[np.intp]:
+    """The numbers of the surfaces of other bodies that may be within reach of some of a body's."""
+    own = np.array([surface.body == body for surface in surfaces])
+    box = np.stack([bounds[own, 0].min(axis=0), bounds[own, 1].max(axis=0)])
+    within = (_gaps(box, bounds) < reach) | everywhere | everywhere[own].any()
+    return np.flatnonzero(within & ~own)
+
+
+def _gaps(box: Array, boxes: Array) -> Array:
+    """(N,) metres between a box and others along the axis where they are farthest apart."""
+    gaps = np.maximum(box[0] - boxes[:, 1], boxes[:, 0] - box[1])
+    return np.asarray(gaps.max(axis=1))
+
 
 __all__ = ["joint_name", "link_name", "write_mjcf", "write_model"]
 

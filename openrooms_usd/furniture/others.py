@@ -2,17 +2,9 @@
 
 from typing import Final
 
-from openrooms_usd.furniture.record import (
-    ANY,
-    LAMP_ROWS,
-    STORAGE_ROWS,
-    Category,
-    Classes,
-    filled,
-    row,
-    scheme,
-)
-from openrooms_usd.furniture.schemes import LAMPS, SOCKETED, STORAGE
+from openrooms_usd.furniture.construction import ANY, LAMP_ROWS, STORAGE_ROWS, filled, row
+from openrooms_usd.furniture.record import Category, Classes
+from openrooms_usd.furniture.schemes import LAMPS, SOCKETED, STORAGE, scheme
 
 OTHERS: Final[dict[str, Category]] = {
     "beam": Category(fixed=True, classes=Classes("ceiling", "otherstructure", "ceiling")),

@@ -1,69 +1,17 @@
 """The record of a category: what every part of the program asks about it, said once.
 
-A record says only what is special about its category; everything else has a default. This module
-also offers the words that records are written in, so that a category needs one import.
+A record says only what is special about its category; everything else has a default. It is written
+in the words of `construction`, `placements` and `schemes`.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal, NamedTuple, TypeAlias
 
-from openrooms_usd.furniture.construction import (
-    ALUMINIUM,
-    ANY,
-    BRASS,
-    CHINA,
-    COOKER_REST_ROWS,
-    COOKER_ROWS,
-    LAMP_ROWS,
-    MACHINE_ROWS,
-    SEAT_ROWS,
-    STEEL,
-    STORAGE_ROWS,
-    TABLE_ROWS,
-    Row,
-    filled,
-    row,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.construction import Row
 from openrooms_usd.furniture.joinery.boards import Size, Style
-from openrooms_usd.furniture.placements import Place, SurfacePlacement, on
-from openrooms_usd.furniture.schemes import METAL, Scheme, scheme
-
-__all__ = [
-    "ALUMINIUM",
-    "ANY",
-    "BRASS",
-    "CHINA",
-    "COOKER_REST_ROWS",
-    "COOKER_ROWS",
-    "LAMP_ROWS",
-    "MACHINE_ROWS",
-    "MADE_TO_MEASURE",
-    "METAL",
-    "SEAT_ROWS",
-    "STANDARD",
-    "STEEL",
-    "STORAGE_ROWS",
-    "TABLE_ROWS",
-    "UNLABELED",
-    "USUAL",
-    "WIDE",
-    "BuiltCategory",
-    "Category",
-    "Classes",
-    "JointDamping",
-    "Scheme",
-    "Support",
-    "Variation",
-    "filled",
-    "on",
-    "row",
-    "scheme",
-    "solid",
-    "walls",
-]
+from openrooms_usd.furniture.placements import Place, SurfacePlacement
+from openrooms_usd.furniture.schemes import Scheme
 
 Support = Literal["floor", "ceiling", "surface", "wall"]
 UNLABELED: Final = "unlabeled"

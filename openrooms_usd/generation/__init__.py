@@ -2,11 +2,10 @@
 
 - `boxes`, `polygons`, `shell`, `openings`, `finishing`: the empty room; `sizes`, `shapes`, `items`,
   `kit`: what may stand in it; `groups`, `programs`: what belongs together, and what rooms want;
-- `standing`, `floor`, `placement`, `walls`, `coatracks`, `curtains`, `backsplashes`, `fittings`:
-  where it stands and hangs; `rooms`: all of it;
-- `moments`, `outside`, `environments`, `lighting`: when it is seen, where it lies, and which lamps
-  are on;
-- `clutter`: what lies about; `describing` (`finishlooks`), `writing`, `folders`: as text;
+- `floor`, `placement`, `walls`, `coatracks`, `curtains`, `fittings`: where it stands and
+  hangs; `rooms`: all of it;
+- `moments`, `environments`, `lighting`: when it is seen, where it lies, and which lamps are on;
+- `clutter`: what lies about; `describing`, `writing`, `folders`: as text;
   `expansion`: inside a description; `statistics`.
 """
 

@@ -15,9 +15,9 @@ from openrooms_usd.generation.clutter.forms import Surfaces
 from openrooms_usd.generation.clutter.hooks import pegs
 from openrooms_usd.generation.clutter.laying import posed_object
 from openrooms_usd.generation.clutter.levels import along_edges, crossings, levels_of
+from openrooms_usd.generation.clutter.living import sills
 from openrooms_usd.generation.clutter.resting import rest_on
 from openrooms_usd.generation.clutter.settling import settle, vessels
-from openrooms_usd.generation.clutter.sills import sills
 from openrooms_usd.generation.items import Item
 from openrooms_usd.generation.rooms import Generated
 from openrooms_usd.generation.shapes import Shape, Shapes

@@ -17,8 +17,7 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.errors import InputError
 from openrooms_usd.library import textures
 from openrooms_usd.library.styles.finishes import FINISHES
-from openrooms_usd.library.textures import FAMILIES, TextureSet, family_of, make
-from openrooms_usd.library.textures.base import expanse
+from openrooms_usd.library.textures import FAMILIES, TextureSet, catalogue, family_of, make
 from openrooms_usd.library.textures.base.maps import Maps, encoded, normals
 from openrooms_usd.library.textures.base.noise import band_noise, smooth_noise
 
@@ -219,7 +218,7 @@ def test_use_changes_gloss_mildly_over_centimetres(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     used = make(name, 2, resolution=64).roughness.astype(np.float64)
-    monkeypatch.setattr(expanse, "_CLOUDS", {})
+    monkeypatch.setattr(catalogue, "_CLOUDS", {})
     new = make(name, 2, resolution=64).roughness.astype(np.float64)
     change = (used + 1.0) / (new + 1.0)
     assert abs(change.mean() - 1.0) < 0.02 and 0.02 < change.std() < 0.15

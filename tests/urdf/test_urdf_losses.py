@@ -13,7 +13,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.errors import StageError
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Contact, Joint, Shape, Visual, World
-from orusd_urdf import pairs
+from orusd_urdf import mjcf
 from orusd_urdf.checking import check_world
 from orusd_urdf.mjcf import write_mjcf
 from orusd_urdf.usdphysics import write_usdphysics
@@ -59,23 +59,23 @@ def test_too_many_pairs_are_only_those_that_are_near(
     places = np.array([[0.0, 0.0, 0.05], [5.0, 0.0, 0.05]])
     blocks = [make.block(n, at, mu) for n, at, mu in zip("AB", places, (0.3, 0.4), strict=True)]
     world = World((make.ground(0.6), *blocks))
-    assert pairs.MAX_PAIRS == 100_000
+    assert mjcf.MAX_PAIRS == 100_000
     assert write_mjcf(world, tmp_path / "few", looks={}) == []
     assert len(explicit(tmp_path / "few")) == 3
-    monkeypatch.setattr(pairs, "MAX_PAIRS", 2)
+    monkeypatch.setattr(mjcf, "MAX_PAIRS", 2)
     ((path, outcome, reason),) = write_mjcf(world, tmp_path / "many", looks={})
     assert (path, outcome) == ("/", "approximated")
     assert "apart have the larger coefficient" in reason and "pairs=all" in reason
     stands = {frozenset({"Room.Floor", f"{n}.hull"}) for n in "AB"}
     assert explicit(tmp_path / "many") == stands
     # Also when what touches is too many.
-    monkeypatch.setattr(pairs, "MAX_PAIRS", 1)
+    monkeypatch.setattr(mjcf, "MAX_PAIRS", 1)
     ((_, _, reason),) = write_mjcf(world, tmp_path / "more", looks={})
     assert "do not touch at first" in reason and explicit(tmp_path / "more") == stands
     # Asked for, all are written however many they are.
     assert write_mjcf(world, tmp_path / "all", looks={}, pairs="all") == []
     assert explicit(tmp_path / "all") == explicit(tmp_path / "few")
-    monkeypatch.setattr(pairs, "MAX_PAIRS", 3)
+    monkeypatch.setattr(mjcf, "MAX_PAIRS", 3)
     assert write_mjcf(world, tmp_path / "just", looks={}) == []
 
 

@@ -161,7 +161,7 @@ def test_coefficients_stay_on_request(composed_bodies: Path, tmp_path: Path) -> 
 
 
 def test_a_body_inside_an_instance_is_taken_out(tmp_path: Path) -> None:
-    from orusd_urdf.flattening import flattened
+    from orusd_urdf.usdphysics import flattened
 
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.Xform.Define(stage, "/Source")

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Parts,
@@ -13,7 +14,8 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     profiled,
 )
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, row, scheme
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 
 
 def split(size: Size, rng: np.random.Generator) -> Parts:

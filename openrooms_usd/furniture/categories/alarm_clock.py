@@ -4,19 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import facing, turned
-from openrooms_usd.furniture.record import (
-    ANY,
-    METAL,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box, cylinder, lathe

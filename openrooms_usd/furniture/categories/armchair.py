@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.categories.sofa import modern, wooden
+from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Parts,
@@ -20,8 +21,8 @@ from openrooms_usd.furniture.joinery.boards import (
     square_leg,
     strip,
 )
-from openrooms_usd.furniture.record import METAL, SEAT_ROWS, BuiltCategory, Classes, scheme
-from openrooms_usd.furniture.schemes import HIDE
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import HIDE, METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh

@@ -4,19 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.cloth import pillow, ripples
-from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M, on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse, vessel
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube

@@ -6,18 +6,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
 from openrooms_usd.furniture.joinery.posing import hoop, oval
-from openrooms_usd.furniture.record import (
-    ANY,
-    WIDE,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder

@@ -5,11 +5,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, row, walls
 from openrooms_usd.furniture.joinery.appliance import square
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import SEGMENTS, drain, inside
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, corners
-from openrooms_usd.furniture.record import ANY, METAL, BuiltCategory, Classes, row, scheme, walls
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe

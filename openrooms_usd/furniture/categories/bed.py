@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import SEAT_ROWS, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import (
     Furniture,
@@ -15,15 +16,8 @@ from openrooms_usd.furniture.joinery.boards import (
     square_leg,
 )
 from openrooms_usd.furniture.joinery.cloth import cover, pillow
-from openrooms_usd.furniture.record import (
-    SEAT_ROWS,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion, rounded_box
 from openrooms_usd.geometry.sweeps import tube

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import (
     Furniture,
@@ -16,8 +17,8 @@ from openrooms_usd.furniture.joinery.boards import (
     profiled,
     square_leg,
 )
-from openrooms_usd.furniture.record import METAL, SEAT_ROWS, BuiltCategory, Classes, scheme
-from openrooms_usd.furniture.schemes import CHAIRS
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import CHAIRS, METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube

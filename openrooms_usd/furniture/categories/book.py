@@ -5,12 +5,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.books import Book
 from openrooms_usd.furniture.joinery.linens import between
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import printed_cover
-from openrooms_usd.furniture.record import ANY, WIDE, BuiltCategory, Classes, on, row, scheme, solid
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
 

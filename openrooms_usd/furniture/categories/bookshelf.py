@@ -5,12 +5,13 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
 from openrooms_usd.furniture.joinery.books import Book, Shelf, bound
 from openrooms_usd.furniture.joinery.carcass import BACK, Carcass, plinth_height
 from openrooms_usd.furniture.joinery.fronts import BOARD, HANDLE, SEAT, Cell, doors, drawn_look
-from openrooms_usd.furniture.record import MADE_TO_MEASURE, STORAGE_ROWS, BuiltCategory, Classes
+from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
 

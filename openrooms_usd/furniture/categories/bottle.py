@@ -2,9 +2,12 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import row, walls
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.vessel import bottle_pump, bottle_sport, bottle_wine
-from openrooms_usd.furniture.record import BuiltCategory, Classes, on, row, scheme, walls
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 _STORES: Final = "storage basement garage copy_room mail_room laundry_room"
 

@@ -2,9 +2,12 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import row, walls
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.vessel import bowl_footed, bowl_fruit, bowl_oval, bowl_round
-from openrooms_usd.furniture.record import BuiltCategory, Classes, on, row, scheme, walls
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 _KITCHENS: Final = "kitchen apartment"
 

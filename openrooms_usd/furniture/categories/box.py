@@ -4,8 +4,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
-from openrooms_usd.furniture.record import ANY, WIDE, BuiltCategory, Classes, filled, on, row
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
 
 
 def plain(size: Size, rng: np.random.Generator) -> Parts:

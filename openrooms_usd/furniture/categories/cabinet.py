@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.carcass import Carcass, closed, plinth_height
 from openrooms_usd.furniture.joinery.fronts import (
@@ -17,7 +18,7 @@ from openrooms_usd.furniture.joinery.fronts import (
     drawn_look,
     rows,
 )
-from openrooms_usd.furniture.record import MADE_TO_MEASURE, STORAGE_ROWS, BuiltCategory, Classes
+from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
 
 # Drawer boxes end this far before the back of the carcass, metres.

@@ -5,8 +5,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
-from openrooms_usd.furniture.record import ANY, BuiltCategory, on, row, scheme, solid
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import tube

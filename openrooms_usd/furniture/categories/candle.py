@@ -4,18 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, row, solid, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import (
-    ANY,
-    METAL,
-    WIDE,
-    BuiltCategory,
-    on,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import LAMP_ROWS
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.lamp_parts import (
     bulb,
@@ -16,8 +17,8 @@ from openrooms_usd.furniture.joinery.lamp_parts import (
     shade,
 )
 from openrooms_usd.furniture.joinery.posing import hoop, turned
-from openrooms_usd.furniture.record import LAMP_ROWS, BuiltCategory, Classes, scheme
-from openrooms_usd.furniture.schemes import LAMPS, SOCKETED
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import LAMPS, SOCKETED, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.categories.sofa import modern
+from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     Parts,
     Size,
@@ -20,7 +21,7 @@ from openrooms_usd.furniture.joinery.boards import (
     square_leg,
     strip,
 )
-from openrooms_usd.furniture.record import SEAT_ROWS, BuiltCategory, Classes
+from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import CHAIRS
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh

@@ -4,16 +4,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import row, solid, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.record import (
-    MADE_TO_MEASURE,
-    METAL,
-    BuiltCategory,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import sphere

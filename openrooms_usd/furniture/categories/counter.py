@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.kitchen import (
     counter_doors,
@@ -9,7 +10,8 @@ from openrooms_usd.furniture.joinery.kitchen import (
     counter_open,
     island,
 )
-from openrooms_usd.furniture.record import STANDARD, STORAGE_ROWS, BuiltCategory, Classes, scheme
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 CATEGORY: Final = BuiltCategory(
     description="a kitchen unit with a worktop",

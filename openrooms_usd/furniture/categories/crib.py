@@ -4,16 +4,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
-from openrooms_usd.furniture.record import (
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cushion, cylinder
 

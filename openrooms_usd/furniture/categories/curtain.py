@@ -5,9 +5,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
 from openrooms_usd.furniture.joinery.cloth import folded
-from openrooms_usd.furniture.record import ANY, METAL, BuiltCategory, Classes, Scheme, filled, row
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, Scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.rotations import about_x

@@ -5,9 +5,12 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.categories.bread import loaf_of, slice_of
+from openrooms_usd.furniture.construction import filled, row, solid
 from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, numbered, profiled
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import BuiltCategory, filled, on, row, scheme, solid
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.sweeps import extrude, tube

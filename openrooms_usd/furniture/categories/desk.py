@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import STORAGE_ROWS, TABLE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import (
     Furniture,
@@ -26,7 +27,7 @@ from openrooms_usd.furniture.joinery.fronts import (
     drawn_look,
     rows,
 )
-from openrooms_usd.furniture.record import STORAGE_ROWS, TABLE_ROWS, BuiltCategory, Classes
+from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined

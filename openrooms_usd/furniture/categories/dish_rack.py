@@ -4,18 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, STEEL, row, solid, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    STEEL,
-    BuiltCategory,
-    on,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.sweeps import tube

@@ -2,20 +2,11 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.laundry import console, integrated, two_drawers
-from openrooms_usd.furniture.record import (
-    ANY,
-    MACHINE_ROWS,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    filled,
-    row,
-    scheme,
-)
-from openrooms_usd.furniture.schemes import PANELLED
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import PANELLED, scheme
 
 CATEGORY: Final = BuiltCategory(
     description="a dishwasher",

@@ -7,18 +7,11 @@ import numpy as np
 
 from openrooms_usd.building import leaves
 from openrooms_usd.building.doors import door
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    filled,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import scheme
 
 # What stands around the opening: casings beside and above it, handles before and casings behind it.
 _BESIDE, _ABOVE, _BEFORE, _BEHIND = 0.12, 0.06, 0.063, 0.015

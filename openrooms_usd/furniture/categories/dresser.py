@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
 from openrooms_usd.furniture.joinery.carcass import Carcass, closed, plinth_height
 from openrooms_usd.furniture.joinery.fronts import (
@@ -16,7 +17,7 @@ from openrooms_usd.furniture.joinery.fronts import (
     leaf,
     rows,
 )
-from openrooms_usd.furniture.record import STORAGE_ROWS, BuiltCategory, Classes
+from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
 from openrooms_usd.geometry.lofts import ring, rounded_rectangle
 from openrooms_usd.geometry.sweeps import tube

@@ -4,10 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing, turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, row, scheme, walls
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import extrude, tube

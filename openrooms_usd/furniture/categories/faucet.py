@@ -4,20 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, BRASS, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
-from openrooms_usd.furniture.record import (
-    ANY,
-    BRASS,
-    METAL,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    row,
-    scheme,
-    walls,
-)
-from openrooms_usd.furniture.schemes import DARK_TAP
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import DARK_TAP, METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe

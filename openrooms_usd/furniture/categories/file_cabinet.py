@@ -4,19 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import SIDE, Furniture, Size, Style, board, corners
 from openrooms_usd.furniture.joinery.carcass import Carcass
 from openrooms_usd.furniture.joinery.fronts import HANDLE, SEAT, Cell, Look, drawer, rows
-from openrooms_usd.furniture.record import (
-    ANY,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder
 
 FRONT: Final = 0.02

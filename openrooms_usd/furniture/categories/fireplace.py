@@ -15,7 +15,8 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     square_leg,
 )
-from openrooms_usd.furniture.record import BuiltCategory, Classes, scheme
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder

@@ -5,19 +5,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import SIDE, Parts, Size, Style, board, profiled
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import Print, label_lines, printed_cover
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder

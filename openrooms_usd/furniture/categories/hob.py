@@ -4,23 +4,13 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.appliance import dial
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import FRONT, Furniture, Size, Style, board
 from openrooms_usd.furniture.joinery.cooker import gas_hob, glass_hob
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    filled,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import scheme
 
 SUNK_M: Final = 0.036
 """What hangs below the worktop, metres."""

@@ -2,18 +2,12 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import row, walls
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.vessel import jar_canister, jar_ginger, jar_preserving
-from openrooms_usd.furniture.record import (
-    METAL,
-    WIDE,
-    BuiltCategory,
-    Classes,
-    on,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, scheme
 
 _KITCHENS: Final = "kitchen apartment"
 

@@ -4,9 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.vessel import smooth_line
-from openrooms_usd.furniture.record import ANY, BuiltCategory, filled, on, row, scheme
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere

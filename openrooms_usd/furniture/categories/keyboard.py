@@ -2,17 +2,11 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.computing import keyboard_full, keyboard_slim, keyboard_split
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 CATEGORY: Final = BuiltCategory(
     description="the keyboard of a computer",

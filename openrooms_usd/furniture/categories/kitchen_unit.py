@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import (
     NOTHING_ORDERED,
@@ -31,7 +32,7 @@ from openrooms_usd.furniture.joinery.fronts import (
     rows,
 )
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
-from openrooms_usd.furniture.record import STANDARD, STORAGE_ROWS, BuiltCategory, Classes
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import KITCHEN
 
 # Without handles one reaches behind the upper edge of a front: what it leaves free, metres.

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ALUMINIUM, ANY, row, solid, walls
 from openrooms_usd.furniture.joinery.boards import (
     Parts,
     Size,
@@ -13,16 +14,8 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     splayed,
 )
-from openrooms_usd.furniture.record import (
-    ALUMINIUM,
-    ANY,
-    BuiltCategory,
-    Classes,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 
 def step(size: Size, rng: np.random.Generator) -> Parts:

@@ -2,19 +2,12 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.computing import laptop_classic, laptop_slim, laptop_tablet
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    filled,
-    on,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import scheme
 
 CATEGORY: Final = BuiltCategory(
     description="an open laptop; its lid turns",

@@ -4,8 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
-from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, on, row, scheme, solid
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
 

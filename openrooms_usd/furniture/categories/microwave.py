@@ -4,21 +4,13 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row, solid
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, knob, liner
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
 from openrooms_usd.furniture.joinery.fronts import HANDLE, SEAT, Cell, Look, hang_door
-from openrooms_usd.furniture.record import (
-    ANY,
-    MACHINE_ROWS,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder, lathe
 
 DOOR: Final = 0.025

@@ -4,21 +4,14 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Side
 from openrooms_usd.furniture.joinery.boards import FRONT, Furniture, Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.carcass import Carcass
 from openrooms_usd.furniture.joinery.fronts import BOARD, GAP, SEAT, columns, leaf
 from openrooms_usd.furniture.joinery.wall_board import mitred
-from openrooms_usd.furniture.record import (
-    METAL,
-    WIDE,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 

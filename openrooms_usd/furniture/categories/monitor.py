@@ -2,10 +2,11 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.screen import deep, monitor_curved, monitor_flat, monitor_tube
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, row, scheme, solid
-from openrooms_usd.furniture.schemes import SCREENS
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import SCREENS, scheme
 
 CATEGORY: Final = BuiltCategory(
     description="the screen of a computer",

@@ -4,18 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube

@@ -4,8 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import ANY, BuiltCategory, on, row, scheme, solid
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.sweeps import extrude, tube
 

@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ALUMINIUM, ANY, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Parts,
@@ -15,17 +16,8 @@ from openrooms_usd.furniture.joinery.boards import (
     profiled,
     strip,
 )
-from openrooms_usd.furniture.record import (
-    ALUMINIUM,
-    ANY,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_z

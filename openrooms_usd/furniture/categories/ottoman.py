@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import filled, row
 from openrooms_usd.furniture.joinery.boards import (
     Parts,
     Size,
@@ -13,7 +14,8 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     round_leg,
 )
-from openrooms_usd.furniture.record import BuiltCategory, Classes, filled, row, scheme
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.solids import cushion
 

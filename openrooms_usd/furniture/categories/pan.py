@@ -4,9 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import BuiltCategory, filled, on, row, scheme, solid
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe

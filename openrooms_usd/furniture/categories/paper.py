@@ -5,20 +5,14 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
 from openrooms_usd.furniture.joinery.linens import boxed
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import Print, label_lines
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.sweeps import sheet, tube

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Build,
@@ -17,18 +18,9 @@ from openrooms_usd.furniture.joinery.boards import (
 from openrooms_usd.furniture.joinery.paintings import landscape, skyline
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.wall_board import framed_as
-from openrooms_usd.furniture.record import (
-    ANY,
-    METAL,
-    WIDE,
-    BuiltCategory,
-    Classes,
-    on,
-    row,
-    scheme,
-    solid,
-)
-from openrooms_usd.furniture.schemes import TONES
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, TONES, scheme
 
 _LEAN_DEG: Final = 12.0
 _PORTRAIT: Final = framed_as(landscape, (0.02, 0.1))

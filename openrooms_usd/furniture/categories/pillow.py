@@ -6,7 +6,9 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.cloth import pillow as filled
-from openrooms_usd.furniture.record import BuiltCategory, Classes, on, scheme
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric

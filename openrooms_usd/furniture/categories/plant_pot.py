@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.foliage import (
     fern,
@@ -18,17 +19,9 @@ from openrooms_usd.furniture.joinery.foliage import (
     succulent,
 )
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import (
-    ANY,
-    WIDE,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import cylinder, lathe

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Parts,
@@ -19,16 +20,8 @@ from openrooms_usd.furniture.joinery.boards import (
     square_leg,
 )
 from openrooms_usd.furniture.joinery.posing import tapered, turned
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere

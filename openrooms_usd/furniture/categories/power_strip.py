@@ -4,8 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, filled, on, row, scheme
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder

@@ -4,6 +4,7 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Furniture,
@@ -17,7 +18,8 @@ from openrooms_usd.furniture.joinery.boards import (
     profiled,
 )
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, row, scheme, solid
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, cylinder
 from openrooms_usd.geometry.sweeps import tube

@@ -4,9 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import filled, row, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import METAL, BuiltCategory, Classes, filled, row, scheme, walls
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import lathe

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, liner
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
 from openrooms_usd.furniture.joinery.boards import (
@@ -28,19 +29,8 @@ from openrooms_usd.furniture.joinery.fronts import (
     rows,
 )
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
-from openrooms_usd.furniture.record import (
-    ANY,
-    MACHINE_ROWS,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    filled,
-    row,
-    scheme,
-    walls,
-)
-from openrooms_usd.furniture.schemes import PANELLED
+from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import PANELLED, scheme
 from openrooms_usd.geometry.lofts import vessel
 
 WALL: Final = 0.035

@@ -4,18 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.handheld import keyed
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 
 def full(size: Size, rng: np.random.Generator) -> Parts:

@@ -5,8 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.record import ANY, WIDE, BuiltCategory, Classes, filled, row, scheme
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, superellipse
 from openrooms_usd.geometry.mesh import Mesh, joined

@@ -4,8 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
-from openrooms_usd.furniture.record import ANY, BuiltCategory, filled, on, row, scheme, solid
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude

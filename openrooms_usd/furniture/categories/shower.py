@@ -5,21 +5,13 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.appliance import dial
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import drain
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.geometry.solids import cylinder, lathe

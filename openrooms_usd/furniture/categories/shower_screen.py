@@ -4,18 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, row, solid, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 _PROFILE_M: Final = 0.025
 

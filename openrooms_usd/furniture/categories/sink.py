@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.categories import faucet
+from openrooms_usd.furniture.construction import ANY, BRASS, CHINA, STEEL, row, walls
 from openrooms_usd.furniture.joinery.appliance import pierced, square
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import SEGMENTS, bowl, drain, sunk
@@ -21,20 +22,8 @@ from openrooms_usd.furniture.joinery.fronts import (
     leaf,
     rows,
 )
-from openrooms_usd.furniture.record import (
-    ANY,
-    BRASS,
-    CHINA,
-    METAL,
-    STANDARD,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    row,
-    scheme,
-    walls,
-)
-from openrooms_usd.furniture.schemes import DARK_TAP, TAP
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import DARK_TAP, METAL, TAP, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube

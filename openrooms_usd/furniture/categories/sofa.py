@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     FRONT,
     Parts,
@@ -17,8 +18,8 @@ from openrooms_usd.furniture.joinery.boards import (
     splayed,
     square_leg,
 )
-from openrooms_usd.furniture.record import METAL, SEAT_ROWS, BuiltCategory, Classes, scheme
-from openrooms_usd.furniture.schemes import HIDE
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import HIDE, METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, rounded_box

@@ -4,9 +4,12 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
 from openrooms_usd.furniture.joinery.posing import facing
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, on, row, scheme
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere

@@ -13,7 +13,8 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     profiled,
 )
-from openrooms_usd.furniture.record import BuiltCategory, Classes, scheme
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
 

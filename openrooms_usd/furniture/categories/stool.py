@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import SEAT_ROWS, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import (
     Parts,
     Size,
@@ -15,18 +16,8 @@ from openrooms_usd.furniture.joinery.boards import (
     splayed,
     square_leg,
 )
-from openrooms_usd.furniture.record import (
-    METAL,
-    SEAT_ROWS,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    walls,
-)
-from openrooms_usd.furniture.schemes import CHAIRS
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import CHAIRS, METAL, scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import TABLE_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     FRONT,
     SIDE,
@@ -17,7 +18,7 @@ from openrooms_usd.furniture.joinery.boards import (
     splayed,
     square_leg,
 )
-from openrooms_usd.furniture.record import MADE_TO_MEASURE, TABLE_ROWS, BuiltCategory, Classes
+from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh

@@ -4,10 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import LAMP_ROWS, STEEL, row, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.lamp_parts import bulb, carrier, holder, radius_of, shade
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import LAMP_ROWS, STEEL, BuiltCategory, Classes, row, walls
+from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere

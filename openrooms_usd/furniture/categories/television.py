@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.screen import (
     deep,
@@ -10,8 +11,8 @@ from openrooms_usd.furniture.joinery.screen import (
     television_pedestal,
     television_tube,
 )
-from openrooms_usd.furniture.record import ANY, BuiltCategory, Classes, filled, row, scheme, solid
-from openrooms_usd.furniture.schemes import SCREENS
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import SCREENS, scheme
 
 CATEGORY: Final = BuiltCategory(
     description="a television, on a stand or for a wall",

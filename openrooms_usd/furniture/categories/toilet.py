@@ -5,20 +5,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, CHINA, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
-from openrooms_usd.furniture.record import (
-    ANY,
-    CHINA,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    filled,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe, rounded_box

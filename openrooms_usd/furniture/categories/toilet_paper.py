@@ -4,17 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import (
-    METAL,
-    STANDARD,
-    BuiltCategory,
-    filled,
-    on,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 

@@ -4,17 +4,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, STEEL, row, walls
 from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, numbered
-from openrooms_usd.furniture.record import (
-    ANY,
-    METAL,
-    STANDARD,
-    STEEL,
-    BuiltCategory,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
 

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import (
     FRONT,
     SIDE,
@@ -14,16 +15,9 @@ from openrooms_usd.furniture.joinery.boards import (
     profiled,
 )
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, rounded_box, sphere
 from openrooms_usd.geometry.uv import metric

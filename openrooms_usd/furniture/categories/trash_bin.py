@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, STEEL, row, walls
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Furniture,
@@ -17,16 +18,8 @@ from openrooms_usd.furniture.joinery.boards import (
     strip,
 )
 from openrooms_usd.furniture.joinery.posing import hoop, oval, tapered
-from openrooms_usd.furniture.record import (
-    ANY,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube

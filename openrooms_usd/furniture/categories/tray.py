@@ -5,17 +5,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
-from openrooms_usd.furniture.record import (
-    ANY,
-    METAL,
-    BuiltCategory,
-    Classes,
-    on,
-    row,
-    scheme,
-    solid,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, superellipse
 from openrooms_usd.geometry.mesh import Mesh

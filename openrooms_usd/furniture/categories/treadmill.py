@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
     Parts,
@@ -13,17 +14,8 @@ from openrooms_usd.furniture.joinery.boards import (
     numbered,
     profiled,
 )
-from openrooms_usd.furniture.record import (
-    ANY,
-    STANDARD,
-    STEEL,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.sweeps import tube
 

@@ -4,18 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.record import (
-    ANY,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-    solid,
-    walls,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder

@@ -5,21 +5,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.foliage import held, pointed_leaf
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.vessel import hollow, smooth_line
-from openrooms_usd.furniture.record import (
-    ANY,
-    WIDE,
-    BuiltCategory,
-    Classes,
-    filled,
-    on,
-    row,
-    scheme,
-    walls,
-)
+from openrooms_usd.furniture.placements import on
+from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube

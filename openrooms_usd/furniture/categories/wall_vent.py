@@ -4,9 +4,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, row, walls
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
 from openrooms_usd.furniture.joinery.posing import turned
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Classes, row, scheme, walls
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import joined
 
 _RIM_M: Final = 0.018

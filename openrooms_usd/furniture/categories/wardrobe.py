@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
 from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
 from openrooms_usd.furniture.joinery.carcass import SETBACK, Carcass, closed
@@ -21,15 +22,8 @@ from openrooms_usd.furniture.joinery.fronts import (
     leaf,
     rows,
 )
-from openrooms_usd.furniture.record import (
-    MADE_TO_MEASURE,
-    STORAGE_ROWS,
-    BuiltCategory,
-    Classes,
-    JointDamping,
-    scheme,
-)
-from openrooms_usd.furniture.schemes import STORAGE
+from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes, JointDamping
+from openrooms_usd.furniture.schemes import STORAGE, scheme
 from openrooms_usd.geometry.sweeps import tube
 
 PLINTH: Final = 0.07

@@ -2,18 +2,11 @@
 
 from typing import Final
 
+from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row
 from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.laundry import front_loader, stacked, top_loader
-from openrooms_usd.furniture.record import (
-    ANY,
-    MACHINE_ROWS,
-    STANDARD,
-    BuiltCategory,
-    Classes,
-    filled,
-    row,
-    scheme,
-)
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 CATEGORY: Final = BuiltCategory(
     description="a washing machine",

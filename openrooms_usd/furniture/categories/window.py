@@ -8,7 +8,8 @@ import numpy as np
 from openrooms_usd.building import windows
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import Furniture, Joint, Size, Style
-from openrooms_usd.furniture.record import BuiltCategory, Classes, scheme
+from openrooms_usd.furniture.record import BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 
 # The sill board stands out on both sides and into the room.
 _BESIDE, _BEFORE = 0.08, 0.04

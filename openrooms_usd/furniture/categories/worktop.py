@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import (
     NOTHING_ORDERED,
     Cutout,
@@ -13,7 +14,8 @@ from openrooms_usd.furniture.joinery.boards import (
     Size,
     Style,
 )
-from openrooms_usd.furniture.record import ANY, STANDARD, BuiltCategory, Classes, row, scheme, solid
+from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.uv import cube_projection

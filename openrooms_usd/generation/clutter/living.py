@@ -1,27 +1,133 @@
 """How people leave a room: what lies about in it, level by level, each adding to the one before."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
+import numpy as np
+
+from openrooms_usd.building.windows import BOARD, NOSE, reveal_depth
 from openrooms_usd.draws import generator
-from openrooms_usd.furniture import offered_surfaces
-from openrooms_usd.generation.clutter.amounts import LAID, ROOM_AMOUNTS
+from openrooms_usd.furniture import category, offered_surfaces
+from openrooms_usd.generation.clutter.amounts import DRAPED, HUNG, LAID, ROOM_AMOUNTS
 from openrooms_usd.generation.clutter.arrangements import MOUSE, lay_table, put_beside
-from openrooms_usd.generation.clutter.draping import edges
+from openrooms_usd.generation.clutter.draping import Edge, edges, hang_over
 from openrooms_usd.generation.clutter.forms import Surfaces
 from openrooms_usd.generation.clutter.ground import Ground
-from openrooms_usd.generation.clutter.hanging import drape, hang
-from openrooms_usd.generation.clutter.hooks import pegs
-from openrooms_usd.generation.clutter.laying import taken_by
+from openrooms_usd.generation.clutter.hooks import Peg, pegs
+from openrooms_usd.generation.clutter.laying import item_at, posed_object, taken_by
+from openrooms_usd.generation.clutter.levels import CELL_M, Level
 from openrooms_usd.generation.clutter.making import ProductVariants
 from openrooms_usd.generation.clutter.scatter import Scatter
 from openrooms_usd.generation.clutter.settling import Vessel, fill_vessel, vessels
-from openrooms_usd.generation.clutter.sills import CARRIER, sills
 from openrooms_usd.generation.clutter.soft import seats
 from openrooms_usd.generation.clutter.spots import Spot, spots, spots_of
 from openrooms_usd.generation.items import Item
 from openrooms_usd.generation.placement import Arrangement
 from openrooms_usd.generation.shapes import Shapes
+from openrooms_usd.generation.shell import Gap, Shell
+
+
+def drape(scatter: Scatter, number: int, edge: Edge, level: int) -> None:
+    """Hang a cloth over an edge, as often as a level has it.
+
+    Args:
+        scatter: Lays things in this room.
+        number: The edge's, the same at all levels.
+        edge: The edge.
+        level: 1, 2 or 3.
+    """
+    drawn = scatter.drawn(number, edge.place, level)
+    wanted = scatter.rng.random() < DRAPED[edge.place][level - 1]
+    make = scatter.variants.draw(*drawn) if drawn and wanted else None
+    if drawn is None or make is None:
+        return
+    (width, _, height), style = make
+    fit = hang_over(edge, width, height, scatter.rng)
+    spec, carrier = category(drawn[0]), edge.carrier
+    if fit is None or not all(
+        low <= side <= high
+        for low, side, high in zip(spec.min_size, fit.size, spec.max_size, strict=True)
+    ):
+        return
+    thing = posed_object(scatter.surfaces, drawn[0], (fit.size, style))
+    pose = (*carrier.at(fit.x, fit.y), carrier.yaw + fit.yaw)
+    box = thing.standing(pose, carrier.z + fit.z)
+    if not len(scatter.taken.near(box, {carrier.key})):
+        item = item_at(thing, scatter.key(drawn[0]), pose, carrier.z + fit.z, carrier.key)
+        scatter.note(number, *drawn)
+        scatter.add(edge.group, item, box)
+
+
+def hang(scatter: Scatter, number: int, peg: Peg, ground: Ground, level: int) -> None:
+    """Hang a thing on a hook or a rail, as often as a level has it.
+
+    Args:
+        scatter: Lays things in this room.
+        number: The carrier's, the same at all levels.
+        peg: The hook.
+        ground: The room's walls.
+        level: 1, 2 or 3.
+    """
+    drawn = scatter.drawn(number, peg.place, level)
+    wanted = scatter.rng.random() < HUNG[peg.place][level - 1]
+    make = scatter.variants.draw(*drawn) if drawn and wanted else None
+    if drawn is None or make is None:
+        return
+    thing, carrier = posed_object(scatter.surfaces, drawn[0], make), peg.carrier
+    x, y, z = peg.hung(thing.size)
+    turn = peg.yaw + 180.0 * float(peg.yaw > 0.0 and scatter.rng.random() < 0.5)
+    pose = (*carrier.at(x, y), carrier.yaw + turn)
+    box = thing.standing(pose, carrier.z + z)
+    if carrier.z + z < 0.02 or ground.meets_walls(box):
+        return
+    if not len(scatter.taken.near(box, {carrier.key})):
+        item = item_at(thing, scatter.key(drawn[0]), pose, carrier.z + z, carrier.key)
+        scatter.note(number, *drawn)
+        scatter.add(peg.group, item, box)
+
+
+CARRIER: Final = "floor"
+"""What carries things on sills by their description: the room, at a height that is said."""
+# Windows that begin lower have no board that people use, nor do those out of reach; metres.
+_LOWEST_M, _HIGHEST_M = 0.5, 1.75
+# What stands there leaves most of the window free, metres.
+_MAX_HEIGHT_M: Final = 0.4
+_MAX_SHARE: Final = 0.5
+# Between things and the sides of the reveal, and the frame; metres.
+_BESIDE_M, _FRAME_GAP_M = 0.02, 0.002
+
+
+def sills(shell: Shell, group: int) -> Iterator[Spot]:
+    """The sill boards of a room.
+
+    Args:
+        shell: The room.
+        group: The index of the group that takes what stands there.
+    """
+    for gap in shell.gaps:
+        if gap.kind == "window" and _LOWEST_M <= gap.sill <= _HIGHEST_M:
+            level = _board(shell, gap)
+            if level.area > 0.0:
+                yield Spot("window_sill", _window(shell, gap), group, level)
+
+
+def _window(shell: Shell, gap: Gap) -> Item:
+    """A window as an item whose origin is on the floor, in the inner face of its wall."""
+    side = shell.sides[gap.side]
+    x, y = side.point(gap.at, 0.0).tolist()
+    size = gap.width, shell.thickness, gap.top - gap.sill
+    return Item(CARRIER, "window", size, "", x, y, 0.0, side.yaw)
+
+
+def _board(shell: Shell, gap: Gap) -> Level:
+    """The upper side of a board, from its nose to the frame."""
+    width = gap.width - 2 * _BESIDE_M
+    depth = NOSE + reveal_depth(shell.thickness) - _FRAME_GAP_M
+    cells = int(depth / CELL_M), max(int(width / CELL_M), 0)
+    high = min(_MAX_HEIGHT_M, _MAX_SHARE * (gap.top - gap.sill))
+    corner = np.array([-0.5 * cells[1] * CELL_M, -NOSE])
+    return Level(gap.sill + BOARD, corner, np.full(cells, high), True)
+
 
 # The level from which on tables are laid for a meal.
 _MEALS_FROM: Final = 2

@@ -1,8 +1,10 @@
-"""All families by substance, and how a material is ordered by its name."""
+"""All families by substance, how a material is ordered by its name, and laid over metres."""
 
 from dataclasses import replace
 from difflib import get_close_matches
 from typing import Final
+
+import numpy as np
 
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
@@ -18,9 +20,127 @@ from openrooms_usd.library.textures import (
     specular_stone,
     wood,
 )
-from openrooms_usd.library.textures.base.expanse import laid, worn
 from openrooms_usd.library.textures.base.family import Color, Family, Order
-from openrooms_usd.library.textures.base.maps import TextureSet, encoded
+from openrooms_usd.library.textures.base.maps import Maps, TextureSet, encoded, with_mean
+from openrooms_usd.library.textures.base.noise import Field, smooth_noise, smoothstep, standardized
+
+# A small picture is laid many times without the eye finding its repeat. What repeats visibly is not
+# the threads but the clouds in them. So the long waves of the small picture are taken out, and
+# waves as strong are drawn anew over the whole.
+
+# Waves of at most so many cycles a side of the small picture are long.
+_LONG_CYCLES: Final = 3
+# What is drawn over the whole: about as long as the small picture, ...
+_LENGTH_SHARE: Final = 0.8
+# ... and no stronger than this, share of the brightness.
+_MAX_SHADE_SHARE: Final = 0.06
+_MIN_SHADE_SHARE: Final = 0.02
+_MAX_ROUGHNESS: Final = 0.02
+
+
+def laid(small: Maps, order: Order, count: int) -> Maps:
+    """A small picture laid ``count`` times along each side.
+
+    Args:
+        small: What is laid.
+        order: Of the whole; its generator draws the long waves.
+        count: How often.
+    """
+    shade = small.albedo.mean(axis=2)
+    long = _long_waves(shade) / shade.mean()
+    strength = float(np.clip(np.std(long), _MIN_SHADE_SHARE, _MAX_SHADE_SHARE))
+    wave = np.clip(_wave(order, count), -2.5, 2.5)
+    even = small.albedo / (1.0 + np.clip(long, -0.5, 1.0))[..., None]
+    shaded = _tiled(even, count) * (1.0 + strength * wave)[..., None]
+    height = small.height - _long_waves(small.height)
+    rough = small.roughness - _long_waves(small.roughness)
+    return replace(
+        small,
+        albedo=with_mean(shaded, small.albedo.mean(axis=(0, 1))),
+        height=_tiled(height, count),
+        roughness=_tiled(rough, count) + _MAX_ROUGHNESS * (wave - wave.mean()),
+        metallic=_tiled(small.metallic, count)
+        if isinstance(small.metallic, np.ndarray)
+        else small.metallic,
+    )
+
+
+def _wave(order: Order, count: int) -> Field:
+    length = _LENGTH_SHARE * order.size / count
+    return smooth_noise(order.rng, order.resolution, order.size, (length, length))
+
+
+def _tiled(field: Field, count: int) -> Field:
+    return np.tile(field, (count, count, *(1,) * (field.ndim - 2)))
+
+
+def _long_waves(field: Field) -> Field:
+    """What a periodic field has of a few cycles a side, without its mean."""
+    spectrum = np.fft.rfft2(field)
+    rows = np.abs(np.fft.fftfreq(len(field), 1.0 / len(field)))
+    columns = np.arange(spectrum.shape[1])
+    kept = np.hypot(rows[:, None], columns) <= _LONG_CYCLES
+    kept[0, 0] = False
+    return np.fft.irfft2(spectrum * kept, s=field.shape)
+
+
+# How much the roughness varies, share of its mean: clouds of a hand's width and more, and smears
+# of fingers and cloths. Glossy things show both most; cloth and rubber take no polish.
+_CLOUDS: Final[dict[Substance, float]] = {
+    "leather": 0.05,
+    "metal": 0.08,
+    "paint": 0.05,
+    "plastic": 0.06,
+    "rough_stone": 0.02,
+    "specular_stone": 0.06,
+    "wood": 0.06,
+}
+_SMEARS: Final[dict[Substance, float]] = {
+    "metal": 0.10,
+    "paint": 0.05,
+    "plastic": 0.10,
+    "specular_stone": 0.08,
+    "wood": 0.05,
+}
+_CLOUD_M: Final = 0.25
+_SMEAR_M: Final = (0.02, 0.06)
+# Long waves need few texels; they are drawn on a grid of so many and read between them.
+_GRID_TEXELS: Final = 128
+
+
+def worn(maps: Maps, order: Order, substance: Substance) -> Maps:
+    """The maps with a roughness that use has changed here and there; its mean stays.
+
+    Args:
+        maps: As new.
+        order: Their size; its generator draws the marks.
+        substance: What it is.
+    """
+    clouds, smears = _CLOUDS.get(substance, 0.0), _SMEARS.get(substance, 0.0)
+    if not clouds:
+        return maps
+    length = min(_CLOUD_M, 0.6 * order.size)
+    marks = clouds * np.clip(_drawn(order, (length, length)), -2.0, 2.0)
+    if smears and order.size > 2.0 * _SMEAR_M[1]:
+        marks = marks + smears * smoothstep(1.2, 2.2, _drawn(order, _SMEAR_M))
+    change = 1.0 + marks - marks.mean()
+    return replace(maps, roughness=_read(change, order.resolution) * maps.roughness)
+
+
+def _drawn(order: Order, lengths: tuple[float, float]) -> Field:
+    return standardized(smooth_noise(order.rng, _GRID_TEXELS, order.size, lengths))
+
+
+def _read(field: Field, resolution: int) -> Field:
+    """A periodic field at the texels of another grid, linearly between its own."""
+    n = len(field)
+    place = (np.arange(resolution) + 0.5) * n / resolution - 0.5
+    low = np.floor(place).astype(np.int64)
+    share = place - low
+    rows = field[low % n] * (1.0 - share[:, None]) + field[(low + 1) % n] * share[:, None]
+    found: Field = rows[:, low % n] * (1.0 - share) + rows[:, (low + 1) % n] * share
+    return found
+
 
 DEFAULT_RESOLUTION: Final = 1024
 # Quotients of lengths are no whole numbers.

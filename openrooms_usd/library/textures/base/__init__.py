@@ -3,7 +3,6 @@
 From the ground up:
 
 - `noise`: periodic noise; `maps`: a material as arrays, then as the integers of files;
-- `expanse`: small pictures laid over metres, and the marks of use;
 - `family`: what a family of materials is; `recipe`: its draws, means, colours and gloss;
 - `vocabulary`: all of these words in one name;
 - `lattice`, `cells`, `courses`: repeats, cells about sites and scales, pieces in courses;
