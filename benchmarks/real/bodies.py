@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.real.things import PlacedObject
 from benchmarks.real.truth import Frame
 from benchmarks.scan.contacts import penetration
-
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # What counts as wrong, metres: in another thing, and above what carries it.
 DEEP: Final = 0.02

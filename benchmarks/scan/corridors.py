@@ -5,8 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from benchmarks.scan.rooms import Array, Ints, Part, SimulatedRoom
+from benchmarks.scan.rooms import Part, SimulatedRoom
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.usd.semantics import number_of
 
 # How deep a corridor is, and how far it goes on to the sides of its door, metres.

@@ -11,7 +11,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.scan.rooms import GLASS, MIRROR, Array, Ints, Part, SimulatedRoom
+from benchmarks.scan.rooms import GLASS, MIRROR, Part, SimulatedRoom
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.scan.points.fusion import DepthFrame

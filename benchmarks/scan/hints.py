@@ -5,16 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from benchmarks.scan.truth import Cad, Truth
+from openrooms_usd.arrays import Array
 from openrooms_usd.draws import generator
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.hypotheses import Box
 from openrooms_usd.scan.results import FoundObject, Pose
-
-Array = NDArray[np.float64]
 
 # Standard deviations of a rough pose: metres, degrees of its heading, and a part of each axis.
 PLACE, TURN, SCALE = 0.10, 10.0, 0.10

@@ -4,12 +4,9 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.scan.points.cloud import Cloud
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Which part of the wrong labels lies at borders; there, how far a label spreads, metres.
 BORDERS: Final = 0.4

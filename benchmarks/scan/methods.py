@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.scan.hints import RoughHint
 from benchmarks.scan.truth import Cad, Truth
@@ -21,8 +20,6 @@ from openrooms_usd.scan.registration.alignment import Alignment, Hint, align
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutRoom, find_layout
 from openrooms_usd.scan.rooms.levelling import Level, level
-
-Array = NDArray[np.float64]
 
 
 @dataclass(eq=False)

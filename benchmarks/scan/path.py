@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.scan.rooms import SimulatedRoom
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.floorplan import inside, wall_distance
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import pose
-
-Array = NDArray[np.float64]
 
 CELL: Final = 0.1
 # Metres: how high the camera is held, what a person steps over, how far the body keeps off.

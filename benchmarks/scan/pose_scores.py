@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.results import FoundObject, Pose
-
-Array = NDArray[np.float64]
 
 # Turns about the CAD's vertical that a symmetry does not notice, degrees.
 TURNS: Final = {"none": (0,), "2": (0, 180), "4": (0, 90, 180, 270)}

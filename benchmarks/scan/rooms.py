@@ -6,21 +6,18 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
 from benchmarks.scan.symmetry import symmetry_of
 from benchmarks.scan.truth import Cad, Truth, moved, pose_of
 from benchmarks.scenes import orusd
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.polygons import counter_clockwise
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom
 from openrooms_usd.usd.places.frames import local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label, read_number
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes, world_triangles
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 OPAQUE, GLASS, MIRROR = range(3)
 # Holes whose lower edge is higher than this are windows, metres.

@@ -5,9 +5,9 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import about_z
 
-Array = NDArray[np.float64]
 Symmetry = Literal["none", "2", "4", "inf"]
 
 # A turned model counts as the same where all but this part of its surface moves by less than

@@ -4,13 +4,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

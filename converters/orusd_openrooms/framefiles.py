@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.errors import MissingPackageError, writing
 from orusd_openrooms import environments, images
 from orusd_openrooms.frame import COARSER, Frame, Pixels
@@ -115,7 +116,7 @@ class _Made(NamedTuple):
     write: Callable[[Path, Frame], None]
 
 
-def _picture(channel: str, code: Callable[[Pixels], images.Bytes]) -> _Made:
+def _picture(channel: str, code: Callable[[Pixels], Bytes]) -> _Made:
     return _Made(
         (channel,), lambda path, frame: images.write_picture(path, code(frame.view.pixels[channel]))
     )

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.imagefile import write_png
 
 Pixels = NDArray[Any]
-Bytes = NDArray[np.uint8]
 
 # Loaders raise stored base colours to this power; the exact sRGB curve would be off by up to 0.01.
 GAMMA: Final = 2.2

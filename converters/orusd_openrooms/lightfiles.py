@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.errors import writing
 from openrooms_usd.geometry.raycast import RayCaster
@@ -24,7 +25,6 @@ from orusd_openrooms.rgbe import write_rgbe
 _SHARP_LOBE: Final = 8.0
 _SIDE_POINTS: Final = 12  # points along a side of the rectangle
 _SPHERE_DIRECTIONS: Final = 256
-Array = NDArray[np.float64]
 Bits = NDArray[np.bool_]
 # Points farther apart are not joined, of a picture whose mean depth is 3 m; of nearer ones too.
 _JOINED_M: Final = 0.12

@@ -6,9 +6,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from orusd_openrooms.records import LOBES, Light, Lobe
-
-Array = NDArray[np.float64]
 
 # Right, up and backward from the right, down and forward of OpenCV.
 _OPENGL: Final = np.diag([1.0, -1.0, -1.0])

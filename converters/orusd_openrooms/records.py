@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.reading import RenderedScene
 from openrooms_usd.rendering.scene.lights import Gaussian, LightKind, LightRecord, LobeName
-
-Array = NDArray[np.float64]
 
 LAMP: Final[LightKind] = "lamp"
 ELSEWHERE: Final[LightKind] = "elsewhere"  # what no lamp and no opening brings: it has no place

@@ -18,14 +18,12 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedFrame
 from orusd_scans.records.fields import identifiers, text
 from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.worldframe import WorldFrame, rigid
-
-Array = NDArray[np.float64]
 
 # Focal lengths, principal points and sides of pictures, pixels.
 _MAX_PIXELS: Final = 1e6

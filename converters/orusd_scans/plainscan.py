@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
@@ -34,8 +35,6 @@ from orusd_scans.scanunits import AUTO, Asked, find_unit, unit_named
 from orusd_scans.segments import with_segments
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.worldframe import WorldFrame
-
-Array = NDArray[np.float64]
 
 READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".ply": read_ply,

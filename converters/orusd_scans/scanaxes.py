@@ -5,13 +5,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.rooms.verticals import Vertical
 from orusd_scans.scanunits import Asked, size_odds
-
-Array = NDArray[np.float64]
 
 # Log odds between two verticals: from which the one is clearly better, partly so, surely the right
 # one, and alone.

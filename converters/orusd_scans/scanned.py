@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from orusd_scans.plan import Up
 
-Array = NDArray[np.float64]
 Columns = Mapping[str, NDArray[Any]]
 
 MOST_POINTS: Final = 200_000_000

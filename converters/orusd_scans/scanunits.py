@@ -5,12 +5,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.rooms.verticals import Vertical
-
-Array = NDArray[np.float64]
 
 UNITS: Final = {
     "m": 1.0,

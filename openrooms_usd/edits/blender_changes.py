@@ -7,13 +7,13 @@ materials as Blender rebuilds them; and the sky, portals and bodies that it does
 """
 
 from collections.abc import Iterator
-from typing import Any, Final, TypeAlias
+from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.edits.blender import DATA, Pair, Pairing, container, is_named, named
 from openrooms_usd.edits.blender_objects import adopt_object
@@ -23,8 +23,6 @@ from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.places.placements import author_placed
 from openrooms_usd.usd.shading.materialreader import preview_shader
 from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
-
-Array: TypeAlias = NDArray[np.float64]
 
 # Blender counts in 32 bits and takes transforms apart: below this nothing was moved (metres) or
 # turned (length by which a unit vector of the object's axes is off; 0.006 degrees).

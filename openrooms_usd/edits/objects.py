@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.edits import adding, arranging, assigning, remaking
 from openrooms_usd.edits.scenefile import ByName, SceneFile
 from openrooms_usd.edits.seen import extent_of, owners_of, points_of, surfaces_of
@@ -27,8 +27,6 @@ from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

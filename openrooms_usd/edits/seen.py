@@ -4,15 +4,13 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
-
-Array = NDArray[np.float64]
 
 _PROXIES: Final = Usd.TraverseInstanceProxies()
 _DRAWN: Final = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)

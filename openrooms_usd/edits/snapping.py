@@ -4,15 +4,13 @@ Sides that are nearly parallel to the nearest wall become parallel to it, and si
 wall, or beyond it, come flush to it. What hangs on walls hangs on the nearest one.
 """
 
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.stages.alignment.surroundings import Surroundings
-
-Array: TypeAlias = NDArray[np.float64]
 
 # Nearer than this a side comes to its wall, and turned by less it turns with it.
 REACH_M: Final = 0.15

@@ -4,11 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from pxr import UsdShade
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.edits.scenefile import ByName, SceneFile
 from openrooms_usd.rendering.scene.cameras import stage_resolution
@@ -18,8 +17,6 @@ from openrooms_usd.usd.light.emitters import DistantLight, Light
 from openrooms_usd.usd.light.lightsearch import read_lights
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.surfaces import Texture
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.scan.models.cad import CadModel
@@ -27,8 +27,6 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
 from openrooms_usd.scan.rooms.levelling import Level, level
 from openrooms_usd.scan.rooms.storeys import Storey, main_storey, storeys
-
-Array = NDArray[np.float64]
 
 # Voxel size of the downsampled cloud, metres: finer than the noise.
 VOXEL_M: Final = 0.02

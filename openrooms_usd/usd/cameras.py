@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.framing import FOV_DEG, framing_view
 from openrooms_usd.geometry.pinhole import (
@@ -32,8 +32,6 @@ from openrooms_usd.usd.places.frames import (
 )
 from openrooms_usd.usd.rendersettings import conformed_aperture, is_set, render_settings
 from openrooms_usd.usd.shapes.meshes import MeshReading, read_meshes, world_triangles
-
-Array = NDArray[np.float64]
 
 Projection = Literal["pinhole", "equirectangular", "orthographic"]
 """How a camera's picture is made.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.usd.light.emitters import DistantLight, DomeLight
@@ -19,8 +20,6 @@ from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_sta
 from openrooms_usd.usd.places.partitions import StandingWall, read_partitions
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
-
-Array = NDArray[np.float64]
 
 # How deep things may stand in the hole of a window, metres.
 _MAX_REVEAL_M: Final = 0.6

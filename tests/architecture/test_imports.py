@@ -68,6 +68,7 @@ RANKS = (
         "unpickling",
     ),
     (
+        "arrays",
         "colorimetry",
         "errors",
         "hdf5",
@@ -97,6 +98,7 @@ FOR_CONVERTERS = {
     "rendering",
     "exporters",
     "engines",
+    "arrays",
     "colorimetry",
     "errors",
     "names",

@@ -8,7 +8,6 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import atomic, names
@@ -37,7 +36,6 @@ _DECIMALS: Final = 6
 _TURN_DECIMALS: Final = 9
 _SAMPLES: Final = 1024
 _MAPS: Final = ("albedo", "normal", "roughness", "metallic")
-Array = NDArray[np.float64]
 _UP: Final = "../../../"
 _OFF: Final = 1e-8
 _SAME_FOV_DEG: Final = 0.01

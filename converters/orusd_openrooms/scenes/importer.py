@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import (
     NO_OPTIONS,
     Capture,
@@ -38,7 +38,6 @@ _CROOKED: Final = 0.02
 _SAME: Final = 1e-3
 _FARTHEST: Final = 1e6
 _KINDS: Final = ("s", "rot", "t")
-Array = NDArray[np.float64]
 _FOLDER: Final = "dataset"
 _LAYOUT: Final = "layout.obj"
 _CAMERAS: Final = "cam.txt"

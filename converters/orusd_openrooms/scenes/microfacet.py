@@ -9,13 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.library.pictures import write_png
 from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.surfaces import Surface
 from orusd_openrooms.scenes.records import Bsdf, Color
-
-Array = NDArray[np.float64]
 
 _FOLDER: Final = "BRDFOriginDataset"
 _FILES: Final = {

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.registry import record
 from openrooms_usd.rendering.scene.triangles import Triangles
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
@@ -19,8 +19,6 @@ from orusd_openrooms.scenes.objects import Object
 from orusd_openrooms.scenes.objtext import Faces, obj_bytes
 from orusd_openrooms.scenes.records import Bsdf, Shape, Step
 from orusd_openrooms.scenes.sceneobjects import label_of
-
-Array = NDArray[np.float64]
 
 # Our objects look along -Y and theirs along -Z, with Y up.
 _MODEL_FROM_OBJECT: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import DepthFrame, fuse
@@ -27,8 +28,6 @@ from orusd_scans.records.fields import text
 from orusd_scans.records.jsonfile import Node, read_json
 from orusd_scans.scanned import Scanned, broken
 from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
-
-Array = NDArray[np.float64]
 
 _MESH: Final = "*_3dod_mesh.ply"
 _BOXES: Final = "*_3dod_annotation.json"

@@ -15,6 +15,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedOpening
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
@@ -22,8 +23,6 @@ from orusd_scans.floorplan import from_lower_left, heading, tidied
 from orusd_scans.roomplan.inner import InnerWalls, inner_walls
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, placed, rectangle
-
-Array = NDArray[np.float64]
 
 # Columns: our right, back and up in RoomPlan's object axes, which are right, up and front.
 _BOX_AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedPartition, Confidence
 from orusd_scans.floorplan import TWIN_DISTANCE_M
 from orusd_scans.roomplan.records import Record
@@ -15,7 +15,6 @@ from orusd_scans.roomplan.spaces import facets, placed, rectangle
 if TYPE_CHECKING:
     from shapely import LineString, Polygon
 
-Array = NDArray[np.float64]
 
 # What stays nearer to the outline than this is the outline, seen inexactly, metres.
 _MIN_OFF_M: Final = 0.2

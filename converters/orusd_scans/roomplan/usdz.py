@@ -20,7 +20,6 @@ from pathlib import Path, PurePosixPath
 from typing import Final, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Tf
 
 from openrooms_usd.errors import InputError
@@ -33,7 +32,6 @@ from orusd_scans.roomplan.meshes import Hole
 from orusd_scans.roomplan.records import CapturedRoom, Record, Section
 from orusd_scans.roomplan.shapes import AGAIN, local, walk
 
-Array = NDArray[np.float64]
 Read = TypeVar("Read")
 
 _IN_WALLS: Final = ("doors", "windows", "openings")

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.errors import InputError
 from orusd_scans.formats.depthpicture import picture_size
@@ -21,8 +21,6 @@ from orusd_scans.frames import intrinsics, read_frames
 from orusd_scans.records.jsonfile import Node
 from orusd_scans.scannet.sens import Sens
 from orusd_scans.worldframe import rigid
-
-Array = NDArray[np.float64]
 
 _PICTURES: Final = (".jpg", ".jpeg", ".png")
 _REMEDY: Final = "give a .sens file, a folder that the SensReader exported, or a frames JSON"

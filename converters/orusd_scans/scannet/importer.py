@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, CapturedModel, Packed
@@ -28,8 +27,6 @@ from orusd_scans.scannet.labels import read_annotation
 from orusd_scans.scannet.scan2cad import Scan2CadImporter, official, read_aligned
 from orusd_scans.scannet.sens import Sens
 from orusd_scans.worldframe import WorldFrame, rigid
-
-Array = NDArray[np.float64]
 
 # The meshes of a scene, the usual one first.
 _MESHES: Final = ("_vh_clean_2.ply", "_vh_clean.ply")

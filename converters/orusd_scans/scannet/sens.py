@@ -14,11 +14,10 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from orusd_scans.frames import intrinsics
 from orusd_scans.records.jsonfile import Node
-
-Array = NDArray[np.float64]
 
 _SENS_VERSION: Final = 4
 _MOST_FRAMES: Final = 1_000_000

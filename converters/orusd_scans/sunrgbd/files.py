@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedBox
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.unpickling import read_pickled
@@ -17,8 +18,6 @@ from orusd_scans.records.fields import number, text
 from orusd_scans.records.jsonfile import Node
 from orusd_scans.scanned import broken, cloud_of, counted, opened, size_of
 from orusd_scans.worldframe import MAX_COORDINATE_M, proper
-
-Array = NDArray[np.float64]
 
 # The ten classes of VoteNet and MMDetection3D, by their numbers.
 CLASSES: Final = (

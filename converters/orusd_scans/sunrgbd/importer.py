@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
@@ -43,8 +43,6 @@ from orusd_scans.sunrgbd.files import (
     read_points,
 )
 from orusd_scans.worldframe import WorldFrame, proper
-
-Array = NDArray[np.float64]
 
 _VOTENET: Final = ("depth", "calib")
 _VOTENET_FILES: Final = (

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.names import SCANNED_HEIGHT
 from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, DOOR, WINDOW, WallFace
 from openrooms_usd.scan.openings.doorframes import frames
@@ -38,8 +39,6 @@ from openrooms_usd.scan.openings.wallpicture import WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import VOXEL_M, Sight, sight_of
 from openrooms_usd.scan.results import FoundOpening
-
-Array = NDArray[np.float64]
 
 # Least distance of openings from the corners of the room and from the ceiling, metres.
 MARGIN_M: Final = 0.05
@@ -88,7 +87,6 @@ _FLOOR_LENGTH_M: Final = 0.3
 _HALF_SILL_M: Final = 0.5
 # Largest width of a curtain that is drawn aside, metres.
 _MAX_BUNDLE_WIDTH_M: Final = 0.6
-Mask = NDArray[np.bool_]
 
 _MAX_POINTS: Final = 60_000
 # Points nearer behind the wall may be of a frame, metres.

@@ -10,13 +10,12 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.openings.cellcounts import CELL_M
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallpicture import WallGrid
 
-Array = NDArray[np.float64]
 Step = Callable[[Array], Array]
 
 # Range of heights in which vertical edges are measured, metres.

@@ -4,16 +4,13 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, usual_counts
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import HIDDEN_WEIGHT, LABELS, Kind, hole_weights
 from openrooms_usd.scan.openings.wallpicture import WallGrid
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Labels of a cell have full weight from this part of their usual number on.
 _SURE_LABEL_SHARE: Final = 0.25

@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
+
 Numbers = NDArray[np.int64]
 
 _MIN_SPACING_M: Final = 0.003

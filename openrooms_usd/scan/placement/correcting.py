@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
@@ -29,8 +29,6 @@ from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest
 from openrooms_usd.scan.placement.violations import Unresolved, violations
 from openrooms_usd.scan.results import FoundObject, FoundRoom
-
-Array = NDArray[np.float64]
 
 # Motions shorter than this are none, metres.
 _NO_MOTION_M: Final = 1e-4

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import Arrangement, posed, rotation_of
 from openrooms_usd.scan.placement.bodies import Body
@@ -20,8 +20,6 @@ from openrooms_usd.scan.placement.penetration import FINE_LINES, exits, penetrat
 from openrooms_usd.scan.placement.support import CEILING, WALL
 from openrooms_usd.scan.placement.violations import Unresolved
 from openrooms_usd.scan.registration.scalelimits import sizes_of
-
-Array = NDArray[np.float64]
 
 # Largest part of an object's measured length along an axis by which it is shortened.
 _MAX_SHARE: Final = 0.2

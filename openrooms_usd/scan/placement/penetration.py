@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
-
-Array = NDArray[np.float64]
 
 COARSE_LINES: Final = 2000
 FINE_LINES: Final = 8000

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.words import category_of, plain
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.scan.placement.arrangement import Arrangement
@@ -27,8 +27,6 @@ from openrooms_usd.scan.placement.support import (
     rest,
     support_of,
 )
-
-Array = NDArray[np.float64]
 
 # Larger tilts are intended, smaller ones than the second are none, degrees.
 _MEANT_LEAN_DEG: Final = 15.0

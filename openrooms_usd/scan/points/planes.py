@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 _MSAC_TRIES: Final = 400
 _MSAC_SAMPLE: Final = 4000

@@ -16,11 +16,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 VOXEL_M: Final = 0.05

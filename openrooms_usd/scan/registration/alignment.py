@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
@@ -31,8 +31,6 @@ from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls, walls_of
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.threads import mapped
-
-Array = NDArray[np.float64]
 
 # Inlier distances, from points to the CAD and from the CAD's visible surface to points, metres; and
 # the least share of inliers each way.

@@ -7,11 +7,9 @@ Geman and McClure.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.registration.template import directions, turn_of
-
-Array = NDArray[np.float64]
 
 
 class System(NamedTuple):

@@ -5,8 +5,8 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box
@@ -14,8 +14,6 @@ from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.scalelimits import CAD_UNITS_M, sizes_of, turns_of
 from openrooms_usd.scan.registration.template import Template, turn_of
 from openrooms_usd.scan.results import Pose
-
-Array = NDArray[np.float64]
 
 # The largest log scale error at which a unit of CADs is accepted.
 _UNIT_LOG_TOLERANCE: Final = 0.25

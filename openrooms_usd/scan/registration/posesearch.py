@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.fitting import (
     FINE,
@@ -21,8 +21,6 @@ from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.surroundings import Surroundings
 from openrooms_usd.scan.registration.template import Template
 from openrooms_usd.scan.registration.truesize import Candidate, Sizes
-
-Array = NDArray[np.float64]
 
 # Annealing levels of scores; numbers of rough fits a hypothesis and of fine fits an object; and
 # the offset and factor of the best energy above which a rough fit is dropped.

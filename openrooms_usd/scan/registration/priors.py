@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.registration.discs import System
-
-Array = NDArray[np.float64]
 
 # Standard deviation of a log scale that is known.
 _EQUAL_SCALE_LOG: Final = 0.003

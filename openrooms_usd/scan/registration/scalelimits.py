@@ -8,11 +8,9 @@ the proportions that it has. What the library builds anew has sizes of its own: 
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.models.cad import CadModel
-
-Array = NDArray[np.float64]
 
 SCALES: Final = (0.6, 1.6)
 """The least and the greatest scale along an axis."""

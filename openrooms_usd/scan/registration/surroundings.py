@@ -6,11 +6,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.visibility import Panoramas
 from openrooms_usd.scan.registration.template import SIDES, Template, turn_of
 from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls
-
-Array = NDArray[np.float64]
 
 # Standard deviations of contacts, metres: base to support, hidden side to wall, and penetration
 # into a wall.

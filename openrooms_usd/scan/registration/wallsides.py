@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.results import FoundRoom
-
-Array = NDArray[np.float64]
 
 # Walls farther than this from an object's bounding circle do not touch it, metres.
 _WALL_REACH_M: Final = 0.4

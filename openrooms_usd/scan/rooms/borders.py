@@ -5,13 +5,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.spaces import Spaces
 from openrooms_usd.scan.rooms.walls import COLUMN_M, Line
-
-Array = NDArray[np.float64]
 
 _MIN_EDGE_M: Final = 0.6  # of straight border
 _BLUR_PIXELS: Final = 1.5

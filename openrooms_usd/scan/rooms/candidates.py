@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.rooms.walls import (
     COLUMN_M,
     FACES_ACROSS_COS,
@@ -19,9 +20,7 @@ from openrooms_usd.scan.rooms.walls import (
     profile,
 )
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 _OFFSET_BIN_M: Final = 0.01
 _MIN_RUN_M: Final = 0.12  # least length of surfels on a line, metres

@@ -3,12 +3,10 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.planes import fit_plane
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
-
-Array = NDArray[np.float64]
 
 _MIN_CEILING_M: Final = 1.9
 # Least vertical components of normals: of level surfaces, and of slopes.

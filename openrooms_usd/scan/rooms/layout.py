@@ -13,6 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import SparseScanError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
@@ -30,8 +31,6 @@ from openrooms_usd.scan.rooms.soffits import ceilings_of
 from openrooms_usd.scan.rooms.spaces import Spaces, find_spaces, walled_shares
 from openrooms_usd.scan.rooms.walls import Line, Walls, profile, upright
 
-Array = NDArray[np.float64]
-
 # Gain of a square metre of the room inside, in metres of missing wall.
 _INSIDE_GAIN: Final = 1.0
 # A partial view has few walls, which the gain must outweigh.
@@ -48,7 +47,6 @@ _OTHER_DIRECTION_COS: Final = 0.87
 _OWN_WALLS_SHARE: Final = 0.6
 _OWN_FLOOR_SHARE: Final = 0.6
 _SHARED_WALL_M: Final = 0.03
-Mask = NDArray[np.bool_]
 
 # NYU40.
 _WALL_LABEL: Final = 1

@@ -3,13 +3,10 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 PIXEL_M: Final = 0.05
 # Half the height of the slab at the sensors that is tested for occlusion, metres, and the part of

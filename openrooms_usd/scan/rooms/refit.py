@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.walls import FACES_ACROSS_COS, Walls, line_fit
-
-Array = NDArray[np.float64]
 
 # Largest distance of a wall's surfels from its initial line, metres.
 _SEARCH_M: Final = 0.08

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.rooms.cells import Cells, inside_by_cut
 from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.occupancy import PIXEL_M
@@ -19,8 +20,6 @@ from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
 from openrooms_usd.scan.rooms.refit import refitted
 from openrooms_usd.scan.rooms.spaces import Spaces
 from openrooms_usd.scan.rooms.walls import Line, Walls, profile
-
-Array = NDArray[np.float64]
 
 # Gain of a square metre inside that belongs to another room, or that was not scanned, in metres of
 # missing wall.

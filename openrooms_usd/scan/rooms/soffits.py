@@ -8,12 +8,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.surfels import Surfels
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _PIXEL_M: Final = 0.05
 _MIN_CEILING_M: Final = 1.9

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.occupancy import (
     PIXEL_M,
@@ -21,9 +22,6 @@ from openrooms_usd.scan.rooms.occupancy import (
     plan_map,
 )
 from openrooms_usd.scan.rooms.walls import Walls
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Half the least width of a room, metres; narrower places separate rooms.
 _ROOM_HALF_WIDTH_M: Final = 0.5

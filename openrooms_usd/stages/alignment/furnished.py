@@ -5,9 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from openrooms_usd import adapters
 from openrooms_usd.description.alignment import ScanAlignment, named_objects
 from openrooms_usd.description.naming import captured_names
@@ -33,8 +30,6 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.scanned import found_in
 from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.usd.semantics import NYU40
-
-Array = NDArray[np.float64]
 
 # Objects that placement moved by more than this are counted in a note, metres.
 _COUNTED_MOTION_M: Final = 0.01

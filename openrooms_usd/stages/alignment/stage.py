@@ -12,13 +12,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.alignment import (
     AlignedObject,
     CapturedAlignment,
@@ -70,7 +70,6 @@ from openrooms_usd.usd.files.layers import is_off
 
 ASSETS: Final = "assets"
 _TYPES: Final = Sdf.ValueTypeNames
-Array: TypeAlias = NDArray[np.float64]
 
 # A support with a smaller scale is degenerate.
 _MIN_SCALE: Final = 1e-6

@@ -2,21 +2,18 @@
 
 import re
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Capture, CapturedFrame
 from openrooms_usd.description.cameras import FrameCameras
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_of, captured_section
-
-Array: TypeAlias = NDArray[np.float64]
 
 
 def photographs(context: StageContext) -> Capture | None:

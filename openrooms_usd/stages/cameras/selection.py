@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.cameras import SelectedCameras
 from openrooms_usd.furniture.registry import record
 from openrooms_usd.geometry.composition import (
@@ -28,8 +29,6 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.places.frames import TIME, local_to_world
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes, world_triangles
-
-Array = NDArray[np.float64]
 
 # Above this many triangles furniture is cast as its boxes: views need no more to be chosen.
 MANY_TRIANGLES: Final = 2_000_000

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Capture, CapturedFrame
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.description.cameras import (
@@ -46,8 +47,6 @@ from openrooms_usd.usd.light.emitters import flux_share, world_area
 from openrooms_usd.usd.light.lights import DomeLight, MeshLight, read_lights, read_portals
 from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP
 from openrooms_usd.usd.shading.textures import read_texture
-
-Array = NDArray[np.float64]
 
 # Mean reflectance of walls, floor, ceiling and furniture.
 _REFLECTANCE: Final = 0.5

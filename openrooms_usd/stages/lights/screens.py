@@ -4,10 +4,10 @@ import hashlib
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.lights import Screen
 from openrooms_usd.description.nearest import did_you_mean
@@ -19,8 +19,6 @@ from openrooms_usd.usd.files.layers import is_deactivated
 from openrooms_usd.usd.places.frames import author_matrix
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
-
-Array = NDArray[np.float64]
 
 # The part of a thing that shows pictures.
 SCREEN: Final = "screen"

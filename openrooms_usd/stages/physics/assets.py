@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.physics import Shapes
 from openrooms_usd.stages.physics.parts import RigidLink
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

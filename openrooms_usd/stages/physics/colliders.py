@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.library.construction import mass_of_part
@@ -15,8 +15,6 @@ from openrooms_usd.stages.physics.ahead import Search
 from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.cache import cached_shapes
 from openrooms_usd.stages.physics.parts import RigidLink, Solid
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

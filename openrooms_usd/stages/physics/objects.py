@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.physics import Physics, PhysicsObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES
@@ -34,8 +34,6 @@ from openrooms_usd.threads import mapped
 from openrooms_usd.usd.bodies import frame_and_scale
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.semantics import read_label
-
-Array = NDArray[np.float64]
 
 # Scales that differ by less are one.
 _SCALE_DIGITS: Final = 6

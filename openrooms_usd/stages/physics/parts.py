@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.stages.materials.looks import VARIANT_SET
 from openrooms_usd.usd.places.frames import TIME, matrix
@@ -17,8 +17,6 @@ from openrooms_usd.usd.shading import physics
 from openrooms_usd.usd.shading.materials import bound_material
 from openrooms_usd.usd.shading.physics import MaterialPhysics
 from openrooms_usd.usd.shapes.gprims import read_surface
-
-Array = NDArray[np.float64]
 
 _DRAWN = (UsdGeom.Tokens.default_, UsdGeom.Tokens.render)
 # The fixed parts of an object whose other parts move; in our own assets they have an Xform.

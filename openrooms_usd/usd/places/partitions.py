@@ -1,15 +1,13 @@
 """The free-standing walls of a room, as they are on a stage."""
 
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.places.frames import TIME, local_to_world
-
-Array: TypeAlias = NDArray[np.float64]
 
 _MIN_CORNERS: Final = 3
 

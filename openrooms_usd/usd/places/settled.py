@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.places.frames import (
     TIME,
     gf_matrix,
@@ -20,8 +20,6 @@ from openrooms_usd.usd.places.frames import (
     matrix,
     world_from_stage,
 )
-
-Array = NDArray[np.float64]
 
 _SUFFIX: Final = "settled"
 _TRANSLATE: Final = f"xformOp:translate:{_SUFFIX}"

@@ -4,14 +4,12 @@ from collections.abc import Collection, Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.physics.world import STANDARD_GRAVITY
 from openrooms_usd.usd.bodies import frame_and_scale
 from openrooms_usd.usd.places.frames import TIME, matrix, meters_per_unit, world_from_stage
-
-Array = NDArray[np.float64]
 
 
 class Frames:

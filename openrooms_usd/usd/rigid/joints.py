@@ -5,17 +5,16 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, UsdPhysics
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.physics.world import Joint, Motion
 from openrooms_usd.usd.rigid.frames import Frames
 from openrooms_usd.usd.rigid.shapes import ShapeReader
 
-Array = NDArray[np.float64]
 Kind = UsdPhysics.ObjectType
 
 KINDS: Final[dict[Any, Motion]] = {

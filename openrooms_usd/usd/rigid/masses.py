@@ -8,15 +8,12 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdPhysics
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.mass import MassProperties, combined, from_moments
 from openrooms_usd.usd.rigid.frames import Frames
-
-Array = NDArray[np.float64]
 
 _REMEDY: Final = "give it a positive physics:mass, or colliders that enclose a volume"
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdPhysics
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.geometry.triangulation import TriangleMesh
@@ -39,7 +40,6 @@ from openrooms_usd.usd.rigid.shapes import ShapeReader, safe
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import read_meshes
 
-Array = NDArray[np.float64]
 _Type = UsdPhysics.ObjectType
 _SHAPES: Final = tuple(getattr(_Type, name) for name in _Type.names if name.endswith("Shape"))
 # Until USD 26 the parser had the first of these names alone.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdPhysics
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
@@ -23,7 +24,6 @@ from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
 from openrooms_usd.usd.shapes.gprims import read_surface
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 
-Array = NDArray[np.float64]
 Loss = tuple[str, Literal["approximated", "skipped"], str]
 Pieces = tuple[TriangleMesh, ...]
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 from scipy.sparse import block_diag, csr_array
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.splines import (
     BASES,
     HERMITE,
@@ -22,9 +22,6 @@ from openrooms_usd.geometry.strands import Strands, ribbons, tubes
 from openrooms_usd.usd.arrays import integers, numbers
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.shapes.tessellation import Drawn
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Sides of a tube; of many curves fewer, since they are hair or grass.
 _SIDES: Final = 12

@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 from scipy.sparse import csr_array, kron
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.splines import rational, spans
 from openrooms_usd.usd.arrays import integers, numbers, vector_of
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.shapes.tessellation import Drawn
-
-Array = NDArray[np.float64]
 
 # Of more points each is a twentyfold, of fewer that is refined once.
 _MANY_POINTS: Final = 5_000
