@@ -34,9 +34,16 @@ from orusd_scans.plan import (
     plan_of,
     read_plan,
 )
-from orusd_scans.records.fields import choice, identifiers, number, positive, text
-from orusd_scans.records.jsonfile import Node, read_json
-from orusd_scans.records.table import read_table
+from orusd_scans.records import (
+    Node,
+    choice,
+    identifiers,
+    number,
+    positive,
+    read_json,
+    read_table,
+    text,
+)
 from orusd_scans.worldframe import MAX_COORDINATE_M, Z_UP, WorldFrame, proper
 
 UNITS: Final = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}

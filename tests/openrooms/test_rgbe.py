@@ -7,8 +7,8 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError
+from orusd_openrooms.images import ERROR, encode, write_rgbe
 from orusd_openrooms.readers import read_light
-from orusd_openrooms.rgbe import ERROR, encode, write_rgbe
 
 
 def decoded(code: np.ndarray) -> np.ndarray:

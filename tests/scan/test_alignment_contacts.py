@@ -11,8 +11,8 @@ from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.hypotheses import from_box, plain
 from openrooms_usd.scan.registration.supportheights import supports
+from openrooms_usd.scan.registration.surroundings import walls_of
 from openrooms_usd.scan.registration.template import template_of
-from openrooms_usd.scan.registration.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, SENSOR_ORIGINS, Placed, cad, room, scan
 
 LOW = (((-0.3, -0.2, 0.0), (0.3, 0.2, 0.16)),)

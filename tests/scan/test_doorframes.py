@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.openings.doorframes import frames
+from openrooms_usd.scan.openings.judgement import frames
 from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, wall_grids
 from openrooms_usd.scan.points.sightlines import sight_of
 from tests.scan.walled_rooms import CORNERS, DOOR, HEIGHT, SENSOR_ORIGINS, Sheet, casing_of, room

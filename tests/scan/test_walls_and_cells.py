@@ -13,7 +13,7 @@ from openrooms_usd.scan.rooms.directions import angle_between, wall_directions
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
 from openrooms_usd.scan.rooms.outline import outline_of
-from openrooms_usd.scan.rooms.refit import refitted
+from openrooms_usd.scan.rooms.roomoutline import refitted
 from openrooms_usd.scan.rooms.walls import Line, profile, upright
 from tests.scan.scanned_rooms import CABINET, RoomScan, corner_error, motion
 

@@ -18,7 +18,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling import read_pickled
 from orusd_scans.plainscan import READERS, read_scanned
 from orusd_scans.roomplan.importer import RoomPlanImporter
-from orusd_scans.scannet.sens import Sens
+from orusd_scans.scannet.frames import Sens
 from orusd_scans.sunrgbd.files import read_matrix
 
 POINTS = np.random.default_rng(0).random((300, 3))

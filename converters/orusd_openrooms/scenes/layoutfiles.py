@@ -15,9 +15,9 @@ from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.rendering.scene.arrays import Patch, Scene
 from openrooms_usd.usd.light.emitters import world_from_prim
-from orusd_openrooms.scenes.microfacet import Materials, losses, mapping
+from orusd_openrooms.scenes.materials import Materials, losses, mapping
+from orusd_openrooms.scenes.modelfiles import Faces, obj_bytes
 from orusd_openrooms.scenes.objects import SHELL, Objects
-from orusd_openrooms.scenes.objtext import Faces, obj_bytes
 from orusd_openrooms.scenes.records import Bsdf, Shape, Step
 
 _LEAST_THICKNESS_M = 0.01

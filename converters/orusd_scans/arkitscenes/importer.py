@@ -21,11 +21,9 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import DepthFrame, fuse
 from orusd_scans.formats.depthpicture import read_picture, read_sixteen_bits
 from orusd_scans.formats.ply import read_ply
-from orusd_scans.frames import intrinsics
-from orusd_scans.packing import packed_folder
+from orusd_scans.frames import intrinsics, packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_sensor_origins
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records import Node, read_json, text
 from orusd_scans.scanned import Scanned, broken
 from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
 

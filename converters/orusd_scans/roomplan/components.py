@@ -12,8 +12,7 @@ from pxr import Sdf
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node
+from orusd_scans.records import Node, text
 from orusd_scans.roomplan.curves import Arc, fitted_arc
 from orusd_scans.roomplan.meshes import Hole, floor_outline, holes, is_flat, lowered, missing, span
 from orusd_scans.roomplan.records import Record

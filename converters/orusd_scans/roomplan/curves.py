@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.arrays import Array
-from orusd_scans.records.jsonfile import Node
+from orusd_scans.records import Node
 
 SAGITTA_M: Final = 0.004
 """How far facets may stay behind the arc, metres."""

@@ -17,15 +17,13 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, CapturedMo
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import DepthFrame, Fused, fuse
 from orusd_scans.formats.ply import read_ply
-from orusd_scans.frames import as_text, in_world
-from orusd_scans.packing import packed_folder
+from orusd_scans.frames import as_text, in_world, packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_sensor_origins
-from orusd_scans.records.jsonfile import Node
+from orusd_scans.records import Node
 from orusd_scans.scanned import Scanned, opened
-from orusd_scans.scannet.frames import centred, read_scannet_frames, settings
+from orusd_scans.scannet.frames import Sens, centred, read_scannet_frames, settings
 from orusd_scans.scannet.labels import read_annotation
 from orusd_scans.scannet.scan2cad import Scan2CadImporter, official, read_aligned
-from orusd_scans.scannet.sens import Sens
 from orusd_scans.worldframe import WorldFrame, rigid
 
 # The meshes of a scene, the usual one first.

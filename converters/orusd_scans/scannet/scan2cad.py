@@ -23,8 +23,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.registry import records
 from orusd_scans.frames import as_text, in_world
 from orusd_scans.plan import DrawnPlan, floor_in, frame_along, openings_in, read_plan
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records import Node, read_json, text
 from orusd_scans.scannet.frames import read_scannet_frames
 from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
 

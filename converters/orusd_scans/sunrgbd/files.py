@@ -14,8 +14,7 @@ from openrooms_usd.capture import CapturedBox
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.unpickling import read_pickled
 from orusd_scans.frames import intrinsics
-from orusd_scans.records.fields import number, text
-from orusd_scans.records.jsonfile import Node
+from orusd_scans.records import Node, number, text
 from orusd_scans.scanned import broken, cloud_of, counted, opened, size_of
 from orusd_scans.worldframe import MAX_COORDINATE_M, proper
 

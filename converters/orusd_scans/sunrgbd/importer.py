@@ -26,11 +26,9 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.fusion import DepthFrame, FusionOptions, fuse
 from orusd_scans.formats.depthpicture import picture_size, read_sixteen_bits
-from orusd_scans.frames import intrinsics
-from orusd_scans.packing import packed_folder, there
+from orusd_scans.frames import intrinsics, packed_folder, there
 from orusd_scans.plainscan import UNDETERMINED, cloud_in
-from orusd_scans.records.fields import number, text
-from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records import Node, number, read_json, text
 from orusd_scans.scanned import Scanned, broken
 from orusd_scans.sunrgbd.files import (
     Entry,

@@ -18,8 +18,15 @@ from scipy import ndimage
 from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.names import SCANNED_HEIGHT
 from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, DOOR, WINDOW, WallFace
-from openrooms_usd.scan.openings.doorframes import frames
-from openrooms_usd.scan.openings.judgement import likelihood
+from openrooms_usd.scan.openings.judgement import (
+    around,
+    frames,
+    is_round,
+    label_weights,
+    lies_deeper,
+    likelihood,
+    without_casing,
+)
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
     Proposal,
@@ -27,13 +34,6 @@ from openrooms_usd.scan.openings.wallholes import (
     kind_of,
     measured,
     rectangles,
-)
-from openrooms_usd.scan.openings.walllabels import (
-    around,
-    is_round,
-    label_weights,
-    lies_deeper,
-    without_casing,
 )
 from openrooms_usd.scan.openings.wallpicture import WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud

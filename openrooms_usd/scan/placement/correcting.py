@@ -19,15 +19,16 @@ from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, pose
 from openrooms_usd.scan.placement.fitting import fit
 from openrooms_usd.scan.placement.leavingout import MAX_GAP_M, LeftOut, left_out
 from openrooms_usd.scan.placement.settling import (
+    Unresolved,
     find_supports,
     lay_along_walls,
     lower,
     set_upright,
     settle_again,
+    violations,
 )
 from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest
-from openrooms_usd.scan.placement.violations import Unresolved, violations
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
 # Motions shorter than this are none, metres.

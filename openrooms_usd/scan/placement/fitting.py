@@ -17,8 +17,8 @@ from openrooms_usd.scan.placement.arrangement import Arrangement, posed, rotatio
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.enclosure import LOST_M
 from openrooms_usd.scan.placement.penetration import FINE_LINES, exits, penetration
+from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.placement.support import CEILING, WALL
-from openrooms_usd.scan.placement.violations import Unresolved
 from openrooms_usd.scan.registration.scalelimits import sizes_of
 
 # Largest part of an object's measured length along an axis by which it is shortened.

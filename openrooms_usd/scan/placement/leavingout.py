@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.scan.placement.arrangement import Arrangement
-from openrooms_usd.scan.placement.violations import Unresolved
+from openrooms_usd.scan.placement.settling import Unresolved
 
 # What lies deeper in each other, or farther in a wall or above what carries it, than these is not
 # left standing, metres: people see it, and it is more than a scan's drift.

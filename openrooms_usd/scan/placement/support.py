@@ -9,8 +9,8 @@ import numpy as np
 from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.registry import record
 from openrooms_usd.scan.placement.bodies import Body
-from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
 from openrooms_usd.scan.placement.enclosure import Enclosure
+from openrooms_usd.scan.placement.penetration import Chords, Lattice, chords, paired
 
 FLOOR: Final = "floor"
 WALL: Final = "wall"

@@ -18,16 +18,14 @@ from openrooms_usd.errors import SparseScanError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
-from openrooms_usd.scan.rooms.borders import border_lines, end_lines, moved_behind
-from openrooms_usd.scan.rooms.candidates import wall_lines
-from openrooms_usd.scan.rooms.ceilings import ceiling_height, ceiling_slopes
+from openrooms_usd.scan.rooms.candidates import border_lines, end_lines, moved_behind, wall_lines
+from openrooms_usd.scan.rooms.ceilings import ceiling_height, ceiling_slopes, ceilings_of
 from openrooms_usd.scan.rooms.cells import cut_plan
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE, angle_between
 from openrooms_usd.scan.rooms.faces import no_walls
 from openrooms_usd.scan.rooms.levelling import Level
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.roomoutline import Plan
-from openrooms_usd.scan.rooms.soffits import ceilings_of
 from openrooms_usd.scan.rooms.spaces import Spaces, find_spaces, walled_shares
 from openrooms_usd.scan.rooms.walls import Line, Walls, profile, upright
 

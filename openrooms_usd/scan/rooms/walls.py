@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.surfels import Surfels
+from openrooms_usd.scan.rooms.ceilings import NO_CEILINGS, Ceilings
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
-from openrooms_usd.scan.rooms.soffits import NO_CEILINGS, Ceilings
 
 Rows = NDArray[np.int64]
 

@@ -12,7 +12,7 @@ from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.registration.hints import Box
-from openrooms_usd.scan.registration.wallsides import walls_of
+from openrooms_usd.scan.registration.surroundings import walls_of
 from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.shape import upright_box
 

@@ -11,7 +11,7 @@ from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
 from openrooms_usd.scan.points.thinning import thin
-from openrooms_usd.scan.registration.wallsides import walls_of
+from openrooms_usd.scan.registration.surroundings import walls_of
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.segmentation.contract import Segments
 from openrooms_usd.scan.segmentation.grouping import grouped

@@ -12,7 +12,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.words import plain
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.placement.correcting import moved_by
-from openrooms_usd.scan.placement.violations import Unresolved
+from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
 from openrooms_usd.scan.results import FoundRoom
