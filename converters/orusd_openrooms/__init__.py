@@ -2,7 +2,7 @@
 
 ``dataset`` is the story of a conversion. What writes: ``layout`` (where every file lies), ``frame``
 (a view on its way), ``framefiles`` and ``lightfiles`` (tables of what each file is made of),
-``cameras``, ``lights``, and the forms ``rgbe``, ``images``, ``environments`` and ``pickles``. What
+``cameras``, ``lights``, and the forms ``images`` and ``pickles``. What
 reads is ``readers``; it shares no code with the writers, and opens pickles by the core's
 ``unpickling``; ``loading`` offers what it reads as views for training.
 

@@ -14,8 +14,17 @@ from functools import cache
 from types import ModuleType
 from typing import Any, ClassVar, Final
 
-from openrooms_usd.dataset.executor import Lost, Task, Told, Wanted, Work
-from openrooms_usd.dataset.scheduling import end_with_parent, messages, understood, worked_off
+from openrooms_usd.dataset.executor import (
+    Lost,
+    Task,
+    Told,
+    Wanted,
+    Work,
+    end_with_parent,
+    messages,
+    understood,
+    worked_off,
+)
 from openrooms_usd.errors import InputError, MissingPackageError
 
 # What Ray keeps of objects that are handed over: tasks are small.

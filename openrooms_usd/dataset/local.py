@@ -10,8 +10,17 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from openrooms_usd.dataset.executor import Lost, Task, Told, Wanted, Work
-from openrooms_usd.dataset.scheduling import end_with_parent, messages, understood, worked_off
+from openrooms_usd.dataset.executor import (
+    Lost,
+    Task,
+    Told,
+    Wanted,
+    Work,
+    end_with_parent,
+    messages,
+    understood,
+    worked_off,
+)
 
 if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess

@@ -21,8 +21,8 @@ from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
 from openrooms_usd.dataset.quality import assess
 from openrooms_usd.dataset.scratch import Root, root_of, store_at
 from openrooms_usd.dataset.shots import Shot, shot, shots_of
+from openrooms_usd.dataset.status import channel_seconds, material_names, tally
 from openrooms_usd.dataset.store import Store
-from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
 from openrooms_usd.dataset.variants import realised
 from openrooms_usd.description import Dataset
 from openrooms_usd.errors import InputError, OrusdError

@@ -19,8 +19,7 @@ from openrooms_usd.description.model import (
     peek_list,
     peek_text,
 )
-from openrooms_usd.description.naming import repeated_names, unique_names
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean, repeated_names, unique_names
 from openrooms_usd.description.scanned import ScannedObject, unsupported
 from openrooms_usd.description.units import Angle, Length, PositiveLength
 

@@ -15,12 +15,18 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
-from openrooms_usd.edits import adding, arranging, assigning, remaking
+from openrooms_usd.edits import arranging, assigning, remaking
 from openrooms_usd.edits.scenefile import ByName, SceneFile
-from openrooms_usd.edits.seen import extent_of, owners_of, points_of, surfaces_of
 from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.edits.targets import Scope
-from openrooms_usd.edits.views import SceneMaterial, material_of
+from openrooms_usd.edits.views import (
+    SceneMaterial,
+    extent_of,
+    material_of,
+    owners_of,
+    points_of,
+    surfaces_of,
+)
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
 from openrooms_usd.usd.files.diagnostics import quiet
@@ -334,10 +340,10 @@ def materials_of(file: SceneFile) -> ByName[SceneMaterial]:
 
 
 def add(file: SceneFile, said: Mapping[str, Any], base: Path | None = None) -> SceneObject:
-    """Put a new object into a composed room: see `openrooms_usd.edits.adding.add`."""
+    """Put a new object into a composed room: see `openrooms_usd.edits.remaking.add`."""
     _check_editable(file.path, f"a {said['category']} cannot be added")
     with quiet():
-        stands = adding.add(file.path, said, base)
+        stands = remaking.add(file.path, said, base)
     return SceneObject(file, f"{names.FURNITURE}/{stands.name}")
 
 

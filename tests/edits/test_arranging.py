@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.composing import compose_room
 from openrooms_usd.edits.arranging import duplicate, place, relabel, remove
-from openrooms_usd.edits.history import History
+from openrooms_usd.edits.editing import History
 from openrooms_usd.edits.orphans import orphans_of
 from openrooms_usd.edits.remaking import remake
 from openrooms_usd.edits.snapping import Spot

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.loading.mirroring import HorizontalFlip
 from openrooms_usd.loading.opening import open_source
+from openrooms_usd.loading.transforms import HorizontalFlip
 from tests.loading.test_remote import serving
 
 CHANNELS = ("radiance", "position", "instance")

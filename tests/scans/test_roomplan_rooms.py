@@ -16,7 +16,7 @@ from openrooms_usd.capture import Capture
 from openrooms_usd.cli import orusd
 from openrooms_usd.composing import compose_room
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.places.partitions import read_partitions
+from openrooms_usd.usd.places.placements import read_partitions
 
 HEIGHT = 2.5
 SMALL = [[0, 0], [3, 0], [3, 3], [0, 3]]

@@ -17,7 +17,7 @@ from openrooms_usd.capture import Capture, read_capture
 from openrooms_usd.description import load_room
 from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.importing import import_capture
-from openrooms_usd.importing.checks import check_scan
+from openrooms_usd.importing.captures import check_scan
 from openrooms_usd.scan.rooms.levelling import level
 from orusd_scans.formats.laser import read_e57, read_las
 from orusd_scans.formats.pointtext import read_npz, read_text

@@ -1,8 +1,8 @@
 """The rooms of a level scan as closed polygons.
 
-Line hypotheses (`candidates`, and `borders` for missed walls) cut the plan into cells; for each
+Line hypotheses (`candidates`, for missed walls too) cut the plan into cells; for each
 space of a watershed (`spaces`) a minimum cut labels them inside or outside (`roomoutline`); the
-outline is simplified as long as its cost falls (`outline`), and its lines are refitted (`refit`).
+outline is simplified as long as its cost falls (`outline`), and its lines are refitted.
 
 An open leaf is collinear with no wall.
 """

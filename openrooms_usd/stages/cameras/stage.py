@@ -34,13 +34,13 @@ from openrooms_usd.geometry.pinhole import intrinsics, look_at
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.cameras.photographs import (
+from openrooms_usd.stages.cameras.selection import (
+    Selection,
     frame_name,
     intrinsics_for,
     name_photograph,
     photographs,
 )
-from openrooms_usd.stages.cameras.selection import Selection
 from openrooms_usd.stages.captures import capture_inputs, captured_section
 from openrooms_usd.usd.cameras import define_camera, exposure_of_ev100
 from openrooms_usd.usd.light.emitters import flux_share, world_area

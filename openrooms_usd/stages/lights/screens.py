@@ -10,7 +10,7 @@ from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.lights import Screen
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.styles.displays import picture

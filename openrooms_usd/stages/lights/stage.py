@@ -27,7 +27,7 @@ from openrooms_usd.description.lights import (
     Lamp,
     SkyEnvironment,
 )
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.furniture import CATEGORIES

@@ -17,7 +17,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
@@ -32,7 +32,6 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.appearance import texels
 from openrooms_usd.stages.physics.ahead import search_ahead
 from openrooms_usd.stages.physics.assets import RigidAsset
-from openrooms_usd.stages.physics.authoring import author_physics
 from openrooms_usd.stages.physics.cache import cached_shapes
 from openrooms_usd.stages.physics.colliders import (
     AssetColliders,
@@ -40,7 +39,7 @@ from openrooms_usd.stages.physics.colliders import (
     LinkColliders,
     searches_of,
 )
-from openrooms_usd.stages.physics.objects import Objects, search_colliders
+from openrooms_usd.stages.physics.objects import Objects, author_physics, search_colliders
 from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
 from openrooms_usd.usd.bodies import define_scene
 from openrooms_usd.usd.files.layers import apply_metadata, export, is_deactivated, split_arrays

@@ -20,7 +20,6 @@ from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Body, LinkName, Shape, Visual, World
 from openrooms_usd.physics.world import Link as WorldLink
-from openrooms_usd.usd.rigid.frames import Frames
 from openrooms_usd.usd.rigid.joints import (
     KINDS,
     UNKNOWN_KINDS,
@@ -33,10 +32,10 @@ from openrooms_usd.usd.rigid.joints import (
     joint_of,
     limits_of,
     pose,
+    read_mass,
     trees,
 )
-from openrooms_usd.usd.rigid.masses import read_mass
-from openrooms_usd.usd.rigid.shapes import ShapeReader, safe
+from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader, safe
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import read_meshes
 

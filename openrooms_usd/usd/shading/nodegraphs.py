@@ -14,10 +14,11 @@ from pxr import UsdShade
 
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
-from openrooms_usd.usd.shading.nodecoordinates import coordinates, family
 from openrooms_usd.usd.shading.surfaces import Channel, ColorSpace, Texture, Wrap
 from openrooms_usd.usd.shading.uvtextures import (
+    coordinates,
     decomposed,
+    family,
     over_tiles,
     picture_file,
     read_texture_node,
