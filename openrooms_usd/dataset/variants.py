@@ -15,15 +15,9 @@ import numpy as np
 
 from openrooms_usd.dataset.captured import captured_room
 from openrooms_usd.dataset.plan import Job
-from openrooms_usd.description import Room, load_room, named_objects, parse_room, room_of
+from openrooms_usd.description import Room, lights, load_room, named_objects, parse_room, room_of
 from openrooms_usd.description.alignment import ObjectList
 from openrooms_usd.description.dataset import DatasetViews
-from openrooms_usd.description.lights import (
-    ConstantEnvironment,
-    FileEnvironment,
-    Lamp,
-    SkyEnvironment,
-)
 from openrooms_usd.description.moments import zone
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import CATEGORIES
@@ -160,19 +154,19 @@ def _again(room: Room, data: Mapping[str, Any]) -> Room:
 def _environment(room: Room, said: Mapping[str, Any], rng: np.random.Generator) -> Section:
     now = room.lights.environment
     factor = float(rng.uniform(*_OUTSIDE_FACTOR))
-    if isinstance(now, SkyEnvironment):
+    if isinstance(now, lights.SkyEnvironment):
         return {**said, **_moment(now, rng)}
-    if isinstance(now, FileEnvironment):
+    if isinstance(now, lights.FileEnvironment):
         turned = (now.rotate + float(rng.uniform(0.0, 360.0))) % 360.0
         kept = "scale" if now.illuminance is None else "illuminance"
         value = now.illuminance or now.scale or 1.0
         return {**said, "rotate": round(turned, 1), kept: _digits(value * factor)}
-    assert isinstance(now, ConstantEnvironment)
+    assert isinstance(now, lights.ConstantEnvironment)
     color = [_digits(part * float(rng.uniform(*_TINT))) for part in now.color]
     return {**said, "color": color, "illuminance": _digits(now.illuminance * factor)}
 
 
-def _moment(now: SkyEnvironment, rng: np.random.Generator) -> Section:
+def _moment(now: lights.SkyEnvironment, rng: np.random.Generator) -> Section:
     """Another day and hour at the same place, by daylight where there is any."""
     local_zone = zone(now.utc_offset, now.longitude)
     year = date.fromisoformat(now.date).year
@@ -202,7 +196,7 @@ def _lamps(room: Room, seed: int) -> dict[str, Section]:
     for name, usual in _usual_lumens(room).items():
         # Drawn for each, so that one that is added changes no other.
         rng = generator(seed, "dataset", "lamp", name)
-        lamp = room.lights.lamps.get(name, Lamp())
+        lamp = room.lights.lamps.get(name, lights.Lamp())
         found[name] = _lamp(room, lamp, usual, rng)
     if found and not any(row["on"] for row in found.values()):
         next(iter(found.values()))["on"] = True
@@ -220,7 +214,7 @@ def _usual_lumens(room: Room) -> dict[str, float | None]:
     return found
 
 
-def _lamp(room: Room, lamp: Lamp, usual: float | None, rng: np.random.Generator) -> Section:
+def _lamp(room: Room, lamp: lights.Lamp, usual: float | None, rng: np.random.Generator) -> Section:
     row = lamp.model_dump(mode="json", exclude_unset=True)
     row["on"] = bool(rng.random() < _ON_SHARE)
     least, most = map(math.log, _LAMP_FACTOR)

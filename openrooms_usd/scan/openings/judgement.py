@@ -14,15 +14,9 @@ import numpy as np
 from scipy import ndimage
 
 from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.scan.openings import wallholes
 from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, usual_counts
 from openrooms_usd.scan.openings.rectangles import Rectangle
-from openrooms_usd.scan.openings.wallholes import (
-    HIDDEN_WEIGHT,
-    LABELS,
-    Kind,
-    Proposal,
-    hole_weights,
-)
 from openrooms_usd.scan.openings.wallpicture import WallGrid
 
 # Part of a doorway through which something is seen far behind where it is surely open.
@@ -41,7 +35,7 @@ _SMALL_WINDOW_M: Final = 0.4
 # A hole of which so much is one and is framed by wall is a clean one.
 _CLEAN_SHARES: Final = (0.65, 0.9)
 
-Measure = Callable[[Proposal], float]
+Measure = Callable[[wallholes.Proposal], float]
 
 
 @dataclass(frozen=True)
@@ -52,24 +46,24 @@ class Evidence:
     weight: float
 
 
-def _passed(p: Proposal) -> float:
+def _passed(p: wallholes.Proposal) -> float:
     return max(p.threshold, min(1.0, p.beyond / _OPEN_VIEW_SHARE))
 
 
-def _vast(p: Proposal) -> float:
+def _vast(p: wallholes.Proposal) -> float:
     return -float(p.width > _WIDE_DOOR_M or p.height > _TALL_DOOR_M)
 
 
-def _unusual_head(p: Proposal) -> float:
+def _unusual_head(p: wallholes.Proposal) -> float:
     return min(_MOST_RANGES, abs(p.height - _USUAL_HEAD_M) / _HEAD_RANGE_M)
 
 
-def _high(p: Proposal) -> float:
+def _high(p: wallholes.Proposal) -> float:
     low, high = _HIGH_SILLS_M
     return float(np.clip((p.sill - low) / (high - low), 0.0, _MOST_HIGH))
 
 
-def _clean(p: Proposal) -> float:
+def _clean(p: wallholes.Proposal) -> float:
     low, high = _CLEAN_SHARES
     return float(np.clip((p.framed * p.hole - low) / (high - low), 0.0, 1.0))
 
@@ -109,7 +103,7 @@ _PRIORS: Final = {"doorway": -3.14, "closed door": -0.71, "window": -8.46}
 _TABLES: Final = {"doorway": DOORWAY, "closed door": CLOSED_DOOR, "window": WINDOW}
 
 
-def likelihood(proposal: Proposal) -> float:
+def likelihood(proposal: wallholes.Proposal) -> float:
     """The probability that a proposal is an opening, by what the wall shows without labels."""
     sort = "window" if proposal.kind == "window" else "closed door" if proposal.leaf else "doorway"
     odds = _PRIORS[sort] + sum(e.weight * e.measure(proposal) for e in _TABLES[sort].values())
@@ -138,24 +132,24 @@ _SQUARE_SHARE: Final = 0.65
 _MIN_PANE_DEPTH_M: Final = 0.012
 
 
-def label_weights(grid: WallGrid, kind: Kind) -> Array:
+def label_weights(grid: WallGrid, kind: wallholes.Kind) -> Array:
     """(Z, X) weights by labels, and where there are none, by geometry."""
     votes, all_votes, curtain = (
         around(counts, grid.window)
         for counts in (
-            grid.labels[LABELS[kind]],
+            grid.labels[wallholes.LABELS[kind]],
             grid.labelled,
             grid.labels[CURTAIN] + grid.labels[BLINDS],
         )
     )
     others = all_votes - curtain
-    geometry = hole_weights(grid)
+    geometry = wallholes.hole_weights(grid)
     named = ndimage.distance_transform_edt(votes <= 0) * CELL_M < _FRAME_TO_PANE_M
-    through = np.where(named, _LOOKED_THROUGH_WEIGHT * geometry, HIDDEN_WEIGHT)
+    through = np.where(named, _LOOKED_THROUGH_WEIGHT * geometry, wallholes.HIDDEN_WEIGHT)
     geometry = np.where(geometry > 0, through, geometry)
     # Voids between the folds of a curtain are no holes.
     hangs = ndimage.maximum_filter(curtain, round(_FOLD_DISTANCE_M / CELL_M)) > 0
-    geometry = np.where(hangs, np.minimum(geometry, HIDDEN_WEIGHT), geometry)
+    geometry = np.where(hangs, np.minimum(geometry, wallholes.HIDDEN_WEIGHT), geometry)
     # Where few returns have a label, as outliers in a hole, geometry counts as well.
     enough = _SURE_LABEL_SHARE * usual_counts(grid.labelled, all_votes)
     weights = (2.0 * votes - others) / np.maximum(others, enough)
@@ -170,10 +164,10 @@ def around(counts: Array, window: int) -> Array:
     return np.where(smooth < 1e-9, 0.0, smooth)
 
 
-def is_round(grid: WallGrid, kind: Kind, where: Rectangle) -> bool:
+def is_round(grid: WallGrid, kind: wallholes.Kind, where: Rectangle) -> bool:
     """Whether the returns with a label form a disc rather than a rectangle."""
     known = around(grid.labelled, grid.window)
-    named = around(grid.labels[LABELS[kind]], grid.window) > 0.5 * known
+    named = around(grid.labels[wallholes.LABELS[kind]], grid.window) > 0.5 * known
     high, wide = (
         max(1, round(_CORNER_SHARE * size)) for size in named[where.rows, where.columns].shape
     )

@@ -9,17 +9,8 @@ from pxr import Usd, UsdGeom
 from scipy.sparse import block_diag, csr_array, kron
 
 from openrooms_usd.arrays import Array, Ints
+from openrooms_usd.geometry import splines
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.splines import (
-    BASES,
-    HERMITE,
-    LINE,
-    identity,
-    rational,
-    sampled,
-    spans,
-    weighted,
-)
 from openrooms_usd.geometry.strands import Strands, ribbons, tubes
 from openrooms_usd.usd.arrays import integers, numbers, vector_of
 from openrooms_usd.usd.places.frames import TIME
@@ -138,12 +129,12 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tupl
     basis, wrap = str(curves.GetBasisAttr().Get(TIME)), str(curves.GetWrapAttr().Get(TIME))
     closed, number = wrap == _T.periodic, int(counts.sum())
     linear = curves.GetTypeAttr().Get(TIME) == _T.linear
-    if not linear and basis not in BASES:
+    if not linear and basis not in splines.BASES:
         raise ValueError(f"the basis {basis} is not known")
     step = 3 if basis == "bezier" and not linear else 1
     short = linear or (wrap == _T.pinned and step == 1)
     fitting = _fitting(counts, 2 if short else max(step, 2) if closed else 4, step)
-    ends, which = identity(number), None
+    ends, which = splines.identity(number), None
     if (fitting != counts).any():
         kind = "linear" if linear else f"{wrap} {basis}"
         losses.append(f"curveVertexCounts do not fit {kind} curves: what is over is cut")
@@ -163,15 +154,15 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tupl
     first = (np.cumsum(pieces) - pieces)[curve]
     local = (np.arange(len(curve)) - first)[:, None] * step + np.arange(4)
     rows = (np.cumsum(counts) - counts)[curve][:, None] + local % counts[curve][:, None]
-    places, along, lines = sampled(pieces, closed)
-    vertex = weighted(places, along, BASES[basis], rows, int(counts.sum()))
+    places, along, lines = splines.sampled(pieces, closed)
+    vertex = splines.weighted(places, along, splines.BASES[basis], rows, int(counts.sum()))
     # Values at the ends of pieces: one more than pieces, of a ring as many.
     shown = pieces if closed else pieces + 1
     start = (np.cumsum(shown) - shown)[curve]
     one = np.arange(len(curve)) - first
     two = (one + 1) % shown[curve]
     pair = np.stack([start + one, start + two], axis=1)
-    varying = weighted(places, along, LINE, pair, int(shown.sum()))
+    varying = splines.weighted(places, along, splines.LINE, pair, int(shown.sum()))
     return Sampling(csr_array(vertex @ ends), varying, lines, which), closed
 
 
@@ -187,7 +178,9 @@ def _nurbs(curves: UsdGeom.NurbsCurves, counts: Ints, losses: list[str]) -> Samp
     weights = numbers(curves.GetPointWeightsAttr())
     if len(orders) != len(counts) or (counts + orders).sum() != len(knots):
         losses.append("order or knots do not fit curveVertexCounts: straight through its points")
-        return Sampling(identity(int(counts.sum())), identity(int(counts.sum())), counts)
+        return Sampling(
+            splines.identity(int(counts.sum())), splines.identity(int(counts.sum())), counts
+        )
     if len(weights) not in (0, counts.sum()) or len(ranges) not in (0, len(counts)):
         raise ValueError("pointWeights or ranges do not fit curveVertexCounts")
     found, at = [], 0
@@ -195,12 +188,12 @@ def _nurbs(curves: UsdGeom.NurbsCurves, counts: Ints, losses: list[str]) -> Samp
         own = knots[at : at + count + order]
         at += count + order
         reach = ranges[number] if len(ranges) else None
-        found.append(spans(own, int(order), int(count), reach))
+        found.append(splines.spans(own, int(order), int(count), reach))
     vertex = csr_array(block_diag(found))
     if len(weights):
-        vertex = rational(vertex, weights)
+        vertex = splines.rational(vertex, weights)
     lines = np.array([one.shape[0] for one in found])
-    return Sampling(vertex, identity(int(lines.sum())), lines)
+    return Sampling(vertex, splines.identity(int(lines.sum())), lines)
 
 
 def _hermite(counts: Ints) -> tuple[Sampling, csr_array]:
@@ -208,10 +201,12 @@ def _hermite(counts: Ints) -> tuple[Sampling, csr_array]:
     pieces, number = counts - 1, int(counts.sum())
     curve = np.repeat(np.arange(len(counts)), pieces)
     first = np.arange(len(curve)) + curve
-    places, along, lines = sampled(pieces, False)
+    places, along, lines = splines.sampled(pieces, False)
     pair = np.stack([first, first + 1], axis=1)
-    straight = weighted(places, along, LINE, pair, number)
-    bent = weighted(places, along, HERMITE, np.hstack([pair, pair + number]), 2 * number)
+    straight = splines.weighted(places, along, splines.LINE, pair, number)
+    bent = splines.weighted(
+        places, along, splines.HERMITE, np.hstack([pair, pair + number]), 2 * number
+    )
     return Sampling(straight, straight, lines), bent
 
 
@@ -246,7 +241,7 @@ def read_patch(prim: Usd.Prim) -> Drawn:
         if len(own):
             if len(own) != len(points):
                 raise ValueError("there are not as many pointWeights as points")
-            weights = rational(weights, own)
+            weights = splines.rational(weights, own)
     except ValueError as reason:
         return Drawn(None, [str(reason)])
     if not np.isfinite(points).all():
@@ -277,7 +272,7 @@ def _side(prim: Usd.Prim, name: str) -> csr_array:
     size, degree, values = _whole(count), _whole(order), numbers(knots)
     if size < 2 or len(values) != size + degree:
         raise ValueError("knots do not fit the count and the order of points")
-    return spans(values, degree, size, vector_of(reach.Get(TIME), 2))
+    return splines.spans(values, degree, size, vector_of(reach.Get(TIME), 2))
 
 
 def _whole(attribute: Usd.Attribute) -> int:
