@@ -10,11 +10,9 @@ from typing import Final
 
 import numpy as np
 
-from benchmarks.scan.corridors import with_corridors
-from benchmarks.scan.depth import Scanner, returns, take
+from benchmarks.scan.depth import Scanner, returns, spoiled, take
 from benchmarks.scan.fusion import Fused, fuse
-from benchmarks.scan.labels import spoiled
-from benchmarks.scan.path import walk
+from benchmarks.scan.path import walk, with_corridors
 from benchmarks.scan.rooms import SimulatedRoom, read_room
 from benchmarks.scan.truth import Truth
 from openrooms_usd.arrays import Array

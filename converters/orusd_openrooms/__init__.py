@@ -8,8 +8,8 @@ reads is ``readers``; it shares no code with the writers, and opens pickles by t
 
 ``scenes`` reads the release's scene files as an importer, and writes them as an exporter.
 
-``crowding`` finds views with more lights than loaders have room for. ``records`` reads what a
-manifest says of lights.
+``crowding`` finds views with more lights than loaders have room for. ``lights`` reads
+what a manifest says of them.
 """
 
 from orusd_openrooms.dataset import OpenRoomsDataset

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.folder import LIGHTS_FILE
 from openrooms_usd.rendering.reading import RenderedView
-from orusd_openrooms.records import Light
+from orusd_openrooms.lights import Light
 
 # Hemispheres of light at the points of a grid, as one tiled picture.
 #

@@ -17,9 +17,8 @@ from orusd_openrooms import images, lights
 from orusd_openrooms.frame import Frame, Pixels
 from orusd_openrooms.images import write_rgbe
 from orusd_openrooms.layout import Place
-from orusd_openrooms.lights import spread
+from orusd_openrooms.lights import Light, Lobe, spread
 from orusd_openrooms.pickles import write_pickled
-from orusd_openrooms.records import Light, Lobe
 
 # Sharper lobes are integrated over their own directions, others over the rectangle.
 _SHARP_LOBE: Final = 8.0

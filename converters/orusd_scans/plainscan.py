@@ -21,7 +21,7 @@ from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import clean
 from openrooms_usd.scan.rooms.verticals import Vertical, verticals
-from openrooms_usd.scan.segmentation.labelled import with_labels
+from openrooms_usd.scan.segmentation.naming import with_labels
 from orusd_scans.formats.laser import read_e57, read_las
 from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply

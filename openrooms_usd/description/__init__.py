@@ -2,7 +2,7 @@
 
 - `scalars`, `reading`: YAML with places; `units`, `moments`: single values;
 - `model`, `room`: the models, by section `layout`, `trim`,
-  `polygon`, `captured`, `scanned`, `generate`,
+  `polygon`, `scanned`, `generate`,
   `alignment`, `materials`, `lights`, `cameras`, `physics`;
 - `dataset`: the model of dataset.yaml, and its `sensor`;
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what

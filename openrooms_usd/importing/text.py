@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel
-from openrooms_usd.description.captured import CAPTURES
+from openrooms_usd.description.scanned import CAPTURES
 
 if TYPE_CHECKING:
     import numpy as np

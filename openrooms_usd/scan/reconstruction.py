@@ -16,7 +16,7 @@ from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.openings.detection import DOUBTFUL, LIKELY, find_openings
 from openrooms_usd.scan.placement.correcting import moved_by, place
-from openrooms_usd.scan.placement.leavingout import LeftOut
+from openrooms_usd.scan.placement.fitting import LeftOut
 from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import surfels

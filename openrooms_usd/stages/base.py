@@ -13,8 +13,8 @@ import numpy as np
 
 from openrooms_usd import adapters, names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
+from openrooms_usd.description.scanned import CapturedSection
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent

@@ -62,7 +62,6 @@ RANKS = (
         "removal",
         "scan",
         "sourcetext",
-        "threads",
         "unfinished",
         "usercache",
         "unpickling",

@@ -9,7 +9,7 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.occupancy import free_along_rays
+from openrooms_usd.scan.rooms.spaces import free_along_rays
 from tests.scan.scanned_rooms import RoomScan, corner_error, motion
 
 RECTANGLE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

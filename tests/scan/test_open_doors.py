@@ -8,8 +8,7 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.layout import find_layout, open_leaves
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.occupancy import PIXEL_M, at_sensor_height, free_space
-from openrooms_usd.scan.rooms.spaces import _markers, _rooms
+from openrooms_usd.scan.rooms.spaces import PIXEL_M, _markers, _rooms, at_sensor_height, free_space
 from tests.scan.scanned_rooms import DOOR, RoomScan, corner_error
 
 SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

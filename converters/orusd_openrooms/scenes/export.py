@@ -22,8 +22,8 @@ from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera, list_cameras, read_camera
 from orusd_openrooms.cameras import layout_transforms, pose, write_cameras, write_intrinsics
 from orusd_openrooms.images import write_rgbe
+from orusd_openrooms.lights import ELSEWHERE, Light, light_of
 from orusd_openrooms.pickles import write_pickled
-from orusd_openrooms.records import ELSEWHERE, Light, light_of
 from orusd_openrooms.scenes.layoutfiles import floor_of, layout_losses, write_layout
 from orusd_openrooms.scenes.lightboxes import FORM, light_files, panorama
 from orusd_openrooms.scenes.materials import Materials, losses

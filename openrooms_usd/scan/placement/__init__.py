@@ -5,6 +5,6 @@
 - `arrangement`: the poses so far; `settling`: tilt, supports, yaw along walls, and what is still
   wrong;
 - `spreading`: penetrations resolved by a quadratic program;
-- `fitting`: what has no room is shortened; `leavingout`: without which objects nothing is wrong;
-  `correcting`: all, and what floats is lowered.
+- `fitting`: what has no room is shortened, or left out;
+- `correcting`: all, and what floats is lowered.
 """

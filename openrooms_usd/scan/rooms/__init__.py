@@ -8,7 +8,7 @@ In the order of the work:
 - `ceilings`: their heights and slopes, and where they are lower;
 - `faces`: soffits and wardrobes, which are no walls;
 - `walls`, `candidates`: surfels of walls, and line hypotheses for them and for missed walls;
-- `occupancy`, `spaces`: occupancy and free space of the plan, what of it ceilings cover, and a
+- `spaces`: occupancy and free space of the plan, what of it ceilings cover, and a
   watershed into rooms;
 - `cells`, `outline`: minimum cut of a line arrangement, simplification by cost;
 - `roomoutline`: one room with its piers, by robust line fits; `layout`: all of them, without the

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.surfels import Surfels
-from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import Outline
-from openrooms_usd.scan.rooms.spaces import Spaces
+from openrooms_usd.scan.rooms.spaces import PIXEL_M, Spaces
 from openrooms_usd.scan.rooms.walls import (
     COLUMN_M,
     FACES_ACROSS_COS,

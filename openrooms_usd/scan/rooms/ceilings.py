@@ -6,8 +6,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.arrays import Array, Mask
-from openrooms_usd.scan.points.planes import fit_plane
-from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
+from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, fit_plane
 
 _MIN_CEILING_M: Final = 1.9
 # Least vertical components of normals: of level surfaces, and of slopes.

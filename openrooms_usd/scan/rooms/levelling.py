@@ -19,8 +19,7 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.errors import SparseScanError
 from openrooms_usd.geometry.rotations import about_z, inverse, pose
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.planes import Plane, fit_plane
-from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
+from openrooms_usd.scan.points.surfels import VOXEL_M, Plane, Surfels, fit_plane, surfels
 from openrooms_usd.scan.rooms.ceilings import ceiling_height
 from openrooms_usd.scan.rooms.directions import wall_directions
 

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from openrooms_usd.arrays import Array
 from openrooms_usd.scan.rooms.cells import Cells, inside_by_cut
 from openrooms_usd.scan.rooms.directions import unseen_wall_cost
-from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
-from openrooms_usd.scan.rooms.spaces import Spaces
+from openrooms_usd.scan.rooms.spaces import PIXEL_M, Spaces
 from openrooms_usd.scan.rooms.walls import FACES_ACROSS_COS, Line, Walls, line_fit, profile
 
 # Gain of a square metre inside that belongs to another room, or that was not scanned, in metres of

@@ -19,8 +19,7 @@ from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.boxes import boxes_of
 from openrooms_usd.scan.segmentation.byshape import ShapeSegmenter
 from openrooms_usd.scan.segmentation.contract import Segmenter, Segments, checked
-from openrooms_usd.scan.segmentation.labelled import SHELL_CLASSES, things_of
-from openrooms_usd.scan.segmentation.naming import UNNAMED
+from openrooms_usd.scan.segmentation.naming import SHELL_CLASSES, UNNAMED, things_of
 from openrooms_usd.stages.alignment.captured import UNKNOWN
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.instances import told_left_out
