@@ -10,6 +10,7 @@ from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation, Vt
 from openrooms_usd import names
 from openrooms_usd.edits.orphans import find_orphans
 from openrooms_usd.usd.files.diagnostics import UNREADABLE, plain, reason
+from openrooms_usd.usd.files.layers import prim_specs
 from openrooms_usd.usd.places.metrics import find_misfits
 from openrooms_usd.validation.model import (
     Complaint,
@@ -184,7 +185,7 @@ def one_definer(subject: Subject) -> Iterator[Complaint]:
     """A prim is defined by one layer; the others only write over it."""
     definer: dict[Sdf.Path, Sdf.Layer] = {}
     for layer in subject.stack:
-        for spec in subject.specs(layer):
+        for spec in prim_specs(layer):
             if spec.specifier == Sdf.SpecifierOver:
                 continue
             first = definer.setdefault(spec.path, layer)
@@ -198,7 +199,7 @@ def one_definer(subject: Subject) -> Iterator[Complaint]:
 def nothing_below_instances(subject: Subject) -> Iterator[Complaint]:
     """No layer writes below an instance, where USD drops it without a word."""
     for layer in subject.stack:
-        for spec in subject.specs(layer):
+        for spec in prim_specs(layer):
             parent = subject.stage.GetPrimAtPath(spec.path.GetParentPath())
             if parent and parent.IsInstance() and not parent.IsInstanceProxy():
                 yield str(spec.path), f"{subject.name(layer)} writes below an instance: it is lost"

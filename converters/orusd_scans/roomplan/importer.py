@@ -7,7 +7,7 @@ down, however far from the origin the source is.
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Final, Literal
@@ -23,30 +23,13 @@ from orusd_scans.floorplan import from_lower_left, heading, tidied
 from orusd_scans.roomplan.inner import InnerWalls, inner_walls
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, placed, rectangle
+from orusd_scans.worldframe import WorldFrame
 
 # Columns: our right, back and up in RoomPlan's object axes, which are right, up and front.
 _BOX_AXES: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # Openings nearer to each other than this part of their width are duplicates.
 _SAME_OPENING_SHARE: Final = 0.25
 _CONFIDENCE: Final = {"high": 2, "medium": 1, "low": 0, None: -1}
-
-
-@dataclass(frozen=True, eq=False)
-class _Frame:
-    """The rigid motion from the source's frame to the world: world = rotation (source - origin)."""
-
-    rotation: Array
-    origin: Array
-
-    def points(self, source: Array) -> Array:
-        """Points (..., 3); the origin is subtracted first, in double precision."""
-        return np.asarray((source - self.origin) @ self.rotation.T)
-
-    def source_from_world(self) -> Array:
-        """(4, 4) the inverse transform, for column vectors."""
-        M = np.eye(4)
-        M[:3, :3], M[:3, 3] = self.rotation.T, self.origin
-        return M
 
 
 class RoomPlanImporter:
@@ -115,19 +98,19 @@ def _rooms(source: Path, notes: list[str]) -> list[CapturedRoom]:
     return [read_usdz(source, notes)]
 
 
-def _frame(room: CapturedRoom, outline: Array | None) -> _Frame:
+def _frame(room: CapturedRoom, outline: Array | None) -> WorldFrame:
     if outline is None:
         centers = [record.center for record in (*room.walls, *room.objects)]
-        return _Frame(Z_UP, np.mean(centers, axis=0) if centers else np.zeros(3))
+        return WorldFrame(Z_UP, np.mean(centers, axis=0) if centers else np.zeros(3))
     plan = (outline - outline[0]) @ Z_UP.T
     angle = heading(plan[:, :2])
     rotation = about_z(angle) @ Z_UP
     turned = (outline - outline[0]) @ rotation.T
     corner = np.array([*turned[:, :2].min(axis=0), np.median(turned[:, 2])])
-    return _Frame(rotation, outline[0] + corner @ rotation)
+    return WorldFrame(rotation, outline[0] + corner @ rotation)
 
 
-def _height(room: CapturedRoom, frame: _Frame) -> float | None:
+def _height(room: CapturedRoom, frame: WorldFrame) -> float | None:
     """The ceiling's height: the median of the walls' tops, weighted by their lengths."""
     walls = [wall for wall in room.walls if wall.size[0] > 0.0 and wall.size[1] > 0.0]
     if not walls:
@@ -139,7 +122,7 @@ def _height(room: CapturedRoom, frame: _Frame) -> float | None:
 
 
 def _opening(
-    record: Record, kind: Literal["window", "door", "opening"], frame: _Frame
+    record: Record, kind: Literal["window", "door", "opening"], frame: WorldFrame
 ) -> CapturedOpening:
     direction = frame.rotation @ record.source_from_local[:3, 0]
     level = np.array([direction[0], direction[1], 0.0])
@@ -188,7 +171,7 @@ def _is_same(a: CapturedOpening, b: CapturedOpening) -> bool:
     return near and abs(float(a.direction @ b.direction)) > 0.95
 
 
-def _box(record: Record, frame: _Frame) -> CapturedBox:
+def _box(record: Record, frame: WorldFrame) -> CapturedBox:
     # The source's rotations are rounded to single precision: take the nearest exact one.
     left, _, right = np.linalg.svd(frame.rotation @ record.source_from_local[:3, :3] @ _BOX_AXES)
     width, height, depth = record.size
