@@ -7,9 +7,8 @@ import pytest
 
 from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.records import SCENE
-from openrooms_usd.dataset.status import status_of
+from openrooms_usd.dataset.status import CHANGED, EXTRA, MISSING, Damage, status_of, verify
 from openrooms_usd.dataset.store import Store, write_json
-from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.errors import InputError
 
 JOB = Job(PlannedRoom("room_a", 0, {"file": "a.yaml", "sha256": "0"}, "train"), "main", 4, "k", (0, 1, 2))  # fmt: skip # noqa: E501

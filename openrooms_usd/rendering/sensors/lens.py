@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.description.sensor import Distortion
+from openrooms_usd.description.dataset import Distortion
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.float32]

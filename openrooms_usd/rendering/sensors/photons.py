@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.description.sensor import Noise
+from openrooms_usd.description.dataset import Noise
 
 Pixels = NDArray[np.float32]
 

@@ -12,9 +12,8 @@ from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.mass import MassProperties, combined
 from openrooms_usd.stages.physics.ahead import Search
-from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.cache import cached_shapes
-from openrooms_usd.stages.physics.parts import RigidLink, Solid
+from openrooms_usd.stages.physics.parts import RigidAsset, RigidLink, Solid
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,9 +30,15 @@ from openrooms_usd.physics.collision_error import RESOLUTION_M
 from openrooms_usd.progress import mapped
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.looks import VARIANT_SET
-from openrooms_usd.stages.physics.assets import ColliderSettings, RigidAsset
 from openrooms_usd.stages.physics.colliders import AssetColliders, LinkColliders, colliders_of
-from openrooms_usd.stages.physics.parts import Solid, Substance, looks_of, read_links
+from openrooms_usd.stages.physics.parts import (
+    ColliderSettings,
+    RigidAsset,
+    Solid,
+    Substance,
+    looks_of,
+    read_links,
+)
 from openrooms_usd.usd.bodies import (
     Motion,
     author_articulation,

@@ -28,7 +28,6 @@ from openrooms_usd.physics.panels import panel_pieces, slab_hull
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.appearance import texels
 from openrooms_usd.stages.physics.ahead import search_ahead
-from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.cache import cached_shapes
 from openrooms_usd.stages.physics.colliders import (
     AssetColliders,
@@ -37,7 +36,7 @@ from openrooms_usd.stages.physics.colliders import (
     searches_of,
 )
 from openrooms_usd.stages.physics.objects import Objects, author_physics, search_colliders
-from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
+from openrooms_usd.stages.physics.parts import RigidAsset, RigidLink, Solid, Substance
 from openrooms_usd.usd.bodies import define_scene
 from openrooms_usd.usd.files.layers import apply_metadata, export, split_arrays
 from openrooms_usd.usd.semantics import read_label
