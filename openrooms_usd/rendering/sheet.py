@@ -7,7 +7,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd import atomic
-from openrooms_usd.imagefile import lettered, stamp, write_png
+from openrooms_usd.imagefile import write_png
+from openrooms_usd.lettering import lettered, stamp
 from openrooms_usd.rendering.previews import Bytes, Preview
 
 MAIN: Final = (

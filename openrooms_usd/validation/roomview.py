@@ -13,8 +13,9 @@ from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.placement.bodies import Body, solid
-from openrooms_usd.usd.light.emitters import DistantLight, DomeLight, read_lights
+from openrooms_usd.usd.light.emitters import DistantLight, DomeLight
 from openrooms_usd.usd.light.lights import read_portals
+from openrooms_usd.usd.light.lightsearch import read_lights
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.places.placements import StandingWall, read_partitions
 from openrooms_usd.usd.semantics import read_label

@@ -5,7 +5,7 @@ import string
 import numpy as np
 import pytest
 
-from openrooms_usd.imagefile import lettered, stamp
+from openrooms_usd.lettering import lettered, stamp
 
 
 def test_letters_differ_from_each_other() -> None:

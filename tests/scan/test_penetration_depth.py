@@ -124,6 +124,6 @@ def test_random_furniture_agrees_with_fcl() -> None:
 
 
 def _body(item) -> Body:
-    from openrooms_usd.scan.placement.bodies import arranged
+    from openrooms_usd.scan.placement.arrangement import arranged
 
     return arranged([item], MODELS, []).bodies[0]

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.scan.placement.bodies import Body, arranged, solid
+from openrooms_usd.scan.placement.arrangement import arranged
+from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.scan.placement.enclosure import Enclosure
 from openrooms_usd.scan.placement.spreading import Condition, least_motion
 from openrooms_usd.scan.placement.support import rest

@@ -9,7 +9,7 @@ from openrooms_usd import names
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.scene.arrays import Environment
 from openrooms_usd.rendering.scene.pictures import Array, Picture, Value
-from openrooms_usd.usd.light.emitters import is_light
+from openrooms_usd.usd.light.lightsearch import is_light
 
 BRIGHTEST_FROM: Final[Array] = unit(np.array([-0.35, -0.5, 0.8]))
 """(3,) where the default light comes from, in the world: above, from the front left."""

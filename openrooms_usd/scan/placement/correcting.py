@@ -16,7 +16,7 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement import settling
-from openrooms_usd.scan.placement.bodies import Arrangement, arranged, posed, rotation_of
+from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
 from openrooms_usd.scan.placement.fitting import MAX_GAP_M, LeftOut, fit, left_out
 from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest

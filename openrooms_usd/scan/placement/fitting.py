@@ -13,7 +13,8 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.scan.models.cad import CadModel
-from openrooms_usd.scan.placement.bodies import Arrangement, Body, posed, rotation_of
+from openrooms_usd.scan.placement.arrangement import Arrangement, posed, rotation_of
+from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.enclosure import LOST_M
 from openrooms_usd.scan.placement.penetration import FINE_LINES, exits, penetration
 from openrooms_usd.scan.placement.settling import Unresolved

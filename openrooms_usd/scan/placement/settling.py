@@ -9,7 +9,8 @@ import numpy as np
 from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.words import category_of, plain
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.scan.placement.bodies import Arrangement, Body
+from openrooms_usd.scan.placement.arrangement import Arrangement
+from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.enclosure import Enclosure
 from openrooms_usd.scan.placement.penetration import FINE_LINES, near
 from openrooms_usd.scan.placement.support import (
@@ -59,7 +60,7 @@ def _righted(state: Arrangement, row: int) -> tuple[Array, float]:
     """The least rotation (3, 3) that turns an object's nearly vertical axis up, and its degrees."""
     from scipy.spatial.transform import Rotation
 
-    from openrooms_usd.scan.placement.bodies import rotation_of
+    from openrooms_usd.scan.placement.arrangement import rotation_of
 
     axes = rotation_of(state.objects[row].pose)
     column = int(np.argmax(np.abs(axes[2])))

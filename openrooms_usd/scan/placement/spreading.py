@@ -15,7 +15,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from openrooms_usd.arrays import Array
-from openrooms_usd.scan.placement.bodies import Arrangement, Body
+from openrooms_usd.scan.placement.arrangement import Arrangement
+from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.penetration import (
     COARSE_LINES,
     FINE_LINES,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import atomic, imagefile
 from openrooms_usd.arrays import Array
-from openrooms_usd.imagefile import Ink, lettered, stamp
+from openrooms_usd.lettering import Ink, lettered, stamp
 
 Pixels = NDArray[np.uint8]
 Color = tuple[int, int, int]

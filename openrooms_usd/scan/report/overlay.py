@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.arrays import Array
-from openrooms_usd.imagefile import lettered, stamp
+from openrooms_usd.lettering import lettered, stamp
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.report.canvas import (
     PAPER,

@@ -19,8 +19,8 @@ from openrooms_usd.usd.light.emitters import (
     RectLight,
     SphereLight,
     UnknownLight,
-    read_lights,
 )
+from openrooms_usd.usd.light.lightsearch import read_lights
 from openrooms_usd.usd.places.frames import (
     TIME,
     author_matrix,
