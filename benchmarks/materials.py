@@ -20,12 +20,10 @@ from typing import Any, Final
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.report import publish, table
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.shading.surfaces import ior_of
-
-Array = NDArray[np.float64]
 
 ROUGHNESSES: Final = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0)
 # Cosines of the view: along the normal, and grazing.

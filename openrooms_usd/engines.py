@@ -10,12 +10,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from openrooms_usd.arrays import Array
 from openrooms_usd.physics.world import World
 
-Array = NDArray[np.float64]
 Friction = Literal["static", "dynamic"]
 """Which of a surface's two coefficients an engine that has one of them uses."""
 

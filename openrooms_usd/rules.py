@@ -14,70 +14,70 @@ from pxr import Usd
 
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.files.diagnostics import quiet, reading
-from openrooms_usd.validation import layer_rules, physics_rules, prim_rules
-from openrooms_usd.validation.core import core_findings
+from openrooms_usd.validation import stage_rules
 from openrooms_usd.validation.model import Finding, Rule, Severity, Subject
 from openrooms_usd.validation.physx_rules import PHYSX_RULES
 from openrooms_usd.validation.room_rules import ROOM_RULES
+from openrooms_usd.validation.stage_rules import core_findings
 
 RULES: Final = (
     Rule(
         "equal-metadata",
-        layer_rules.equal_metadata,
+        stage_rules.equal_metadata,
         "give every layer the root layer's metadata: USD converts nothing between layers",
     ),
     Rule(
         "absolute-path",
-        layer_rules.absolute_paths,
+        stage_rules.absolute_paths,
         "write the path relative to the layer, starting with ./ or ../",
     ),
     Rule(
         "unanchored-path",
-        layer_rules.unanchored_paths,
+        stage_rules.unanchored_paths,
         "start the path with ./ or ../, so that it does not depend on search paths",
     ),
-    Rule("one-definer", layer_rules.one_definer, "keep one def and make the others over"),
+    Rule("one-definer", stage_rules.one_definer, "keep one def and make the others over"),
     Rule(
         "below-instance",
-        layer_rules.nothing_below_instances,
+        stage_rules.nothing_below_instances,
         "write on the instance's root, choose a variant there, or set instanceable = false",
     ),
     Rule(
         "orphan",
-        layer_rules.no_orphans,
+        stage_rules.no_orphans,
         "rename it to where the prim is now, or remove it",
         advice=True,
     ),
     Rule(
         "units",
-        layer_rules.referenced_units,
+        stage_rules.referenced_units,
         "USD converts no units: orusd edits fit OUT writes the operations that are missing; give a "
         "file that does not say its units metersPerUnit and upAxis first",
         advice=True,
     ),
-    Rule("extent", prim_rules.extents, "author extent from the points"),
+    Rule("extent", stage_rules.extents, "author extent from the points"),
     Rule(
         "subdivision-scheme",
-        prim_rules.subdivision_schemes,
+        stage_rules.subdivision_schemes,
         'author uniform token subdivisionScheme = "none" for a polygonal mesh',
     ),
-    Rule("material", prim_rules.materials, "bind a material to it or to a prim above it"),
-    Rule("label", prim_rules.labels, "apply SemanticsLabelsAPI:category to it or above it"),
-    Rule("kind", prim_rules.kinds, "give the prims above a component the kind group or assembly"),
-    Rule("component", prim_rules.components, "publish it with a class and an extentsHint"),
+    Rule("material", stage_rules.materials, "bind a material to it or to a prim above it"),
+    Rule("label", stage_rules.labels, "apply SemanticsLabelsAPI:category to it or above it"),
+    Rule("kind", stage_rules.kinds, "give the prims above a component the kind group or assembly"),
+    Rule("component", stage_rules.components, "publish it with a class and an extentsHint"),
     Rule(
         "nested-body",
-        physics_rules.nested_bodies,
+        stage_rules.nested_bodies,
         "put the bodies beside each other and join them: the standard knows no body in a body",
     ),
     Rule(
         "articulation",
-        physics_rules.articulations,
+        stage_rules.articulations,
         "apply PhysicsArticulationRootAPI to the body that carries the others",
     ),
     *PHYSX_RULES,
     *(Rule(rule.code, rule.check, rule.remedy, advice=True) for rule in ROOM_RULES),
-    Rule("contract", prim_rules.contract, "keep to the names in openrooms_usd/names.py"),
+    Rule("contract", stage_rules.contract, "keep to the names in openrooms_usd/names.py"),
 )
 
 

@@ -1,10 +1,9 @@
 """How soon light is right: ``python -m benchmarks.light``.
 
-One module a section (`section`): `pictures`, `grids`, `fits`, `channels`, `complete`,
-`hard_rooms`, and `honesty` of estimated errors.
+The sections are in `pictures` (with the cost of the rays alone), `grids` (and what fits leave of
+them), `complete`, and `honesty` (all channels and their estimated errors, also in the rooms of
+`hard`, which are hard to light).
 
-`hard` builds the rooms that are hard to light, `rooms` all rooms, opened for our integrators,
-`sessions` opens them as anybody would; `references` keeps what is true of them, `bias` says how far
-a picture is from that; `casting` is the cost of the rays alone, `processes` runs commands,
-`targets` is what shall be reached.
+`rooms` opens all rooms for our integrators, `sessions` as anybody would, with what is true of them
+and what shall be reached; `bias` says how far a picture is from that.
 """

@@ -32,16 +32,11 @@ from typing import Final
 
 import click
 
-from benchmarks.light.channels import channels
 from benchmarks.light.complete import complete, view
-from benchmarks.light.fits import fits
-from benchmarks.light.grids import grids
-from benchmarks.light.hard_rooms import hard
-from benchmarks.light.honesty import honesty
-from benchmarks.light.pictures import pictures
-from benchmarks.light.references import References
-from benchmarks.light.section import Measure, Section, Setting
-from benchmarks.light.targets import listed
+from benchmarks.light.grids import fits, grids
+from benchmarks.light.honesty import channels, hard, honesty
+from benchmarks.light.pictures import Measure, Section, Setting, pictures
+from benchmarks.light.sessions import References, listed
 from benchmarks.report import publish
 
 SECTIONS: Final[dict[str, Measure]] = {

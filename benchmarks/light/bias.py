@@ -6,10 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.rendering.estimates import robust_error
 
-Array = NDArray[np.float64]
 Pair = tuple[NDArray[Any], NDArray[Any]]
 
 _WORST_SHARE: Final = 0.1

@@ -4,19 +4,20 @@ Errors are measured on a coarse grid; seconds are those of the full one: of the 
 seconds grow with its paths, extrapolated from the coarse one.
 """
 
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.light import casting
+from benchmarks.light import pictures
 from benchmarks.light.bias import Pair, bias_of, mse_of, robust_of
-from benchmarks.light.pictures import truth_of
+from benchmarks.light.pictures import Section, Setting, section, truth_of
 from benchmarks.light.rooms import ROOMS, Room
-from benchmarks.light.section import Section, Setting, section
-from benchmarks.light.sessions import Cost, OpenedRoom, methods_of
-from benchmarks.light.targets import Target
+from benchmarks.light.sessions import Cost, OpenedRoom, Target, methods_of
 from openrooms_usd.description.rendering import DEFAULT_GRID, REFERENCE
+from openrooms_usd.geometry import spherical_gaussians
+from openrooms_usd.geometry.hemisphere import untiled
 
 _ASKED: Final = ("environment", "environment_direct")
 _ROOMS: Final = ("bedroom", "living room", "plain")
@@ -40,7 +41,7 @@ def grids(setting: Setting) -> Section:
     for name in setting.chosen(_ROOMS):
         room = Room(ROOMS[name].build(setting.folder), 64, 48)
         truth = truth_of(setting, room, _ASKED, many * _PIXEL_SAMPLES, grid=coarse)
-        alone = casting.hemispheres(room, full)[1]
+        alone = pictures.hemispheres(room, full)[1]
         paper: float | None = None
         for method in methods_of(room):
             reference = method == REFERENCE
@@ -110,3 +111,50 @@ def _errors(
     pair = found[0]["environment"], found[1]["environment"]
     apart = bias_of(pair, truth["environment"], _TILE_CELLS)
     return errors | apart.columns
+
+
+# Spherical Gaussians of hemispheres: how soon they are fitted, and what they leave.
+#
+# Hemispheres are those of a coarse grid, one sample a cell; seconds are those of a full one.
+
+_GRID: Final = 40, 30
+# One sample of a cell for so many of a pixel.
+
+
+def fits(setting: Setting) -> Section:
+    """Seconds and errors of fits, by the method that the hemispheres are rendered by."""
+    rows: list[dict[str, Any]] = []
+    for name in setting.chosen(_ROOMS):
+        room = Room(ROOMS[name].build(setting.folder), 64, 48)
+        for method in methods_of(room):
+            grid = (4, 3) if setting.quick else _GRID
+            shot = OpenedRoom(room, method).shot(("environment",), _PIXEL_SAMPLES, grid=grid)
+            light = untiled(shot.pixels["environment"])
+            light = light[light.any(axis=(2, 3, 4))]
+            began = time.process_time()
+            lobes = spherical_gaussians.fit(light)
+            each = (time.process_time() - began) / len(light)
+            error = np.sort(spherical_gaussians.error(light, lobes))
+            worst = error[-(len(error) + 9) // 10 :]
+            rows.append(
+                {
+                    "room": name,
+                    "method": method,
+                    "hemispheres": len(light),
+                    "s of a full grid": each * DEFAULT_GRID[0] * DEFAULT_GRID[1],
+                    "error: mean": float(error.mean()),
+                    "median": float(np.median(error)),
+                    "worst tenth": float(worst.mean()),
+                }
+            )
+    return section(
+        rows,
+        [
+            Target(
+                f"fits of a full grid, {row['room']}, {row['method']}, s",
+                40.0,
+                row["s of a full grid"],
+            )
+            for row in rows
+        ],
+    )

@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,16 +10,66 @@ from typing import Any, Final
 from unittest.mock import patch
 
 import numpy as np
+from numpy.typing import NDArray
 
-from benchmarks.light.references import Images
 from benchmarks.light.rooms import Room
+from benchmarks.report import table
 from openrooms_usd import adapters
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
 from openrooms_usd.rendering import Image, RenderRequest
 from openrooms_usd.rendering.channel_plan import ChannelPlan
 from openrooms_usd.rendering.context import RenderContext
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.digest import light_digest
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usercache import VARIABLE
+
+# What is true of a room's light: pictures of many samples, kept on disk and so made once.
+#
+# Each is a pair of independent halves, so that their own noise is known and can be taken out of
+# what is measured against them.
+
+Images = dict[str, NDArray[np.float32]]
+"""By the name of the channel."""
+_KEY_DIGITS: Final = 24
+
+
+@dataclass(frozen=True)
+class References:
+    """References of rooms in a folder.
+
+    Attributes:
+        folder: Where they are kept.
+    """
+
+    folder: Path
+
+    def pair(
+        self, scene: Scene, what: Mapping[str, Any], make: Callable[[int], Mapping[str, Any]]
+    ) -> tuple[Images, Images]:
+        """Two independent halves of a reference.
+
+        Args:
+            scene: What is seen; a reference of a scene that has changed is made anew.
+            what: What is asked for, by name.
+            make: Given 0 or 1, gives the pictures of that half by channel.
+        """
+        return self._half(scene, what, make, 0), self._half(scene, what, make, 1)
+
+    def _half(
+        self,
+        scene: Scene,
+        what: Mapping[str, Any],
+        make: Callable[[int], Mapping[str, Any]],
+        half: int,
+    ) -> Images:
+        path = self.folder / f"{light_digest(scene, {**what, 'half': half})[:_KEY_DIGITS]}.npz"
+        if not path.is_file():
+            self.folder.mkdir(parents=True, exist_ok=True)
+            np.savez(path, **make(half))
+        with np.load(path, allow_pickle=False) as found:
+            return {name: found[name] for name in found.files}
+
 
 # Degrees from one view of a room to the next.
 _TURN_DEG: Final = 18.0
@@ -145,3 +195,46 @@ def turned(camera: PinholeCamera, degrees: float) -> PinholeCamera:
     pose = camera.world_from_camera.copy()
     pose[:3, :3] = turn @ pose[:3, :3]
     return replace(camera, world_from_camera=pose)
+
+
+# What light shall reach, beside what it has reached.
+
+
+@dataclass(frozen=True)
+class Target:
+    """A number that shall be reached.
+
+    Attributes:
+        what: It is, with its unit.
+        limit: The number.
+        found: What it is; None where nothing that was measured reaches what it is asked of.
+        at_least: Whether it shall be at least the limit; else at most, whatever its sign.
+    """
+
+    what: str
+    limit: float
+    found: float | None
+    at_least: bool = False
+
+    @property
+    def met(self) -> bool:
+        """Whether it is reached."""
+        if self.found is None:
+            return False
+        return self.found >= self.limit if self.at_least else abs(self.found) <= self.limit
+
+
+def listed(targets: Sequence[Target]) -> str:
+    """Targets as a table."""
+    return table(
+        ("target", "limit", "found", "met"),
+        [
+            (
+                target.what,
+                f"{'>=' if target.at_least else '<='} {target.limit:g}",
+                target.found,
+                "yes" if target.met else "no",
+            )
+            for target in targets
+        ],
+    )

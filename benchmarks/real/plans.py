@@ -6,12 +6,9 @@ from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.real.truth import Frame, Hole, TrueRoom, Truth
 from benchmarks.scan.scores import NOTHING, Counts, iou, matched
-
-Array = NDArray[np.float64]
 
 # A corner counts as found within this distance, metres.
 CORNER: Final = 0.20

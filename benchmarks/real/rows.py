@@ -6,14 +6,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from benchmarks.real.bodies import BodyScore, body_score
+from benchmarks.real.bodies import BodyScore, ExportScore, body_score, export_score
 from benchmarks.real.captures import Capture, Run
-from benchmarks.real.exports import ExportScore, export_score
 from benchmarks.real.plans import OpeningScore, PlanScore, missed, plan_score
-from benchmarks.real.running import Outcome
+from benchmarks.real.running import ON_ITS_SIDE, Outcome
 from benchmarks.real.things import ThingScore, thing_score, things_of
 from benchmarks.real.truth import Frame
-from benchmarks.real.variants import ON_ITS_SIDE
 from benchmarks.scan.scores import Counts
 
 # An axis is right below the first, and nonsense above the second; degrees.

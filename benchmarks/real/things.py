@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.real.truth import Truth
-
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # A size is right within these factors, or within so many metres.
 SIZE: Final = (0.6, 1.6, 0.05)

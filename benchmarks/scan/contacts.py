@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.scan.scores import to_plan
 from benchmarks.scan.truth import Cad, moved, pose_matrix
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.scan.results import FoundObject, FoundRoom
-
-Array = NDArray[np.float64]
 
 # Motions that are tried, metres; what none of them frees counts as twice the last.
 LADDER: Final = (0.0005, 0.001, 0.002, 0.003, 0.005, 0.0075, 0.01, 0.02, 0.03, 0.05, 0.1)

@@ -4,13 +4,10 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.scan.rooms import Part
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.scan.points.cloud import Cloud
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Bits of a cell's number along an axis, and of a part's.
 _AXIS, _PART = 16, 14

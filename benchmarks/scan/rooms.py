@@ -3,24 +3,22 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
-from benchmarks.scan.symmetry import symmetry_of
 from benchmarks.scan.truth import Cad, Truth, moved, pose_of
 from benchmarks.scenes import orusd
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.polygons import counter_clockwise
+from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.scan.results import FoundObject, FoundOpening, FoundRoom
 from openrooms_usd.usd.places.frames import local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label, read_number
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes, world_triangles
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 OPAQUE, GLASS, MIRROR = range(3)
 # Holes whose lower edge is higher than this are windows, metres.
@@ -184,3 +182,58 @@ def _cad(prim: Usd.Prim, category: str, vertices: Array, faces: Ints) -> Cad:
     items = references.GetAddedOrExplicitItems() if references else []
     file = Path(items[0].assetPath).stem if items else prim.GetName()
     return Cad(file, category, vertices, faces, symmetry_of(vertices, faces))
+
+
+# Which turns about the vertical a model does not notice.
+
+Symmetry = Literal["none", "2", "4", "inf"]
+
+# A turned model counts as the same where all but this part of its surface moves by less than
+# this, metres: below what depth cameras tell apart.
+SHARE: Final = 0.005
+DISTANCE: Final = 0.015
+SAMPLES: Final = 40_000
+TURNED: Final = 4000
+# The turns that each symmetry allows, degrees; the odd ones stand for all angles.
+TURNS: Final[tuple[tuple[Symmetry, tuple[int, ...]], ...]] = (
+    ("inf", (37, 90, 143)),
+    ("4", (90, 180)),
+    ("2", (180,)),
+)
+
+
+def symmetry_of(vertices: Array, faces: NDArray[np.int64]) -> Symmetry:
+    """The symmetry about the vertical through the origin.
+
+    Args:
+        vertices: (V, 3) Z up, metres.
+        faces: (F, 3) rows of ``vertices``.
+    """
+    from scipy.spatial import cKDTree
+
+    samples = surface_samples(vertices, faces, SAMPLES, np.random.default_rng(0))
+    surface, some = cKDTree(samples), samples[:TURNED]
+    for name, angles in TURNS:
+        if all(
+            np.quantile(surface.query(turned(some, a))[0], 1 - SHARE) < DISTANCE for a in angles
+        ):
+            return name
+    return "none"
+
+
+def turned(points: Array, degrees: float) -> Array:
+    """(N, 3) points after a turn about the vertical."""
+    return np.asarray(points @ about_z(-np.radians(degrees)))
+
+
+def surface_samples(
+    vertices: Array, faces: NDArray[np.int64], count: int, random: np.random.Generator
+) -> Array:
+    """(count, 3) points that are uniform on a surface."""
+    a, b, c = np.moveaxis(vertices[faces], 1, 0)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    chosen = random.choice(len(faces), count, p=areas / areas.sum())
+    u, v = random.random((2, count, 1))
+    outside = u + v > 1
+    u, v = np.where(outside, 1 - u, u), np.where(outside, 1 - v, v)
+    return np.asarray(a[chosen] + u * (b - a)[chosen] + v * (c - a)[chosen])

@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from benchmarks.scan.corridors import with_corridors
-from benchmarks.scan.depth import Scanner, returns, take
+from benchmarks.scan.depth import Scanner, returns, spoiled, take
 from benchmarks.scan.fusion import Fused, fuse
-from benchmarks.scan.labels import spoiled
-from benchmarks.scan.path import walk
+from benchmarks.scan.path import walk, with_corridors
 from benchmarks.scan.rooms import SimulatedRoom, read_room
 from benchmarks.scan.truth import Truth
+from openrooms_usd.arrays import Array
 from openrooms_usd.draws import generator
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import pose
@@ -26,7 +24,6 @@ from openrooms_usd.scan.points.fusion import DepthFrame
 
 __all__ = ["Scan", "Scanner", "simulate", "typical"]
 
-Array = NDArray[np.float64]
 
 # Drift is as large as declared after so many metres.
 WAY: Final = 8.0

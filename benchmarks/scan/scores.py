@@ -5,12 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # A floor is right within so many degrees and metres.
 FLOOR: Final = (0.2, 0.01)

@@ -6,8 +6,7 @@ from dataclasses import replace
 from statistics import mean
 from typing import Any, Protocol
 
-from benchmarks.scan.cases import Case
-from benchmarks.scan.methods import Reconstruction
+from benchmarks.scan.cases import Case, Reconstruction
 from benchmarks.scan.scores import NOTHING, LayoutScore, opening_counts, score_rooms, summary
 from openrooms_usd.errors import OrusdError
 from openrooms_usd.scan.results import FoundRoom

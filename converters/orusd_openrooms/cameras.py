@@ -5,11 +5,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # From our world, Z up, to theirs, Y up: a quarter turn around X.
 THEIRS_FROM_OURS: Final[Array] = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])

@@ -8,7 +8,7 @@ from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 from orusd_openrooms.layout import suffix_of
-from orusd_openrooms.records import Light, lights_of
+from orusd_openrooms.lights import Light, lights_of
 
 MOST_WINDOWS: Final = 3
 MOST_LAMPS: Final = 7

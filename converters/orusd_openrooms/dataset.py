@@ -23,8 +23,8 @@ from orusd_openrooms.crowding import CROWDED, too_many_of, without
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
 from orusd_openrooms.layout import SHARED, SHARED_INTRINSICS, SPLITS, SUBSETS, Place
+from orusd_openrooms.lights import lights_of
 from orusd_openrooms.pickles import write_pickled
-from orusd_openrooms.records import lights_of
 
 _RELEASED: Final = (640, 480)
 # Horizontal, degrees: IndoorLightEditing takes it for granted, InverseRenderingOfIndoorScene 57.

@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.errors import MissingPackageError, writing
-from orusd_openrooms import environments, images
-from orusd_openrooms.frame import COARSER, Frame, Pixels
+from orusd_openrooms import images
+from orusd_openrooms.frame import COARSER, Frame, Pixels, coarser, irradiance, stored, tiled
+from orusd_openrooms.images import write_rgbe
 from orusd_openrooms.layout import Place
 from orusd_openrooms.lightfiles import write_lights
-from orusd_openrooms.rgbe import write_rgbe
 
 
 def write_binary(path: Path, pixels: NDArray[Any], kind: Literal["<f4", "<i4"]) -> None:
@@ -76,8 +77,8 @@ def _write_labels(path: Path, frame: Frame) -> None:
 
 def _write_environment(path: Path, frame: Frame) -> None:
     assert frame.environment is not None
-    picture = environments.tiled(frame.environment)
-    write_rgbe(path, environments.stored(picture, frame.order))
+    picture = tiled(frame.environment)
+    write_rgbe(path, stored(picture, frame.order))
 
 
 def _write_direct_environment(path: Path, frame: Frame) -> None:
@@ -88,13 +89,13 @@ def _write_direct_environment(path: Path, frame: Frame) -> None:
     if grid.shape[0] % factor or grid.shape[1] % factor:
         frame.missing["imenvDirect"] = f"its grid of {grid.shape[1]}x{grid.shape[0]} is no multiple"
         return
-    picture = environments.tiled(environments.coarser(grid, factor))
-    write_rgbe(path, environments.stored(picture, frame.order))
+    picture = tiled(coarser(grid, factor))
+    write_rgbe(path, stored(picture, frame.order))
 
 
 def _write_shading(path: Path, frame: Frame) -> None:
     if frame.environment is not None:
-        write_rgbe(path, environments.irradiance(frame.environment))
+        write_rgbe(path, irradiance(frame.environment))
     else:
         write_rgbe(path, frame.coarse(frame.view.pixels["irradiance"]))
 
@@ -115,7 +116,7 @@ class _Made(NamedTuple):
     write: Callable[[Path, Frame], None]
 
 
-def _picture(channel: str, code: Callable[[Pixels], images.Bytes]) -> _Made:
+def _picture(channel: str, code: Callable[[Pixels], Bytes]) -> _Made:
     return _Made(
         (channel,), lambda path, frame: images.write_picture(path, code(frame.view.pixels[channel]))
     )

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.imagefile import write_png
 
 Pixels = NDArray[Any]
-Bytes = NDArray[np.uint8]
 
 # Loaders raise stored base colours to this power; the exact sRGB curve would be off by up to 0.01.
 GAMMA: Final = 2.2
@@ -60,3 +60,75 @@ def light_mask(valid: Pixels, emits: Pixels) -> Bytes:
         (height, width, 1) `SKY`, `LAMP` or `OBJECT`.
     """
     return np.where(valid > 0, np.where(emits > 0, LAMP, OBJECT), SKY).astype(np.uint8)
+
+
+# Radiance's RGBE pictures (.hdr, .rgbe): shared exponents, rounded rather than cut off.
+#
+# The format is Ward's ("Real Pixels", Graphics Gems II, 1991): three mantissas of 8 bits and one
+# exponent e with value = mantissa 2^(e - 136).
+
+HEADER: Final = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n"
+# The largest error of a component, as a part of the pixel's largest component: half a step of a
+# mantissa that is at least 128.
+ERROR: Final = 0.5 / 128
+# Readers take rows of other widths as written without packets.
+_WIDTHS: Final = (8, 0x7FFF)
+_EXPONENT_BIAS: Final = 136
+_LARGEST: Final = np.float32(1e38)
+_PACKET_BYTES: Final = 128  # bytes that one packet may hold as they are
+
+
+def encode(pixels: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Pixels as mantissas and exponents.
+
+    Rounding makes the mean of many pixels right, where cutting off loses half a step of each.
+
+    Args:
+        pixels: (..., 3), not negative; what is negative or no number becomes 0.
+
+    Returns:
+        (..., 4) bytes.
+    """
+    # Of a number and no number these take the number.
+    values = np.fmin(np.fmax(pixels, np.float32(0.0)), _LARGEST)
+    largest = np.maximum(np.maximum(values[..., 0], values[..., 1]), values[..., 2])
+    fraction, exponent = np.frexp(largest)
+    # Where rounding carries the largest mantissa to 256, the next exponent holds it.
+    exponent += fraction >= 255.5 / 256
+    # The least exponent is 1: 0 marks black.
+    seen = (largest > 0) & (exponent + _EXPONENT_BIAS - 8 >= 1)
+    code = np.empty((*largest.shape, 4), np.uint8)
+    code[..., :3] = np.rint(np.ldexp(values, (8 - exponent)[..., None])) * seen[..., None]
+    code[..., 3] = (exponent + _EXPONENT_BIAS - 8) * seen
+    return code
+
+
+def write_rgbe(path: Path, pixels: NDArray[np.float32]) -> None:
+    """Write a picture; the same bytes for the same pixels.
+
+    Args:
+        path: The file.
+        pixels: (height, width, 3), red first, top row first.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
+    height, width = pixels.shape[:2]
+    code = encode(pixels)
+    rows = _packed(code) if _WIDTHS[0] <= width <= _WIDTHS[1] else code
+    atomic.write_bytes(path, HEADER % (height, width) + rows.tobytes())
+
+
+def _packed(code: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Rows in packets that hold their bytes as they are: (height, bytes of a row).
+
+    Runs would save space in flat pictures alone; light is noisy.
+    """
+    height, width = code.shape[:2]
+    planes = code.transpose(0, 2, 1)
+    parts = [np.broadcast_to(np.array([2, 2, width >> 8, width & 255], np.uint8), (height, 4))]
+    for plane in range(4):
+        for start in range(0, width, _PACKET_BYTES):
+            piece = planes[:, plane, start : start + _PACKET_BYTES]
+            parts += [np.full((height, 1), piece.shape[1], np.uint8), piece]
+    return np.concatenate(parts, axis=1)

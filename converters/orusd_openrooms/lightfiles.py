@@ -8,23 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.errors import writing
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.rendering.reading import RenderedView
 from orusd_openrooms import images, lights
 from orusd_openrooms.frame import Frame, Pixels
+from orusd_openrooms.images import write_rgbe
 from orusd_openrooms.layout import Place
-from orusd_openrooms.lights import spread
+from orusd_openrooms.lights import Light, Lobe, spread
 from orusd_openrooms.pickles import write_pickled
-from orusd_openrooms.records import Light, Lobe
-from orusd_openrooms.rgbe import write_rgbe
 
 # Sharper lobes are integrated over their own directions, others over the rectangle.
 _SHARP_LOBE: Final = 8.0
 _SIDE_POINTS: Final = 12  # points along a side of the rectangle
 _SPHERE_DIRECTIONS: Final = 256
-Array = NDArray[np.float64]
 Bits = NDArray[np.bool_]
 # Points farther apart are not joined, of a picture whose mean depth is 3 m; of nearer ones too.
 _JOINED_M: Final = 0.12

@@ -13,12 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import hdf5, untrusted
+from openrooms_usd.arrays import Floats
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling import read_pickled
 from openrooms_usd.unpickling.arrays import read_array
 from openrooms_usd.untrusted import checked, read_text
-
-Floats = NDArray[np.float32]
 
 _MOST_PIXELS: Final = 2**27
 

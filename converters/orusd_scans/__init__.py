@@ -2,9 +2,8 @@
 
 - `roomplan`, `scannet` (with Scan2CAD's models), `sunrgbd`, `arkitscenes`, `s3dis`: known captures;
 - `boxes`: a list of boxes; `plainscan`: any cloud or mesh, whose rooms are found later,
-  `segments`: a segmentation beside it, `scanaxes`, `scanunits`: which way is up and how long
-  its unit is;
+  `segments`: a segmentation beside it, `scanaxes`: which way is up and how long its unit
+  is;
 - `formats`: files of points, meshes and depth; `records`: JSON and tables;
-- `floorplan`, `plan`, `frames`, `worldframe`, `packing`, `scanned`, `surfaces`: what
-  several of them share.
+- `floorplan`, `plan`, `frames`, `worldframe`, `scanned`, `surfaces`: what several of them share.
 """

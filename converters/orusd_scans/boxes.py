@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Final, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
@@ -34,12 +34,17 @@ from orusd_scans.plan import (
     plan_of,
     read_plan,
 )
-from orusd_scans.records.fields import choice, identifiers, number, positive, text
-from orusd_scans.records.jsonfile import Node, read_json
-from orusd_scans.records.table import read_table
+from orusd_scans.records import (
+    Node,
+    choice,
+    identifiers,
+    number,
+    positive,
+    read_json,
+    read_table,
+    text,
+)
 from orusd_scans.worldframe import MAX_COORDINATE_M, Z_UP, WorldFrame, proper
-
-Array = NDArray[np.float64]
 
 UNITS: Final = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
 # Boxes farther than this from the source's origin get an origin of their own, metres.

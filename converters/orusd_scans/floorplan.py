@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.polygons import CLEARANCE, counter_clockwise, defect
-
-Array = NDArray[np.float64]
 
 # Walls with both ends this near to another wall's ends are duplicates, metres.
 TWIN_DISTANCE_M = 0.15

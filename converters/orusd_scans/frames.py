@@ -12,20 +12,17 @@ in the frame and the unit of the capture; K is in pixels, and the centre of the 
 """
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.capture import CapturedFrame
-from orusd_scans.records.fields import identifiers, text
-from orusd_scans.records.jsonfile import Node, read_json
+from openrooms_usd.arrays import Array
+from openrooms_usd.capture import NO_OPTIONS, CapturedFrame, Packed
+from orusd_scans.records import Node, identifiers, read_json, text
 from orusd_scans.worldframe import WorldFrame, rigid
-
-Array = NDArray[np.float64]
 
 # Focal lengths, principal points and sides of pictures, pixels.
 _MAX_PIXELS: Final = 1e6
@@ -122,3 +119,32 @@ def as_plain(frames: Iterable[CapturedFrame]) -> list[dict[str, Any]]:
         }
         for frame in frames
     ]
+
+
+# The files of a scan that lie in folders, as far as a room needs them.
+
+
+def packed_folder(
+    root: Path,
+    files: Iterable[Path | None],
+    options: Mapping[str, str] = NO_OPTIONS,
+    name: str | None = None,
+    more: Mapping[str, bytes | Path] | None = None,
+) -> Packed:
+    """Files below a folder, as a folder of the same shape that lies beside a description.
+
+    Args:
+        root: The folder.
+        files: What of it is needed; None is passed over.
+        options: Of the importer that reads them.
+        name: Name of the folder there; by default its own.
+        more: Further files beside it, by path.
+    """
+    name = name or root.resolve().name
+    inside = {f"{name}/{p.relative_to(root).as_posix()}": p for p in files if p is not None}
+    return Packed(name, inside | dict(more or {}), options)
+
+
+def there(*files: Path) -> list[Path]:
+    """The existing ones of some files."""
+    return [file for file in files if file.is_file()]

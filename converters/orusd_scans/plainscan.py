@@ -9,33 +9,66 @@ refused with the option that settles it. The options are those of the importer: 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
+from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import clean
 from openrooms_usd.scan.rooms.verticals import Vertical, verticals
-from openrooms_usd.scan.segmentation.labelled import with_labels
+from openrooms_usd.scan.segmentation.naming import with_labels
 from orusd_scans.formats.laser import read_e57, read_las
-from orusd_scans.formats.meshfile import read_mesh
 from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.frames import in_world, read_frames
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import read_json
-from orusd_scans.scanaxes import find_up, written
-from orusd_scans.scanned import OTHER_CLASSES, Scanned
-from orusd_scans.scanunits import AUTO, Asked, find_unit, unit_named
+from orusd_scans.plan import Up
+from orusd_scans.records import read_json, text
+from orusd_scans.scanaxes import AUTO, Asked, find_unit, find_up, unit_named, written
+from orusd_scans.scanned import OTHER_CLASSES, Scanned, broken, opened
 from orusd_scans.segments import with_segments
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.worldframe import WorldFrame
 
-Array = NDArray[np.float64]
+# Meshes (OBJ, GLB, STL, OFF) through trimesh, as points with triangles.
+
+# glTF fixes its vertical axis; the others do not.
+_Y_UP: Final = (".glb",)
+
+
+def read_mesh(path: Path) -> Scanned:
+    """Read all meshes of a file in its common frame.
+
+    Raises:
+        InputError: It cannot be read, or has no triangles.
+        MissingPackageError: It is compressed with Draco, which is not installed.
+    """
+    with opened(path, "model") as stream:
+        content = stream.read()
+    meshes = shown_meshes(path, content)
+    if not meshes:
+        raise broken(path, "it has no triangles")
+    starts = np.cumsum([0, *(len(one.vertices) for one in meshes)])
+    faces = [one.faces + start for one, start in zip(meshes, starts, strict=False)]
+    cloud = Cloud(points=np.concatenate([one.vertices for one in meshes]), colors=_colors(meshes))
+    up: Up = "Y" if path.suffix.lower() in _Y_UP else "Z"
+    return Scanned(cloud, np.concatenate(faces).astype(np.int64), up)
+
+
+def _colors(meshes: list[ShownMesh]) -> Any:
+    """Colours of the points, where all meshes have them."""
+    visuals = [one.mesh.visual for one in meshes]
+    if not all(visual.kind == "vertex" for visual in visuals):
+        return None
+    colors = [np.asarray(visual.vertex_colors)[:, :3] for visual in visuals]
+    sound = all(len(c) == len(m.vertices) for c, m in zip(colors, meshes, strict=True))
+    return np.concatenate(colors).astype("u1") if sound else None
+
 
 READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".ply": read_ply,

@@ -15,18 +15,24 @@ from pathlib import Path
 from typing import Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedOpening
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.floorplan import heading
-from orusd_scans.records.fields import choice, flag, identifiers, number, positive
-from orusd_scans.records.jsonfile import Node, read_json
-from orusd_scans.records.table import read_table
+from orusd_scans.records import (
+    Node,
+    choice,
+    flag,
+    identifiers,
+    number,
+    positive,
+    read_json,
+    read_table,
+)
 from orusd_scans.worldframe import MAX_COORDINATE_M, Z_UP, WorldFrame
 
-Array = NDArray[np.float64]
 Up = Literal["Y", "Z"]
 Opened = Literal["window", "door", "opening"]
 

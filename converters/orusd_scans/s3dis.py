@@ -19,7 +19,7 @@ from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.usd.semantics import class_of, number_of
 from orusd_scans.formats.pointtext import read_text
-from orusd_scans.packing import packed_folder
+from orusd_scans.frames import packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in
 from orusd_scans.scanned import Scanned
 from orusd_scans.worldframe import WorldFrame

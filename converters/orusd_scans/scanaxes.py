@@ -1,17 +1,214 @@
 """Which way is up in a scan: what is said, against the verticals that it shows."""
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.rooms.verticals import Vertical
-from orusd_scans.scanunits import Asked, size_odds
 
-Array = NDArray[np.float64]
+# How long a scan's unit is: what is said, against the sizes that rooms have.
+
+UNITS: Final = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 0.001,
+    "in": 0.0254,
+    "ft": 0.3048,
+    "km": 1000.0,
+}
+AUTO: Final = "auto"
+# What files are in, as logarithms of odds.
+_USUAL_LOG_ODDS: Final = {
+    "m": 0.0,
+    "mm": -3.0,
+    "cm": -3.0,
+    "in": -4.0,
+    "ft": -4.0,
+    "dm": -5.0,
+    "km": -5.0,
+}
+# Heights of rooms: flats, halls and what else there is: weight, median in metres, spread.
+_HEIGHTS_M: Final = ((0.7, 2.6, 0.12), (0.25, 3.4, 0.4), (0.02, 6.0, 1.0))
+_NO_HEIGHT_DENSITY: Final = 1e-3
+_HEIGHT_WEIGHT: Final = 1.1
+_OPEN_WEIGHT: Final = 0.4
+# Usual extents of a scan: its height where an end is open, and its length, metres; their spreads.
+_TALL_M_AND_SPREAD, _LONG_M_AND_SPREAD = (2.6, 0.5), (6.0, 0.8)
+# No scan of a room is smaller or larger, metres.
+_TALL_LIMITS_M: Final = (0.4, 60.0)
+_LONG_LIMITS_M: Final = (0.8, 800.0)
+_BEYOND_LOG_ODDS: Final = -8.0
+# Log odds of another unit from which it is worth a note, is taken, is refused where nobody or
+# somebody said the unit; and by which the best must be ahead of the second.
+_CLEAR_UNIT_LOG_ODDS: Final = 4.0
+_DOUBTFUL_LOG_ODDS: Final = 0.5
+_ABSURD_LOG_ODDS: Final = 6.0
+# Log odds of a size below which nothing is a room, and below which a room is unusual.
+_NO_ROOM_LOG_ODDS: Final = -5.0
+_ODD_HEIGHT_LOG_ODDS, _ODD_SIZE_LOG_ODDS = -2.5, -1.1
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What the file and the person say.
+
+    Attributes:
+        up: (3,) unit; as the format has it where nobody says anything.
+        up_said: Whether somebody said so.
+        unit: Metres for one unit, and its name; None where it is to be found.
+    """
+
+    up: Array
+    up_said: bool = False
+    unit: tuple[float, str] | None = None
+
+
+def unit_named(text: str, source: Path) -> tuple[float, str] | None:
+    """Metres for one unit, and its name; None for ``auto``.
+
+    Raises:
+        InputError: It is no unit and no length.
+    """
+    if text == AUTO:
+        return None
+    if text in UNITS:
+        return UNITS[text], text
+    try:
+        length = float(text)
+    except ValueError:
+        length = 0.0
+    if not 0.0 < length < np.inf:
+        raise InputError(
+            f"the unit {text[:20]!r} is not known",
+            place=source,
+            remedy=f"give {', '.join(UNITS)}, auto, or how many metres one unit is, such as 0.3048",
+        )
+    return length, f"units of {length:g} m"
+
+
+def find_unit(
+    found: tuple[Vertical, ...], asked: Asked, source: Path, notes: list[str]
+) -> tuple[float, str]:
+    """Metres for one unit, and its name.
+
+    Args:
+        found: The verticals that the scan may have.
+        asked: What is said of it.
+        source: The file, for messages.
+        notes: Receives what people should know.
+
+    Raises:
+        InputError: What is said is absurd, or the evidence is not clear.
+    """
+    fits = {
+        name: max(v.line + size_odds(v, length) + _USUAL_LOG_ODDS[name] for v in found)
+        for name, length in UNITS.items()
+    }
+    best, second = sorted(fits, key=lambda name: -fits[name])[:2]
+    said, name = asked.unit or (1.0, "m")
+    own = max(v.line + size_odds(v, said) for v in found)
+    against = 0.0 if np.isclose(UNITS[best], said) else fits[best] - own
+    room, other = _room(found, said), f"`--unit {best}` would make it {_room(found, UNITS[best])}"
+    if asked.unit is not None:
+        if against > _ABSURD_LOG_ODDS:
+            raise InputError(
+                f"in {_called(name)} the scan would be {room}", place=source, remedy=other
+            )
+        if against > _CLEAR_LOG_ODDS:
+            notes.append(f"in {_called(name)} the scan is {room}; {other}")
+        return said, name
+    if size_odds(_likeliest(found, UNITS[best]), UNITS[best]) < _NO_ROOM_LOG_ODDS:
+        one = max(found, key=lambda v: v.line)
+        likely = _TALL_M_AND_SPREAD[0] / max(one.height or one.extent[0], 1e-12)
+        raise InputError(
+            f"in metres the scan would be {room}, and no usual unit makes a room of it",
+            place=source,
+            remedy="say how many metres one unit is, perhaps"
+            f" `--unit {likely:.2g}`, or `--unit m` if it is in metres all the same",
+        )
+    if against > _CLEAR_UNIT_LOG_ODDS and fits[best] - fits[second] > _ALONE_LOG_ODDS:
+        notes.append(
+            f"{_called(best)} are taken for the scan's unit: it is {_room(found, UNITS[best])}, and"
+            f" in metres would be {room} (`--unit` says otherwise)"
+        )
+        return UNITS[best], best
+    if against > _DOUBTFUL_LOG_ODDS:
+        raise InputError(
+            f"the scan's unit is not clear: in metres it would be {room}",
+            place=source,
+            remedy=f"{other}; `--unit m` if it is in metres",
+        )
+    if _is_odd(_likeliest(found, said), said):
+        notes.append(f"in metres the scan is {room}: should its unit be another, `--unit` says so")
+    return said, name
+
+
+def size_odds(one: Vertical, unit: float) -> float:
+    """What the sizes say for a vertical and a unit, log odds."""
+    tall, long = (length * unit for length in one.extent)
+    if one.height is not None:
+        height = np.log(max(one.height * unit, 1e-9))
+        bells = (
+            weight / spread / 2.5066 * np.exp(-0.5 * ((height - np.log(middle)) / spread) ** 2)
+            for weight, middle, spread in _HEIGHTS_M
+        )
+        score = _HEIGHT_WEIGHT * float(np.log(sum(bells) + _NO_HEIGHT_DENSITY))
+    else:
+        score = _OPEN_WEIGHT * _near(tall, _TALL_M_AND_SPREAD)
+    for length, (least, most) in ((tall, _TALL_LIMITS_M), (long, _LONG_LIMITS_M)):
+        score += 0.0 if least <= length <= most else _BEYOND_LOG_ODDS
+    return score + _near(long, _LONG_M_AND_SPREAD)
+
+
+def _near(length: float, usual: tuple[float, float]) -> float:
+    """Odds of a length by a wide bell around the usual one (Cauchy's, of its logarithm)."""
+    off = np.log(max(length, 1e-9) / usual[0]) / usual[1]
+    return -float(np.log1p(off**2))
+
+
+def _is_odd(one: Vertical, unit: float) -> bool:
+    """Whether a room of that size would be unusual, though there are such."""
+    usual = _near(one.extent[1] * unit, _LONG_M_AND_SPREAD)
+    if one.height is None:
+        return size_odds(one, unit) < _ODD_SIZE_LOG_ODDS
+    return size_odds(one, unit) - usual < _ODD_HEIGHT_LOG_ODDS
+
+
+def _likeliest(found: tuple[Vertical, ...], unit: float) -> Vertical:
+    return max(found, key=lambda v: v.line + size_odds(v, unit))
+
+
+def _called(name: str) -> str:
+    words = {
+        "m": "metres",
+        "dm": "decimetres",
+        "cm": "centimetres",
+        "mm": "millimetres",
+        "in": "inches",
+        "ft": "feet",
+        "km": "kilometres",
+    }
+    return words.get(name, name)
+
+
+def _room(found: tuple[Vertical, ...], unit: float) -> str:
+    """The scan's size in words, by its likeliest vertical in that unit."""
+    one = _likeliest(found, unit)
+    return f"{_length(one.extent[1] * unit)} wide and {_length(one.extent[0] * unit)} high"
+
+
+def _length(metres: float) -> str:
+    for least, name, factor in ((1000.0, "km", 1e-3), (0.5, "m", 1.0), (0.0, "mm", 1e3)):
+        if metres >= least:
+            return f"{metres * factor:.2g} {name}" if metres < 9.5e5 else f"{metres:.0e} m"
+    return f"{metres} m"
+
 
 # Log odds between two verticals: from which the one is clearly better, partly so, surely the right
 # one, and alone.

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from orusd_scans.plan import Up
+from orusd_scans.records import Node
 
-Array = NDArray[np.float64]
 Columns = Mapping[str, NDArray[Any]]
 
 MOST_POINTS: Final = 200_000_000
@@ -97,6 +98,33 @@ def counted(path: Path, text: str, what: str = "points") -> int:
     """
     if not text.isdecimal() or len(text) > 12 or int(text) > MOST_POINTS:
         raise broken(path, f"{text[:20]!r} is no number of {what} (at most {MOST_POINTS:,})")
+    return int(text)
+
+
+def line_of_numbers(line: str, count: int, path: Path, index: int) -> Array:
+    """(count,) the numbers of a line of text; its index counts from 0.
+
+    Raises:
+        InputError: There are others.
+    """
+    try:
+        values = [float(word) for word in line.split()]
+    except ValueError as error:
+        raise broken(path, f"line {index + 1}: {error}") from error
+    return Node(values, path, f"line {index + 1}").numbers(count, 1e6)
+
+
+def one_in(options: Mapping[str, str], usual: int, place: Path, what: str) -> int:
+    """One in how many pictures the option ``fuse`` asks for.
+
+    Raises:
+        InputError: It is no such number.
+    """
+    text = options.get("fuse", str(usual))
+    if not text.isdecimal() or not 0 < int(text) < 1_000_000:
+        raise InputError(
+            f"{text[:20]!r} is no number of {what}", place=place, remedy="give --fuse 10"
+        )
     return int(text)
 
 

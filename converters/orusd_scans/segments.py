@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.segmentation.labelled import with_labels
+from openrooms_usd.scan.segmentation.naming import with_labels
 from openrooms_usd.unpickling.arrays import NUMBERS, TEXTS, read_array, read_arrays
 
 _LABEL: Final = "label"

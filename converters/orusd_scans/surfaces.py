@@ -6,10 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.vectors import UP, unit
 from openrooms_usd.scan.points.cloud import Cloud
 
-Array = NDArray[np.float64]
 Faces = NDArray[np.int64]
 
 # Spacing of samples, metres; larger where there would be too many.

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from orusd_scans.records.jsonfile import Node
-
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
+from orusd_scans.records import Node
 
 # Y up to Z up: (x, y, z) -> (x, -z, y).
 Z_UP: Final = {"Z": np.eye(3), "Y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])}

@@ -20,7 +20,7 @@ from openrooms_usd.usd.arrays import flattened
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.places.frames import up_axis
-from openrooms_usd.usd.shading import udim
+from openrooms_usd.usd.shading import textures
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import PANE_OPACITY, define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, ior_of
@@ -61,7 +61,7 @@ class Textures:
         return replace(texture, file=self._places[key], color_space=space)
 
     def _stays(self, file: str) -> bool:
-        return Path(file.rstrip("]")).suffix.lower() in self.endings and not udim.is_udim(file)
+        return Path(file.rstrip("]")).suffix.lower() in self.endings and not textures.is_udim(file)
 
     def _write(self, file: str, encode: bool) -> str:
         stem, ending = Path(file.rstrip("]")).stem, Path(file.rstrip("]")).suffix.lower()

@@ -124,7 +124,7 @@ def unknown_name(
         place: The result.
         remedy: How there would be one.
     """
-    from openrooms_usd.description.nearest import did_you_mean
+    from openrooms_usd.description.naming import did_you_mean
 
     names = list(known)
     near = did_you_mean(name, names) if isinstance(name, str) else ""

@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final, TypeVar, get_type_hints
 
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 

@@ -175,7 +175,7 @@ def verify(folder: "Root", as_json: bool) -> None:
 
     Leaves with code 1 when a file is missing or changed.
     """
-    from openrooms_usd.dataset.verify import verify as compare
+    from openrooms_usd.dataset.status import verify as compare
 
     with progress_bar(hidden=as_json, first="reading") as progress:
         found = compare(folder, progress)

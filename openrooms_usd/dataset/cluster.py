@@ -14,8 +14,7 @@ from functools import cache
 from types import ModuleType
 from typing import Any, ClassVar, Final
 
-from openrooms_usd.dataset.executor import Lost, Task, Told, Wanted, Work
-from openrooms_usd.dataset.scheduling import end_with_parent, messages, understood, worked_off
+from openrooms_usd.dataset import executor
 from openrooms_usd.errors import InputError, MissingPackageError
 
 # What Ray keeps of objects that are handed over: tasks are small.
@@ -44,7 +43,7 @@ class RayExecutor:
     }
 
     @contextmanager
-    def hired(self, wanted: Wanted) -> Iterator["_Crew"]:
+    def hired(self, wanted: executor.Wanted) -> Iterator["_Crew"]:
         """See `openrooms_usd.dataset.executor.Executor.hired`."""
         workers, address = max(1, wanted.workers), wanted.options.get("address")
         needs = _needs(wanted)
@@ -67,7 +66,9 @@ class _Crew:
         cpus: float = self.needs["num_cpus"]
         return max(1, int(cpus))
 
-    def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
+    def run(
+        self, tasks: Iterable[executor.Task], work: executor.Work
+    ) -> Iterator[tuple[executor.Task, executor.Told | executor.Lost]]:
         """See `openrooms_usd.dataset.executor.Crew.run`."""
         actor = self.ray.remote(max_restarts=0, max_task_retries=0, **self.needs)(WorkerActor)
 
@@ -75,7 +76,7 @@ class _Crew:
             found, _ = self.ray.wait([worker.stream for worker in crew], fetch_local=False)
             return [worker for worker in crew if worker.stream in found]
 
-        return worked_off(
+        return executor.worked_off(
             tasks, self.workers, lambda task: _Worker(self.ray, actor.remote(work), task), ready
         )
 
@@ -87,24 +88,24 @@ class WorkerActor:
         work: The work.
     """
 
-    def __init__(self, work: Work) -> None:
+    def __init__(self, work: executor.Work) -> None:
         # Its node; else it goes on for seconds when that is killed.
-        end_with_parent()
+        executor.end_with_parent()
         self._work = work
 
-    def messages(self, task: Task) -> Iterator[tuple[str, Any]]:
+    def messages(self, task: executor.Task) -> Iterator[tuple[str, Any]]:
         """What it says of a task, as it happens."""
-        yield from messages(self._work, task)
+        yield from executor.messages(self._work, task)
 
 
 class _Worker:
     """An actor and what it is working on."""
 
-    def __init__(self, ray: ModuleType, actor: Any, task: Task) -> None:
+    def __init__(self, ray: ModuleType, actor: Any, task: executor.Task) -> None:
         self._ray, self._actor, self._is_gone = ray, actor, False
         self.give(task)
 
-    def give(self, task: Task) -> bool:
+    def give(self, task: executor.Task) -> bool:
         """Give it a task; whether it is there to take it."""
         self.task = task
         if not self._is_gone:
@@ -115,13 +116,13 @@ class _Worker:
             self.stream = call.remote(dict(task))
         return not self._is_gone
 
-    def hear(self) -> Told | Lost | None:
+    def hear(self) -> executor.Told | executor.Lost | None:
         """What it says next; None when it is done with its task."""
         try:
-            return understood(self._ray.get(next(self.stream)))
+            return executor.understood(self._ray.get(next(self.stream)))
         except self._ray.exceptions.RayError as error:
             self._is_gone = True
-            return Lost(f"the worker died ({_reason(error)})")
+            return executor.Lost(f"the worker died ({_reason(error)})")
 
     def stop(self) -> None:
         """End it: what it has not finished is swept away by who works there next."""
@@ -143,7 +144,7 @@ def _wished(needs: Needs, workers: int) -> int:
     return math.ceil(each * workers)
 
 
-def _needs(wanted: Wanted) -> Needs:
+def _needs(wanted: executor.Wanted) -> Needs:
     """What each worker needs, as far as it is said."""
     given = wanted.options
     needs: Needs = {"num_gpus": _amount("gpus", given.get("gpus", str(wanted.gpus)))}

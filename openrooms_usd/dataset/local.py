@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from typing import TYPE_CHECKING, ClassVar, Final
 
-from openrooms_usd.dataset.executor import Lost, Task, Told, Wanted, Work
-from openrooms_usd.dataset.scheduling import end_with_parent, messages, understood, worked_off
+from openrooms_usd.dataset import executor
 
 if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
@@ -28,7 +27,7 @@ class LocalExecutor:
     options: ClassVar[Mapping[str, str]] = {}
 
     @contextmanager
-    def hired(self, wanted: Wanted) -> Iterator["_Crew"]:
+    def hired(self, wanted: executor.Wanted) -> Iterator["_Crew"]:
         """See `openrooms_usd.dataset.executor.Executor.hired`."""
         workers = max(1, wanted.workers)
         yield _Crew(workers, max(1, (os.cpu_count() or 1) // workers))
@@ -39,9 +38,11 @@ class _Crew:
     workers: int
     threads: int
 
-    def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
+    def run(
+        self, tasks: Iterable[executor.Task], work: executor.Work
+    ) -> Iterator[tuple[executor.Task, executor.Told | executor.Lost]]:
         """See `openrooms_usd.dataset.executor.Crew.run`."""
-        return worked_off(tasks, self.workers, lambda task: _Worker(work, task), _ready)
+        return executor.worked_off(tasks, self.workers, lambda task: _Worker(work, task), _ready)
 
 
 def _ready(crew: "list[_Worker]") -> "list[_Worker]":
@@ -52,7 +53,7 @@ def _ready(crew: "list[_Worker]") -> "list[_Worker]":
 class _Worker:
     """A process and what it is working on."""
 
-    def __init__(self, work: Work, task: Task) -> None:
+    def __init__(self, work: executor.Work, task: executor.Task) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
         self._process: SpawnProcess = context.Process(
@@ -63,15 +64,15 @@ class _Worker:
         # One that has died already is heard of when it is listened to.
         self.give(task)
 
-    def hear(self) -> Told | Lost | None:
+    def hear(self) -> executor.Told | executor.Lost | None:
         """What it says next; None when it is done with its task."""
         try:
-            return understood(self.pipe.recv())
+            return executor.understood(self.pipe.recv())
         except (EOFError, OSError):
             self._process.join(_GRACE_SECONDS)
-            return Lost(f"the worker died ({_ending(self._process.exitcode)})")
+            return executor.Lost(f"the worker died ({_ending(self._process.exitcode)})")
 
-    def give(self, task: Task) -> bool:
+    def give(self, task: executor.Task) -> bool:
         """Give it another task; whether it is there to take it."""
         self.task = task
         with suppress(OSError):
@@ -98,17 +99,17 @@ def _ending(code: int | None) -> str:
     return f"exit code {code}"
 
 
-def _serve(pipe: Connection, work: Work) -> None:
+def _serve(pipe: Connection, work: executor.Work) -> None:
     """Work tasks off until there are no more; this is the worker's whole life."""
     # Whoever goes on where this run was finds nobody at work.
-    end_with_parent()
+    executor.end_with_parent()
     threading.Thread(target=_watch_parent, daemon=True).start()
     # Who started us stops us: Ctrl-C goes to every process of a terminal.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(EOFError, OSError):
         while True:
             task = pipe.recv()
-            for message in messages(work, task):
+            for message in executor.messages(work, task):
                 pipe.send(message)
 
 

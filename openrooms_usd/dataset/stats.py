@@ -15,8 +15,8 @@ from openrooms_usd.channels import definition
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.dataset.records import Record
 from openrooms_usd.dataset.scratch import Root, fetch_all, store_at
+from openrooms_usd.dataset.status import DEPTH_STEP_M
 from openrooms_usd.dataset.store import Store
-from openrooms_usd.dataset.tally import DEPTH_STEP_M
 
 DESCRIBED: Final = "described"
 """What rooms are counted as of which nobody knows the type."""

@@ -13,19 +13,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd.dataset.captured import captured_room
 from openrooms_usd.dataset.plan import Job
-from openrooms_usd.description import Room, load_room, named_objects, parse_room, room_of
+from openrooms_usd.dataset.records import LEFT_OUT
+from openrooms_usd.description import Room, lights, load_room, named_objects, parse_room, room_of
 from openrooms_usd.description.alignment import ObjectList
 from openrooms_usd.description.dataset import DatasetViews
-from openrooms_usd.description.lights import (
-    ConstantEnvironment,
-    FileEnvironment,
-    Lamp,
-    SkyEnvironment,
-)
+from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.moments import zone
 from openrooms_usd.draws import generator
+from openrooms_usd.errors import InputError, SparseScanError
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.generation import expanded, generate, write
 from openrooms_usd.library.styles.beams import lamp_kelvin
@@ -160,19 +156,19 @@ def _again(room: Room, data: Mapping[str, Any]) -> Room:
 def _environment(room: Room, said: Mapping[str, Any], rng: np.random.Generator) -> Section:
     now = room.lights.environment
     factor = float(rng.uniform(*_OUTSIDE_FACTOR))
-    if isinstance(now, SkyEnvironment):
+    if isinstance(now, lights.SkyEnvironment):
         return {**said, **_moment(now, rng)}
-    if isinstance(now, FileEnvironment):
+    if isinstance(now, lights.FileEnvironment):
         turned = (now.rotate + float(rng.uniform(0.0, 360.0))) % 360.0
         kept = "scale" if now.illuminance is None else "illuminance"
         value = now.illuminance or now.scale or 1.0
         return {**said, "rotate": round(turned, 1), kept: _digits(value * factor)}
-    assert isinstance(now, ConstantEnvironment)
+    assert isinstance(now, lights.ConstantEnvironment)
     color = [_digits(part * float(rng.uniform(*_TINT))) for part in now.color]
     return {**said, "color": color, "illuminance": _digits(now.illuminance * factor)}
 
 
-def _moment(now: SkyEnvironment, rng: np.random.Generator) -> Section:
+def _moment(now: lights.SkyEnvironment, rng: np.random.Generator) -> Section:
     """Another day and hour at the same place, by daylight where there is any."""
     local_zone = zone(now.utc_offset, now.longitude)
     year = date.fromisoformat(now.date).year
@@ -202,7 +198,7 @@ def _lamps(room: Room, seed: int) -> dict[str, Section]:
     for name, usual in _usual_lumens(room).items():
         # Drawn for each, so that one that is added changes no other.
         rng = generator(seed, "dataset", "lamp", name)
-        lamp = room.lights.lamps.get(name, Lamp())
+        lamp = room.lights.lamps.get(name, lights.Lamp())
         found[name] = _lamp(room, lamp, usual, rng)
     if found and not any(row["on"] for row in found.values()):
         next(iter(found.values()))["on"] = True
@@ -220,7 +216,7 @@ def _usual_lumens(room: Room) -> dict[str, float | None]:
     return found
 
 
-def _lamp(room: Room, lamp: Lamp, usual: float | None, rng: np.random.Generator) -> Section:
+def _lamp(room: Room, lamp: lights.Lamp, usual: float | None, rng: np.random.Generator) -> Section:
     row = lamp.model_dump(mode="json", exclude_unset=True)
     row["on"] = bool(rng.random() < _ON_SHARE)
     least, most = map(math.log, _LAMP_FACTOR)
@@ -238,3 +234,73 @@ def _lamp(room: Room, lamp: Lamp, usual: float | None, rng: np.random.Generator)
 def _digits(value: float) -> float:
     """As many digits as people read, however small the number."""
     return float(f"{value:.{_DIGITS}g}")
+
+
+# Rooms of captures: described where they lie, and left out where a scan shows too little.
+
+
+class LeftOutError(InputError):
+    """A scan that shows too little of its room."""
+
+    code = LEFT_OUT
+
+
+def captured_room(job: Job, folder: Path) -> Room:
+    """The room of a capture, as `orusd import` describes it; nothing is copied.
+
+    Args:
+        job: Its source has the ``file``, the ``importer`` and its ``options``.
+        folder: Where the names of files in the dataset.yaml begin.
+
+    Raises:
+        InputError: The capture cannot be read, or has no usable floor.
+    """
+    from openrooms_usd.importing import described_capture
+
+    source = job.room.source
+    return described_capture(
+        str(source["importer"]), str(source["file"]), folder, dict(source["options"])
+    )
+
+
+def coverage_of(job: Job, room: Room, folder: Path, scene: Path) -> dict[str, float] | None:
+    """How much a scan shows of its room (`openrooms_usd.scan.shown`); its layout is composed.
+
+    Args:
+        job: Its source may have a least ``coverage``.
+        room: The room, as it is described.
+        folder: Where its files' names begin.
+        scene: The folder of the composed room.
+
+    Returns:
+        The parts of ``floor`` and ``walls`` and of the ``whole``; None where nobody asks, or the
+        room is not found in points.
+
+    Raises:
+        LeftOutError: It is less than was asked for, or too little to find any room.
+        InputError: The scan cannot be read.
+    """
+    # What finds rooms in points takes a second to import.
+    from openrooms_usd.composing import compose_room
+    from openrooms_usd.scan.shown import shown
+    from openrooms_usd.stages.layout.scanned import found_in
+    from openrooms_usd.usd.files.layers import open_stage
+
+    least: Any = job.room.source.get("coverage")
+    if least is None or not isinstance(room.layout, ScanLayout):
+        return None
+    try:
+        made = compose_room(room, scene, base=folder, only="layout")
+    except SparseScanError as error:
+        raise LeftOutError(error.message, place=error.place, remedy=error.remedy) from error
+    found = found_in(open_stage(made.scene))
+    assert found is not None, "it is found in points"
+    seen = shown(found.cloud.points, found.composed)
+    if seen.whole < least:
+        raise LeftOutError(
+            f"the scan shows {seen.floor:.0%} of the floor and {seen.walls:.0%} of the walls, "
+            f"together {seen.whole:.0%}; {least:.0%} are asked for",
+            place=job.room.source["file"],
+            remedy="scan what is missing, or ask for less `coverage`",
+        )
+    return seen.as_dict()

@@ -15,15 +15,14 @@ from typing import Any, Final
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.channels import each
 from openrooms_usd.composing import compose_room
-from openrooms_usd.dataset.captured import coverage_of
 from openrooms_usd.dataset.executor import Task, Told
 from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
 from openrooms_usd.dataset.quality import assess
 from openrooms_usd.dataset.scratch import Root, root_of, store_at
 from openrooms_usd.dataset.shots import Shot, shot, shots_of
+from openrooms_usd.dataset.status import channel_seconds, material_names, tally
 from openrooms_usd.dataset.store import Store
-from openrooms_usd.dataset.tally import channel_seconds, material_names, tally
-from openrooms_usd.dataset.variants import realised
+from openrooms_usd.dataset.variants import coverage_of, realised
 from openrooms_usd.description import Dataset
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.rendering.context import RenderContext

@@ -1,12 +1,12 @@
 """room.yaml and dataset.yaml: their models, how they are read, and their JSON Schemas.
 
-- `scalars`, `reading`: YAML with places; `units`, `moments`, `nearest`: single values;
+- `scalars`, `reading`: YAML with places; `units`, `moments`: single values;
 - `model`, `room`: the models, by section `layout`, `trim`,
-  `polygon`, `captured`, `scanned`, `generate`,
+  `polygon`, `scanned`, `generate`,
   `alignment`, `materials`, `lights`, `cameras`, `physics`;
 - `dataset`: the model of dataset.yaml, and its `sensor`;
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
-  has none;
+  has none, and the nearest one;
 - `mistakes`, `diagnosis`: what is wrong, in words; `files`, `data`: of a file, of Python;
 - `rewriting`: other values for some keys, every other byte as it stands;
 - `schema`: the JSON Schema.

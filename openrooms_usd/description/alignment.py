@@ -6,7 +6,6 @@ from typing import Annotated, Any, Final, Literal, NamedTuple, TypeVar
 
 from pydantic import Field, Tag
 
-from openrooms_usd.description.captured import CapturedSection, ImportedSection
 from openrooms_usd.description.categories import LibraryCategory
 from openrooms_usd.description.generate import GeneratedAlignment
 from openrooms_usd.description.model import (
@@ -19,9 +18,13 @@ from openrooms_usd.description.model import (
     peek_list,
     peek_text,
 )
-from openrooms_usd.description.naming import repeated_names, unique_names
-from openrooms_usd.description.nearest import did_you_mean
-from openrooms_usd.description.scanned import ScannedObject, unsupported
+from openrooms_usd.description.naming import did_you_mean, repeated_names, unique_names
+from openrooms_usd.description.scanned import (
+    CapturedSection,
+    ImportedSection,
+    ScannedObject,
+    unsupported,
+)
 from openrooms_usd.description.units import Angle, Length, PositiveLength
 
 Size = Annotated[

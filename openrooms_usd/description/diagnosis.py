@@ -12,7 +12,7 @@ from pydantic_core import ErrorDetails
 from openrooms_usd.description import reading
 from openrooms_usd.description.mistakes import Mistake, Place, Steps, shown
 from openrooms_usd.description.model import MISTAKE
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.units import degrees, kilograms, metres
 
 # Nobody reads more names than these.

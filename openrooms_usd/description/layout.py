@@ -5,7 +5,6 @@ from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import AfterValidator, Field, Tag
 
-from openrooms_usd.description.captured import CapturedSection, ImportedSection
 from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.model import (
     CheckedModel,
@@ -21,6 +20,7 @@ from openrooms_usd.description.model import (
 )
 from openrooms_usd.description.naming import repeated_names, unique_names
 from openrooms_usd.description.polygon import simple_polygon
+from openrooms_usd.description.scanned import CapturedSection, ImportedSection
 from openrooms_usd.description.trim import AnyCeiling, Ceiling, Cladding, Trim
 from openrooms_usd.description.units import Angle, Length, PositiveLength
 from openrooms_usd.names import PARTITION_THICKNESS, ROOM_HEIGHT

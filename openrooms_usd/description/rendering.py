@@ -22,7 +22,7 @@ from openrooms_usd.description.model import (
     Whole,
     peek,
 )
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.errors import InputError
 
 Method = Literal["cache", "reference"]

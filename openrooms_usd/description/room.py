@@ -12,7 +12,7 @@ from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.lights import Lights
 from openrooms_usd.description.materials import Materials
 from openrooms_usd.description.model import CheckedModel, Found, PrimName, Whole, peek, peek_list
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.styles import InteriorStyle
 

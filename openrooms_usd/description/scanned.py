@@ -1,7 +1,7 @@
 """What a description may know of an object in a scan: which CAD, and roughly where."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Discriminator, Field, Tag
 
@@ -114,3 +114,45 @@ def _returns(number: Any, carriers: Mapping[int, Any]) -> bool:
             break
         under = carriers.get(under)
     return type(under) is int and under == number
+
+
+# What the sections that come from a capture have in common: the file, and how to read it.
+
+# The importers that a section names by `from` alone.
+CAPTURES: Final = ("roomplan", "scan2cad", "boxes")
+
+Option = Annotated[str, Field(max_length=4096)]
+
+
+class CapturedSection(CheckedModel):
+    """A section that an importer fills from a foreign file."""
+
+    source: str = Field(alias="from")
+    file: str = Field(min_length=1)
+    """The captured file, relative to this description."""
+    options: dict[str, Option] = Field(default_factory=dict)
+    """What is asked of the importer, as `orusd import KIND --help` lists it; paths are relative to
+    this description."""
+
+    @property
+    def reader(self) -> str:
+        """The name of the importer."""
+        return self.source
+
+    @property
+    def asked(self) -> dict[str, str]:
+        """All that is asked of the importer."""
+        return self.options
+
+
+class ImportedSection(CapturedSection):
+    """A section that an importer of some installed package fills."""
+
+    source: Literal["capture"] = Field(alias="from")
+    importer: str = Field(min_length=1)
+    """The importer's name, as `orusd import --help` lists it."""
+
+    @property
+    def reader(self) -> str:
+        """The name of the importer."""
+        return self.importer

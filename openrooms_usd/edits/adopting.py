@@ -12,14 +12,19 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import claims, names, untrusted
 from openrooms_usd.edits.blender import is_blenders
 from openrooms_usd.edits.blender_changes import BlenderDifferences
-from openrooms_usd.edits.flattened import Differences
+from openrooms_usd.edits.flattened import (
+    Differences,
+    empty,
+    make_absolute,
+    merged_over,
+    with_sublayers,
+)
 from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers, real_path
-from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_sublayers
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.usd.files.diagnostics import reading
-from openrooms_usd.usd.files.layers import open_stage, stacked_files
+from openrooms_usd.usd.files.layers import open_stage, prim_specs, stacked_files
 
 # What a layer means by saying nothing (UsdGeom).
 _FALLBACKS: Final = {UsdGeom.Tokens.upAxis: "Y", UsdGeom.Tokens.metersPerUnit: 0.01}
@@ -194,7 +199,7 @@ def _check_frame(layer: Sdf.Layer, source: Path, flattened: bool) -> None:
 
 def _only_over(opinions: Sdf.Layer, base: Usd.Stage) -> None:
     """Let a layer define nothing that the room has already: each prim has one definer."""
-    for spec in _specs(opinions):
+    for spec in prim_specs(opinions):
         known = base.GetPrimAtPath(spec.path)
         if known and known.IsDefined() and spec.specifier == Sdf.SpecifierDef:
             spec.specifier = Sdf.SpecifierOver
@@ -202,17 +207,9 @@ def _only_over(opinions: Sdf.Layer, base: Usd.Stage) -> None:
                 spec.typeName = ""
 
 
-def _specs(layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
-    waiting = list(reversed(list(layer.rootPrims)))
-    while waiting:
-        spec = waiting.pop()
-        waiting.extend(reversed(list(spec.nameChildren)))
-        yield spec
-
-
 def _changes(opinions: Sdf.Layer, base: Usd.Stage) -> Iterator[Change]:
     """What a layer says, prim by prim."""
-    for spec in _specs(opinions):
+    for spec in prim_specs(opinions):
         fields = (
             *(found.name for found in spec.properties),
             *sorted(set(spec.ListInfoKeys()) - {"specifier"}),

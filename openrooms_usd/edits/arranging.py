@@ -15,8 +15,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.edits.editing import editing
-from openrooms_usd.edits.snapping import Spot, hung, snapped
-from openrooms_usd.edits.targets import all_furniture, furniture
+from openrooms_usd.edits.targets import Spot, all_furniture, furniture, hung, snapped
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings

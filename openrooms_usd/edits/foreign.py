@@ -11,7 +11,7 @@ from openrooms_usd import names
 from openrooms_usd.errors import StageError
 from openrooms_usd.usd.files import preflight
 from openrooms_usd.usd.files.diagnostics import UNREADABLE
-from openrooms_usd.usd.files.layers import apply_metadata
+from openrooms_usd.usd.files.layers import apply_metadata, prim_specs
 
 # How a layer's own fields are called that hold its structure and no metadata.
 _STRUCTURE = ("subLayers", "subLayerOffsets", "primChildren", "rootPrims")
@@ -57,7 +57,7 @@ def foreign_to(layer: Sdf.Layer, out: Path) -> Foreign:
     ours = {str(path) for path in own_layers(out)}
     sublayers = (anchored(layer, path) for path in layer.subLayerPaths)
     return Foreign(
-        tuple(_leaves(layer)),
+        tuple(str(spec.path) for spec in prim_specs(layer) if not spec.nameChildren),
         tuple(path for path in sublayers if real_path(path) not in ours),
         tuple(_metadata(layer)),
     )
@@ -66,15 +66,6 @@ def foreign_to(layer: Sdf.Layer, out: Path) -> Foreign:
 def real_path(path: str) -> str:
     """Where a path leads, all links followed; empty for a name that no file can have."""
     return "" if "\0" in path else os.path.realpath(path)
-
-
-def _leaves(layer: Sdf.Layer) -> Iterator[str]:
-    waiting = list(reversed(list(layer.rootPrims)))
-    while waiting:
-        spec = waiting.pop()
-        waiting.extend(reversed(list(spec.nameChildren)))
-        if not spec.nameChildren:
-            yield str(spec.path)
 
 
 def _metadata(layer: Sdf.Layer) -> Iterator[str]:

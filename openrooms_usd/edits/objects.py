@@ -11,24 +11,19 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.edits import adding, arranging, assigning, remaking
-from openrooms_usd.edits.scenefile import ByName, SceneFile
-from openrooms_usd.edits.seen import extent_of, owners_of, points_of, surfaces_of
-from openrooms_usd.edits.snapping import Spot
-from openrooms_usd.edits.targets import Scope
-from openrooms_usd.edits.views import SceneMaterial, material_of
+from openrooms_usd.arrays import Array
+from openrooms_usd.edits import arranging, assigning, remaking, views
+from openrooms_usd.edits.targets import Scope, Spot
+from openrooms_usd.edits.views import ByName, SceneFile
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,25 +60,25 @@ class Visible:
     @property
     def bounds(self) -> Array:
         """(2, 3) least and greatest x, y and z in the world, metres; not a number of nothing."""
-        return extent_of(points_of(self._prim))
+        return views.extent_of(views.points_of(self._prim))
 
     @property
     def size(self) -> Array:
         """(3,) width, depth and height along its own axes, metres; with Z up as in the world."""
-        points, frame = points_of(self._prim), inverse(self.pose)
-        return np.asarray(np.ptp(extent_of(points @ frame[:3, :3].T), axis=0))
+        points, frame = views.points_of(self._prim), inverse(self.pose)
+        return np.asarray(np.ptp(views.extent_of(points @ frame[:3, :3].T), axis=0))
 
     @property
-    def materials(self) -> tuple[SceneMaterial, ...]:
+    def materials(self) -> tuple[views.SceneMaterial, ...]:
         """What its surfaces are made of, in the order of its parts, each once."""
         with quiet():
             found = {
                 str(material.GetPath()): material
-                for prim in surfaces_of(self._prim)
+                for prim in views.surfaces_of(self._prim)
                 for material in (bound_material(prim), *(row[1] for row in bound_subsets(prim)))
                 if material is not None
             }
-            return tuple(map(material_of, found.values()))
+            return tuple(map(views.material_of, found.values()))
 
     def set_material(self, look: str | Mapping[str, Any] | None = None, **fields: Any) -> Self:
         """Let it be made of something else.
@@ -172,7 +167,7 @@ class SceneObject(Visible):
     @property
     def parts(self) -> ByName[ScenePart]:
         """Its surfaces by name."""
-        found = {str(prim.GetPath()): prim for prim in surfaces_of(self._prim)}
+        found = {str(prim.GetPath()): prim for prim in views.surfaces_of(self._prim)}
         return ByName(
             "part", self._file.path, {path: ScenePart(self._file, path) for path in found}
         )
@@ -316,7 +311,7 @@ def objects_of(file: SceneFile) -> ByName[SceneObject]:
     if group := stage.GetPrimAtPath(names.FURNITURE):
         furniture = filter(UsdGeom.Xformable, group.GetChildren())
         return ByName("object", file.path, _things(file, furniture), _shell(file))
-    return ByName("object", file.path, _things(file, owners_of(stage.GetPseudoRoot())))
+    return ByName("object", file.path, _things(file, views.owners_of(stage.GetPseudoRoot())))
 
 
 def shell_of(file: SceneFile) -> ByName[SceneObject]:
@@ -326,20 +321,20 @@ def shell_of(file: SceneFile) -> ByName[SceneObject]:
 
 def _shell(file: SceneFile) -> dict[str, SceneObject]:
     room = file.stage().GetPrimAtPath(names.ROOM)
-    return _things(file, owners_of(room) if room else ())
+    return _things(file, views.owners_of(room) if room else ())
 
 
-def materials_of(file: SceneFile) -> ByName[SceneMaterial]:
+def materials_of(file: SceneFile) -> ByName[views.SceneMaterial]:
     """All materials that something in a scene is made of."""
     whole = Visible(file, str(Sdf.Path.absoluteRootPath))
     return ByName("material", file.path, {row.path: row for row in whole.materials})
 
 
 def add(file: SceneFile, said: Mapping[str, Any], base: Path | None = None) -> SceneObject:
-    """Put a new object into a composed room: see `openrooms_usd.edits.adding.add`."""
+    """Put a new object into a composed room: see `openrooms_usd.edits.remaking.add`."""
     _check_editable(file.path, f"a {said['category']} cannot be added")
     with quiet():
-        stands = adding.add(file.path, said, base)
+        stands = remaking.add(file.path, said, base)
     return SceneObject(file, f"{names.FURNITURE}/{stands.name}")
 
 

@@ -1,12 +1,11 @@
 """Views of finished datasets for training: arrays by channel, each with its camera.
 
-``sample`` is one view as arrays; its cameras stay right whatever is done to it: ``cropping``,
-``resizing``, ``mirroring`` and ``toning`` are the transforms, ``transforms`` their contract and
-their chains. ``source`` says where views come from, as a contract; ``opening`` finds the one for a
-folder or a URL; ``folder`` reads renders and datasets as they were written, ``shards`` tar files of
-them, both by ``rendered``; ``files`` fetches what lies elsewhere into a bounded cache. None of
-these needs torch; ``tensors`` makes batches of samples, ``epochs`` says in which order,
-``training`` loads them by number and ``streaming`` from shards.
+``sample`` is one view as arrays; its cameras stay right whatever is done to it by
+``transforms`` and ``resizing``. ``source`` says where views come from, as a contract; ``opening``
+finds the one for a folder or a URL; ``folder`` reads renders and datasets as they were written,
+``shards`` tar files of them, both by ``rendered``; ``files`` fetches what lies elsewhere into a
+bounded cache. None of these needs torch; ``tensors`` makes batches of samples, ``epochs`` says in
+which order, ``training`` loads them by number and ``streaming`` from shards.
 
 The names for people are offered here, and loaded on first use (docs/loading.md).
 """
@@ -16,33 +15,33 @@ from typing import TYPE_CHECKING, Final
 from openrooms_usd.lazy import loader as _loader
 
 if TYPE_CHECKING:
-    from openrooms_usd.loading.cropping import CentreCrop as CentreCrop
-    from openrooms_usd.loading.cropping import Crop as Crop
-    from openrooms_usd.loading.cropping import RandomCrop as RandomCrop
-    from openrooms_usd.loading.mirroring import HorizontalFlip as HorizontalFlip
-    from openrooms_usd.loading.mirroring import QuarterTurn as QuarterTurn
     from openrooms_usd.loading.opening import open_source as open_source
     from openrooms_usd.loading.resizing import Resize as Resize
     from openrooms_usd.loading.sample import Sample as Sample
     from openrooms_usd.loading.streaming import ViewStream as ViewStream
     from openrooms_usd.loading.tensors import collate as collate
     from openrooms_usd.loading.tensors import tensors_of as tensors_of
-    from openrooms_usd.loading.toning import Exposure as Exposure
-    from openrooms_usd.loading.toning import Normalise as Normalise
     from openrooms_usd.loading.training import ViewDataset as ViewDataset
     from openrooms_usd.loading.training import begin_worker as begin_worker
     from openrooms_usd.loading.training import loader as loader
+    from openrooms_usd.loading.transforms import CentreCrop as CentreCrop
     from openrooms_usd.loading.transforms import Compose as Compose
+    from openrooms_usd.loading.transforms import Crop as Crop
+    from openrooms_usd.loading.transforms import Exposure as Exposure
+    from openrooms_usd.loading.transforms import HorizontalFlip as HorizontalFlip
+    from openrooms_usd.loading.transforms import Normalise as Normalise
+    from openrooms_usd.loading.transforms import QuarterTurn as QuarterTurn
+    from openrooms_usd.loading.transforms import RandomCrop as RandomCrop
 
 _HOME: Final = {
-    "CentreCrop": "openrooms_usd.loading.cropping",
+    "CentreCrop": "openrooms_usd.loading.transforms",
     "Compose": "openrooms_usd.loading.transforms",
-    "Crop": "openrooms_usd.loading.cropping",
-    "Exposure": "openrooms_usd.loading.toning",
-    "HorizontalFlip": "openrooms_usd.loading.mirroring",
-    "Normalise": "openrooms_usd.loading.toning",
-    "QuarterTurn": "openrooms_usd.loading.mirroring",
-    "RandomCrop": "openrooms_usd.loading.cropping",
+    "Crop": "openrooms_usd.loading.transforms",
+    "Exposure": "openrooms_usd.loading.transforms",
+    "HorizontalFlip": "openrooms_usd.loading.transforms",
+    "Normalise": "openrooms_usd.loading.transforms",
+    "QuarterTurn": "openrooms_usd.loading.transforms",
+    "RandomCrop": "openrooms_usd.loading.transforms",
     "Resize": "openrooms_usd.loading.resizing",
     "Sample": "openrooms_usd.loading.sample",
     "ViewDataset": "openrooms_usd.loading.training",

@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.unpickling.arrays import read_arrays
-
-Array = NDArray[np.float64]
 
 _FACTS: Final = "facts"
 # The attributes of points: their types, and how many numbers each point has.

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.openings.detection import DOUBTFUL, LIKELY, find_openings
 from openrooms_usd.scan.placement.correcting import moved_by, place
-from openrooms_usd.scan.placement.leavingout import LeftOut
-from openrooms_usd.scan.placement.violations import Unresolved
+from openrooms_usd.scan.placement.fitting import LeftOut
+from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.points.thinning import thin
@@ -27,8 +27,6 @@ from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
 from openrooms_usd.scan.rooms.levelling import Level, level
 from openrooms_usd.scan.rooms.storeys import Storey, main_storey, storeys
-
-Array = NDArray[np.float64]
 
 # Voxel size of the downsampled cloud, metres: finer than the noise.
 VOXEL_M: Final = 0.02

@@ -12,10 +12,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
-
-Array = NDArray[np.float64]
 
 _CELL_M: Final = 0.1
 _NEAR_M: Final = 0.1

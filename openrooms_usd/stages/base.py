@@ -3,9 +3,10 @@
 import hashlib
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
@@ -13,10 +14,11 @@ import numpy as np
 
 from openrooms_usd import adapters, names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.description.captured import CapturedSection
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.room import Room
+from openrooms_usd.description.scanned import CapturedSection
 from openrooms_usd.draws import generator
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.untrusted import check_path, kind_of
 
@@ -93,6 +95,38 @@ class StageContext:
             InputError: It does not exist, or cannot be read.
         """
         return input_file(self.source, relative)
+
+    def check_named(
+        self, key: str, known: Collection[str], off: str, kind: str = "", lacking: str = ""
+    ) -> None:
+        """Refuse objects of the description that are not there; note those that are deactivated.
+
+        Args:
+            key: Where their names stand, such as ``lights.lamps``: keys of a mapping.
+            known: The names that may stand there.
+            off: What follows of one that is deactivated.
+            kind: What they are.
+            lacking: What is wrong with an object that is there, and is none of these.
+
+        Raises:
+            DescriptionError: One is not there.
+        """
+        from openrooms_usd.usd.files.layers import is_deactivated
+
+        for name in attrgetter(key)(self.room):
+            path = f"{names.FURNITURE}/{name}"
+            if name in known:
+                continue
+            if is_deactivated(self.stage, path):
+                self.notes.append(f"{name}: deactivated, {off}")
+                continue
+            missing = f"there is no {kind or 'object'} {name!r}{did_you_mean(name, known)}"
+            raise DescriptionError(
+                f"{name} {lacking}" if lacking and self.stage.GetPrimAtPath(path) else missing,
+                place=f"{key}.{name}",
+                remedy=f"{f'{kind}s' if kind else 'there'} are: "
+                f"{', '.join(list(known)[:30]) or 'none'}",
+            )
 
 
 def input_file(source: Path, relative: str, *, folders: bool = False) -> Path:

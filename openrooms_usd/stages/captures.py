@@ -6,8 +6,8 @@ from pathlib import Path
 
 from openrooms_usd import adapters
 from openrooms_usd.capture import Capture, option_paths, read_capture
-from openrooms_usd.description.captured import CapturedSection
 from openrooms_usd.description.room import Room
+from openrooms_usd.description.scanned import CapturedSection
 from openrooms_usd.library.models.meshfile import dependencies
 from openrooms_usd.stages.base import StageContext, input_file
 from openrooms_usd.untrusted import check_path

@@ -11,18 +11,17 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.geometry.vectors import UP, unit
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.usd.shapes.meshes import define_mesh
-
-Array = NDArray[np.float64]
 
 PURPOSE: Final = "physics"
 # Normals of shapes: what is finer is noise, and makes equal arrays differ.

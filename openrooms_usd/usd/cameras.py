@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.framing import FOV_DEG, framing_view
 from openrooms_usd.geometry.pinhole import (
@@ -23,17 +23,9 @@ from openrooms_usd.geometry.pinhole import (
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.usd.arrays import number_of, vector_of
-from openrooms_usd.usd.places.frames import (
-    TIME,
-    author_matrix,
-    local_to_world,
-    meters_per_unit,
-    world_from_stage,
-)
+from openrooms_usd.usd.places import frames
 from openrooms_usd.usd.rendersettings import conformed_aperture, is_set, render_settings
 from openrooms_usd.usd.shapes.meshes import MeshReading, read_meshes, world_triangles
-
-Array = NDArray[np.float64]
 
 Projection = Literal["pinhole", "equirectangular", "orthographic"]
 """How a camera's picture is made.
@@ -143,7 +135,7 @@ def define_camera(
     """
     width, height = resolution
     camera = UsdGeom.Camera.Define(stage, path)
-    author_matrix(camera.GetPrim(), world_from_camera @ FLIP)
+    frames.author_matrix(camera.GetPrim(), world_from_camera @ FLIP)
     camera.CreateProjectionAttr(UsdGeom.Tokens.perspective)
     camera.CreateHorizontalApertureAttr(_FILM_WIDTH_TENTHS)
     camera.CreateVerticalApertureAttr(_FILM_WIDTH_TENTHS * height / width)
@@ -205,13 +197,13 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
     if not camera:
         raise _unusable(prim, "this prim is no camera", "name a Camera prim")
     stage = prim.GetStage()
-    metres = meters_per_unit(stage)
-    parallel = camera.GetProjectionAttr().Get(TIME) == UsdGeom.Tokens.orthographic
+    metres = frames.meters_per_unit(stage)
+    parallel = camera.GetProjectionAttr().Get(frames.TIME) == UsdGeom.Tokens.orthographic
     focal = _number(camera.GetFocalLengthAttr())
     seen = PinholeCamera(
         # The window is seen from 1 m, or from the focal length.
         K=_intrinsics(camera, 1.0 / (_TENTH * metres) if parallel else focal, width, height),
-        world_from_camera=_pose(prim, world_from_stage(stage)),
+        world_from_camera=_pose(prim, frames.world_from_stage(stage)),
         exposure=_exposure(camera),
         clipping=_clipping(camera, metres, parallel=parallel),
     )
@@ -274,7 +266,7 @@ def _unusable(prim: Usd.Prim, message: str, remedy: str) -> StageError:
 
 
 def _number(attribute: Usd.Attribute) -> float:
-    value = number_of(attribute.Get(TIME))
+    value = number_of(attribute.Get(frames.TIME))
     return value if value is not None and math.isfinite(value) else 0.0
 
 
@@ -283,7 +275,7 @@ def _clipping(camera: UsdGeom.Camera, metres: float, *, parallel: bool) -> tuple
     attribute = camera.GetClippingRangeAttr()
     if not attribute.HasAuthoredValue():
         return UNCLIPPED
-    depths = vector_of(attribute.Get(TIME), 2)
+    depths = vector_of(attribute.Get(frames.TIME), 2)
     if depths is None or not depths[0] < depths[1]:
         return UNCLIPPED
     near, far = (depths * metres).tolist()
@@ -317,7 +309,7 @@ def _intrinsics(camera: UsdGeom.Camera, focal: float, width: int, height: int) -
 
 def _pose(prim: Usd.Prim, world: Array) -> Array:
     with np.errstate(all="ignore"):
-        placed = world @ local_to_world(prim, UsdGeom.XformCache(TIME)) @ FLIP
+        placed = world @ frames.local_to_world(prim, UsdGeom.XformCache(frames.TIME)) @ FLIP
         determinant = np.linalg.det(placed[:3, :3])
     if not (np.isfinite(placed).all() and math.isfinite(determinant) and determinant > 0):
         raise _unusable(
@@ -333,9 +325,9 @@ def _exposure(camera: UsdGeom.Camera) -> float | None:
         return None
     # Whoever changes the guess means it.
     guess = camera.GetExposureAttr()
-    if said == [guess] and guess.GetCustomDataByKey(_ESTIMATED) == guess.Get(TIME):
+    if said == [guess] and guess.GetCustomDataByKey(_ESTIMATED) == guess.Get(frames.TIME):
         return None
-    return float(camera.ComputeLinearExposureScale(TIME))
+    return float(camera.ComputeLinearExposureScale(frames.TIME))
 
 
 _LEAST_FIELD_DEG: Final = 1.0
@@ -364,5 +356,5 @@ def set_field_of_view(stage: Usd.Stage, degrees: float) -> None:
             policy.Set(UsdRender.Tokens.adjustApertureHeight)
         for prim in list_cameras(stage):
             camera = UsdGeom.Camera(prim)
-            aperture = number_of(camera.GetHorizontalApertureAttr().Get(TIME)) or 0.0
+            aperture = number_of(camera.GetHorizontalApertureAttr().Get(frames.TIME)) or 0.0
             camera.GetFocalLengthAttr().Set(0.5 * aperture / math.tan(math.radians(degrees) / 2.0))

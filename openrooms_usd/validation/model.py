@@ -11,6 +11,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdUtils
 from openrooms_usd import names
 from openrooms_usd.edits.orphans import edit_layers
 from openrooms_usd.usd.files.diagnostics import UNREADABLE
+from openrooms_usd.usd.files.layers import prim_specs
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.validation.roomview import RoomView
 
@@ -123,7 +124,7 @@ class Subject:
         edits = next((layer for layer in self.stack if self.name(layer) == _EDITS), None)
         own = set(edit_layers(edits)) if edits else set()
         found: set[Sdf.Path] = set()
-        for spec in (spec for layer in own for spec in self.specs(layer)):
+        for spec in (spec for layer in own for spec in prim_specs(layer)):
             if spec.specifier == Sdf.SpecifierDef and not found.intersection(
                 spec.path.GetPrefixes()
             ):
@@ -141,14 +142,6 @@ class Subject:
         if not Sdf.Path.IsValidPathString(place):
             return False
         return not self.by_hand.isdisjoint(Sdf.Path(place).GetPrimPath().GetPrefixes())
-
-    def specs(self, layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
-        """The prim specs of a layer outside variants, parents before children."""
-        waiting = list(reversed(list(layer.rootPrims)))
-        while waiting:
-            spec = waiting.pop()
-            yield spec
-            waiting.extend(reversed(list(spec.nameChildren)))
 
     def name(self, layer: Sdf.Layer) -> str:
         """A layer's file name as a person knows it: relative to the scene's folder."""

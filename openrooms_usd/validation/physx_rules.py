@@ -13,7 +13,7 @@ from pxr import Gf, Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd.usd.places.frames import stated_metres
 from openrooms_usd.validation.model import Complaint, Rule, Subject
-from openrooms_usd.validation.physics_rules import moves
+from openrooms_usd.validation.stage_rules import moves
 
 _UNITS: Final = ("metersPerUnit", "kilogramsPerUnit", "upAxis")
 # What PhysX turns into a hull on a body that moves.

@@ -10,17 +10,16 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.usd.light.emitters import DistantLight, DomeLight
 from openrooms_usd.usd.light.lights import read_portals
 from openrooms_usd.usd.light.lightsearch import read_lights
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
-from openrooms_usd.usd.places.partitions import StandingWall, read_partitions
+from openrooms_usd.usd.places.placements import StandingWall, read_partitions
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
-
-Array = NDArray[np.float64]
 
 # How deep things may stand in the hole of a window, metres.
 _MAX_REVEAL_M: Final = 0.6

@@ -12,8 +12,7 @@ from openrooms_usd.description.model import Model
 from openrooms_usd.description.units import Angle, Length
 from openrooms_usd.edits.arranging import Standing, settled, standing
 from openrooms_usd.edits.remaking import choices
-from openrooms_usd.edits.snapping import Spot
-from openrooms_usd.edits.targets import all_furniture, furniture
+from openrooms_usd.edits.targets import Spot, all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.usd.files.diagnostics import quiet

@@ -62,7 +62,7 @@ def test_views_share_what_their_room_takes() -> None:
 
 def test_a_reference_is_made_once(tmp_path: Any) -> None:
     from benchmarks.light.hard import CASES
-    from benchmarks.light.references import References
+    from benchmarks.light.sessions import References
     from openrooms_usd.rendering.scene.translate import translate
 
     made: list[int] = []

@@ -65,7 +65,7 @@ def test_a_scan_is_also_run_on_its_side_and_in_millimetres(data):
 
 def test_totals_add_up(data):
     pytest.importorskip("fcl")
-    from benchmarks.real.totals import totals, verdicts
+    from benchmarks.real.__main__ import totals, verdicts
 
     wide = found([[0, 0], [5, 0], [5, 3], [0, 3]], [hole(), hole(x=2.5)])
     rows = [row(data, 0, rooms=[found(openings=[hole()])]), row(data, 1, rooms=[wide])]
@@ -81,7 +81,7 @@ def test_totals_add_up(data):
 
 def test_openings_of_a_run_count_once(data):
     pytest.importorskip("fcl")
-    from benchmarks.real.totals import totals
+    from benchmarks.real.__main__ import totals
 
     plain = row(data, 0, rooms=[found(openings=[hole()])])
     told = replace(plain, run=replace(plain.run, name="told"))
@@ -89,7 +89,7 @@ def test_openings_of_a_run_count_once(data):
 
 
 def test_a_wrong_axis_in_silence_shows(data):
-    from benchmarks.real.totals import totals
+    from benchmarks.real.__main__ import totals
 
     (capture,) = captures(data)
     sideways = [replace(capture, truth=replace(capture.truth, up_axis="y"))]
@@ -107,7 +107,7 @@ def test_a_wrong_axis_in_silence_shows(data):
 
 
 def test_a_wrong_unit_in_silence_shows(data):
-    from benchmarks.real.totals import totals
+    from benchmarks.real.__main__ import totals
 
     (capture,) = captures(data)
     small = [replace(capture, truth=replace(capture.truth, unit=0.001))]
@@ -125,7 +125,7 @@ def test_a_crash_is_no_refusal(data):
 
 
 def test_a_changed_scan_is_corrected_or_refused_with_the_remedy(data):
-    from benchmarks.real.variants import ON_ITS_SIDE
+    from benchmarks.real.running import ON_ITS_SIDE
 
     lying = found()
     lying["corners"] = (np.array(lying["corners"]) @ ON_ITS_SIDE.T).tolist()
@@ -147,7 +147,7 @@ def test_what_is_absent_is_said(tmp_path):
 
 def test_sources_are_named_with_their_commits():
     from benchmarks.real.__main__ import main
-    from benchmarks.real.sources import SOURCES
+    from benchmarks.real.captures import SOURCES
 
     listed = CliRunner().invoke(main, ["--fetch-list"]).output
     assert all(

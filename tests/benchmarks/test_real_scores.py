@@ -87,8 +87,8 @@ def test_the_outline_that_fits_best_counts(tmp_path):
 
 def test_the_frame_of_the_truth_may_be_any(tmp_path):
     from benchmarks.real.plans import plan_score
+    from benchmarks.real.running import ON_ITS_SIDE
     from benchmarks.real.truth import truth_of
-    from benchmarks.real.variants import ON_ITS_SIDE
 
     truth = truth_of(written(tmp_path))
     turned = replace(truth, frame=truth.frame.turned(ON_ITS_SIDE))
@@ -225,7 +225,7 @@ def test_bodies_outside_in_each_other_and_in_the_air_are_counted(truth):
 
 
 def test_a_scan_is_written_anew(tmp_path):
-    from benchmarks.real.variants import ON_ITS_SIDE, variant, write_ply
+    from benchmarks.real.running import ON_ITS_SIDE, variant, write_ply
     from orusd_scans.plainscan import read_scanned
 
     points = np.random.default_rng(0).uniform(-1, 3, (50, 3))
@@ -249,7 +249,7 @@ def test_a_scan_is_written_anew(tmp_path):
 
 
 def test_an_upright_axis_becomes_y():
-    from benchmarks.real.variants import ON_ITS_SIDE
+    from benchmarks.real.running import ON_ITS_SIDE
 
     assert (ON_ITS_SIDE @ [0, 0, 1]).tolist() == [0, 1, 0]
     assert np.linalg.det(ON_ITS_SIDE) == pytest.approx(1)

@@ -93,8 +93,7 @@ def test_what_hangs_in_truth_may_hang(cads):
 def test_rough_hints_have_the_noise_that_they_say(cads):
     from scipy.spatial.transform import Rotation
 
-    from benchmarks.scan.hints import rough, stretched
-    from benchmarks.scan.truth import Truth
+    from benchmarks.scan.truth import Truth, rough, stretched
 
     things = tuple(thing(n, (1 + n, 1, 0), "box" if n % 2 else "table") for n in range(1, 8))
     truth = stretched(Truth((ROOM,), things, cads), 3)

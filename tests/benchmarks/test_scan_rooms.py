@@ -107,7 +107,7 @@ def test_objects_are_their_cads_in_their_poses(read):
 def test_corridors_lie_outside_and_close_the_view(read):
     import shapely
 
-    from benchmarks.scan.corridors import corridor_plan, with_corridors
+    from benchmarks.scan.path import corridor_plan, with_corridors
 
     _, room = read
     layout = room.truth.rooms[0]
@@ -125,7 +125,7 @@ def test_corridors_lie_outside_and_close_the_view(read):
 def test_symmetries_of_simple_shapes():
     import trimesh
 
-    from benchmarks.scan.symmetry import symmetry_of
+    from benchmarks.scan.rooms import symmetry_of
 
     shapes = {
         "inf": trimesh.creation.cylinder(0.3, 0.8, sections=96),

@@ -123,13 +123,13 @@ def pose(degrees=0.0, scale=(1, 1, 1), at=(0, 0, 0)):
     [("none", 170, 170), ("2", 170, 10), ("4", 80, 10), ("inf", 123, 0), ("4", 45, 45)],
 )
 def test_rotations_count_up_to_the_symmetry(symmetry, turn, error):
-    from benchmarks.scan.pose_scores import pose_error
+    from benchmarks.scan.pose_sections import pose_error
 
     assert pose_error(pose(turn), pose(), symmetry).degrees == pytest.approx(error, abs=1e-6)
 
 
 def test_scales_follow_the_axes_through_a_quarter_turn():
-    from benchmarks.scan.pose_scores import pose_error
+    from benchmarks.scan.pose_sections import pose_error
 
     turned = pose_error(pose(90, (2, 1, 1)), pose(0, (1, 2, 1)), "4")
     assert turned.axis_scale == pytest.approx(0)
@@ -138,7 +138,7 @@ def test_scales_follow_the_axes_through_a_quarter_turn():
 
 
 def test_errors_of_scale_cancel_by_the_rule_of_scan2cad_but_not_by_the_tight_one():
-    from benchmarks.scan.pose_scores import SCAN2CAD, TIGHT, pose_error
+    from benchmarks.scan.pose_sections import SCAN2CAD, TIGHT, pose_error
 
     error = pose_error(pose(scale=(1.3, 0.7, 1.0)), pose(), "none")
     assert error.within(SCAN2CAD) and not error.within(TIGHT)
@@ -148,7 +148,7 @@ def test_errors_of_scale_cancel_by_the_rule_of_scan2cad_but_not_by_the_tight_one
 
 
 def test_objects_that_were_not_found_or_of_another_cad_fail():
-    from benchmarks.scan.pose_scores import pose_summary, score_objects
+    from benchmarks.scan.pose_sections import pose_summary, score_objects
 
     def item(number, cad="a", at=(0, 0, 0), placed=None):
         return FoundObject(number, "chair", cad, pose(at=at), 0, 1, placed=placed)

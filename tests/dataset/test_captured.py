@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.dataset.captured import LeftOutError, captured_room, coverage_of
 from openrooms_usd.dataset.plan import capture_digest, plan_jobs
 from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.dataset.store import Store
+from openrooms_usd.dataset.variants import LeftOutError, captured_room, coverage_of
 from openrooms_usd.description import load_dataset, load_room
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError

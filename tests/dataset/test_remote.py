@@ -18,8 +18,7 @@ from openrooms_usd.dataset import scratch as leases
 from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.remote import RemoteFolder
 from openrooms_usd.dataset.scratch import Lease, leased, root_of, store_at
-from openrooms_usd.dataset.status import status_of
-from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
+from openrooms_usd.dataset.status import CHANGED, EXTRA, MISSING, Damage, status_of, verify
 from openrooms_usd.errors import InputError, MissingPackageError, OutputError
 from tests.dataset.conftest import Checksums, Made, Start
 

@@ -11,9 +11,8 @@ import pytest
 
 from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.records import LEFT_OUT, SCENE
-from openrooms_usd.dataset.report import charts, wording
-from openrooms_usd.dataset.report.contact import spread
-from openrooms_usd.dataset.report.page import write_report
+from openrooms_usd.dataset.report import charts
+from openrooms_usd.dataset.report.page import spread, write_report
 from openrooms_usd.dataset.report.sections import contents, cost_table
 from openrooms_usd.dataset.stats import Stats
 from openrooms_usd.dataset.store import Store, write_json
@@ -216,7 +215,7 @@ def test_charts_are_the_same_bytes_and_hold_their_words_as_text() -> None:
     rows = charts.most({f"name {n}": float(n) for n in range(40)})
     assert rows[0] == ("name 39", 39.0)
     assert rows[-1] == ("17 others", sum(range(17)))
-    first, again = charts.bars(rows, wording.count), charts.bars(rows, wording.count)
+    first, again = charts.bars(rows, charts.count), charts.bars(rows, charts.count)
     assert first == again
     words = {node.text for node in ET.fromstring(first).iter("{http://www.w3.org/2000/svg}text")}
     assert {"name 39", "17 others", "136"} <= words
@@ -230,18 +229,18 @@ def test_charts_are_the_same_bytes_and_hold_their_words_as_text() -> None:
 @pytest.mark.parametrize(
     ("word", "expected"),
     [
-        (wording.count(9999), "9,999"),
-        (wording.count(1_234_567), "1.23 M"),
-        (wording.size(27_400_000), "27.4 MB"),
-        (wording.size(0), "0 bytes"),
-        (wording.seconds(0.0123), "0.012 s"),
-        (wording.seconds(90.0), "90 s"),
-        (wording.seconds(7200.0), "2 h"),
-        (wording.share(1, 8), "12 %"),
-        (wording.share(1, 5000), "under 0.1 %"),
-        (wording.share(0, 0), "0 %"),
-        (wording.digits(123456.0), "123,000"),
-        (wording.digits(0.000123), "0.000123"),
+        (charts.count(9999), "9,999"),
+        (charts.count(1_234_567), "1.23 M"),
+        (charts.size(27_400_000), "27.4 MB"),
+        (charts.size(0), "0 bytes"),
+        (charts.seconds(0.0123), "0.012 s"),
+        (charts.seconds(90.0), "90 s"),
+        (charts.seconds(7200.0), "2 h"),
+        (charts.share(1, 8), "12 %"),
+        (charts.share(1, 5000), "under 0.1 %"),
+        (charts.share(0, 0), "0 %"),
+        (charts.digits(123456.0), "123,000"),
+        (charts.digits(0.000123), "0.000123"),
     ],
 )
 def test_numbers_are_worded_for_people(word: str, expected: str) -> None:

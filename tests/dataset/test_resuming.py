@@ -11,8 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from openrooms_usd.dataset.status import status_of
-from openrooms_usd.dataset.verify import verify
+from openrooms_usd.dataset.status import status_of, verify
 from openrooms_usd.rendering.reading import read_render
 from tests.dataset.conftest import PATIENCE_S, Checksums, Made, Start, wait_for
 from tests.disks import disk

@@ -14,9 +14,8 @@ from openrooms_usd.dataset import run
 from openrooms_usd.dataset.executor import Lost, Task, Wanted
 from openrooms_usd.dataset.plan import Job, PlannedRoom, job_of
 from openrooms_usd.dataset.records import SCENE
-from openrooms_usd.dataset.status import status_of
+from openrooms_usd.dataset.status import CHANGED, EXTRA, MISSING, Damage, status_of, verify
 from openrooms_usd.dataset.store import Store, write_json
-from openrooms_usd.dataset.verify import CHANGED, EXTRA, MISSING, Damage, verify
 from openrooms_usd.dataset.work import BEGUN, FAILED, FINISHED
 from openrooms_usd.errors import InputError
 

@@ -10,8 +10,8 @@ from openrooms_usd.dataset.plan import Job, PlannedRoom
 from openrooms_usd.dataset.quality import assess, camera_faults
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.stats import stats_of
+from openrooms_usd.dataset.status import DEPTH_BINS, channel_seconds, material_names, tally
 from openrooms_usd.dataset.store import Store, write_json
-from openrooms_usd.dataset.tally import DEPTH_BINS, channel_seconds, material_names, tally
 from openrooms_usd.rendering.contract import Image, View
 
 

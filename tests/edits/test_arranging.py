@@ -11,10 +11,10 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.composing import compose_room
 from openrooms_usd.edits.arranging import duplicate, place, relabel, remove
-from openrooms_usd.edits.history import History
+from openrooms_usd.edits.editing import History
 from openrooms_usd.edits.orphans import orphans_of
 from openrooms_usd.edits.remaking import remake
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import Spot
 from openrooms_usd.errors import DescriptionError, InputError, OrusdError
 from openrooms_usd.usd.semantics import read_label
 from tests.edits.test_assigning import others

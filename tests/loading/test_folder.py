@@ -17,12 +17,10 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError, MissingPackageError
-from openrooms_usd.loading.cropping import Crop
-from openrooms_usd.loading.mirroring import HorizontalFlip
 from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.resizing import Resize
 from openrooms_usd.loading.sample import Sample
-from openrooms_usd.loading.transforms import Compose
+from openrooms_usd.loading.transforms import Compose, Crop, HorizontalFlip
 from openrooms_usd.rendering import exr
 from tests.loading.test_remote import serving
 

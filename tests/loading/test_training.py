@@ -12,12 +12,9 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.loading.cropping import RandomCrop
-from openrooms_usd.loading.mirroring import HorizontalFlip
 from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.sample import Sample
-from openrooms_usd.loading.toning import Exposure
-from openrooms_usd.loading.transforms import Compose
+from openrooms_usd.loading.transforms import Compose, Exposure, HorizontalFlip, RandomCrop
 
 PAGE = Path(__file__).parents[2] / "docs/loading.md"
 CHANNELS = ("radiance", "depth", "position", "instance")
@@ -126,8 +123,8 @@ def test_rooms_with_and_without_lights_go_together(sample: Sample) -> None:
 
 
 def test_what_does_not_go_together_is_told(sample: Sample) -> None:
-    from openrooms_usd.loading.cropping import Crop
     from openrooms_usd.loading.tensors import collate, tensors_of
+    from openrooms_usd.loading.transforms import Crop
 
     part = Crop(0, 0, 24, 24)(sample, np.random.default_rng(0))
     with pytest.raises(InputError, match="in sizes"):

@@ -11,12 +11,20 @@ import numpy as np
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.loading.cropping import CentreCrop, Crop, RandomCrop
-from openrooms_usd.loading.mirroring import HorizontalFlip, QuarterTurn, flipped
 from openrooms_usd.loading.resizing import Resize, area_mean
 from openrooms_usd.loading.sample import Sample
-from openrooms_usd.loading.toning import Exposure, Normalise
-from openrooms_usd.loading.transforms import Compose, Transform
+from openrooms_usd.loading.transforms import (
+    CentreCrop,
+    Compose,
+    Crop,
+    Exposure,
+    HorizontalFlip,
+    Normalise,
+    QuarterTurn,
+    RandomCrop,
+    Transform,
+    flipped,
+)
 
 FLIP = HorizontalFlip(1.0)
 CHAINS: dict[str, Transform] = {

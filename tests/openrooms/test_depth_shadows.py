@@ -9,7 +9,7 @@ from openrooms_usd.rendering.datasets import DatasetOptions
 from openrooms_usd.rendering.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset
 from orusd_openrooms.lightfiles import depth_shadow
-from orusd_openrooms.records import Light
+from orusd_openrooms.lights import Light
 
 ROWS, COLUMNS = 48, 64
 K = np.array([[70.0, 0.0, 32.0], [0.0, 70.0, 24.0], [0.0, 0.0, 1.0]])

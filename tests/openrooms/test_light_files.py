@@ -13,9 +13,17 @@ import pytest
 from openrooms_usd.rendering.datasets import DatasetOptions
 from openrooms_usd.rendering.reading import RenderedScene, read_render
 from orusd_openrooms import OpenRoomsDataset
-from orusd_openrooms.lights import box, camera_from_world, single_source, source, spread
+from orusd_openrooms.lights import (
+    Light,
+    Lobe,
+    box,
+    camera_from_world,
+    lights_of,
+    single_source,
+    source,
+    spread,
+)
 from orusd_openrooms.readers import read_bytes, read_light, read_light_box
-from orusd_openrooms.records import Light, Lobe, lights_of
 from tests.openrooms.synthetic import GAUSSIANS, LAMP, RADIANCE, WINDOW, random_pose
 
 

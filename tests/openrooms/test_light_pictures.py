@@ -9,10 +9,10 @@ import pytest
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.datasets import DatasetOptions
 from openrooms_usd.rendering.reading import RenderedScene
-from orusd_openrooms import OpenRoomsDataset, environments
+from orusd_openrooms import OpenRoomsDataset, frame
 from orusd_openrooms.frame import area_mean
+from orusd_openrooms.images import ERROR, encode, write_rgbe
 from orusd_openrooms.readers import read_environments, read_light
-from orusd_openrooms.rgbe import ERROR, encode, write_rgbe
 from tests.openrooms.synthetic import make_render
 
 
@@ -126,7 +126,7 @@ def test_legacy_stores_red_where_the_format_has_blue(render: RenderedScene, tmp_
 def test_even_light_gives_pi_times_it() -> None:
     even = np.full((2, 3, 16, 32, 3), [1.0, 2.0, 3.0], np.float32)
     np.testing.assert_allclose(
-        environments.irradiance(even),
+        frame.irradiance(even),
         np.broadcast_to([np.pi, 2 * np.pi, 3 * np.pi], (2, 3, 3)),
         rtol=1e-6,
     )
@@ -137,13 +137,13 @@ def test_a_cosine_of_light_gives_two_thirds_of_pi() -> None:
     means = 0.5 * (edges[:-1] + edges[1:])  # of the cosine over the solid angle of a belt
     grid = np.broadcast_to(means[:, None, None], (1, 1, 16, 32, 3)).astype(np.float32)
     # Light that is not even inside a cell: the discretisation's share.
-    np.testing.assert_allclose(environments.irradiance(grid), 2 * np.pi / 3, rtol=2e-3)
+    np.testing.assert_allclose(frame.irradiance(grid), 2 * np.pi / 3, rtol=2e-3)
 
 
 def test_a_coarser_grid_holds_means_over_blocks(render: RenderedScene) -> None:
     grid = render.views["view_0"].grid("environment_direct")
     assert grid is not None
-    coarse = environments.coarser(grid, 4)
+    coarse = frame.coarser(grid, 4)
     assert coarse.shape == (3, 4, 16, 32, 3)
     np.testing.assert_allclose(coarse[1, 2], grid[4:8, 8:12].mean(axis=(0, 1)), rtol=1e-5)
 

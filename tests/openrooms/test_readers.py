@@ -11,8 +11,8 @@ import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.loading.mirroring import flipped
 from openrooms_usd.loading.opening import open_source
+from openrooms_usd.loading.transforms import flipped
 from openrooms_usd.rendering.datasets import DatasetOptions, Layout
 from openrooms_usd.rendering.reading import RenderedScene
 from orusd_openrooms import OpenRoomsDataset, readers

@@ -16,7 +16,7 @@ from openrooms_usd.rendering.reading import read_render
 from openrooms_usd.rendering.scene.lights import LobeName
 from openrooms_usd.usd.light.lights import Portal, connect_portals, define_portal
 from orusd_openrooms import OpenRoomsDataset
-from orusd_openrooms.records import LOBES, lights_of
+from orusd_openrooms.lights import LOBES, lights_of
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ from openrooms_usd.rendering.datasets import DatasetOptions
 from openrooms_usd.rendering.reading import read_render
 from orusd_openrooms import OpenRoomsDataset, lightfiles
 from orusd_openrooms.lightfiles import approximate
+from orusd_openrooms.lights import Light, Lobe, lights_of
 from orusd_openrooms.readers import read_light
-from orusd_openrooms.records import Light, Lobe, lights_of
 
 ONE = np.ones(3)
 

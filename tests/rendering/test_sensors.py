@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.description.sensor import DepthCamera, Distortion, Noise, Sensor
+from openrooms_usd.description.dataset import DepthCamera, Distortion, Noise, Sensor
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.rendering import Image, View, exr

@@ -13,8 +13,8 @@ from openrooms_usd.scan.registration.hints import Box, Hint, moved_pose
 from openrooms_usd.scan.registration.hypotheses import from_box, plain
 from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS
 from openrooms_usd.scan.registration.supportheights import supports
+from openrooms_usd.scan.registration.surroundings import walls_of
 from openrooms_usd.scan.registration.template import template_of
-from openrooms_usd.scan.registration.wallsides import walls_of
 from openrooms_usd.scan.results import Pose
 from tests.scan.alignment_cases import (
     CABINET,

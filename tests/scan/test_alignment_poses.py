@@ -17,7 +17,7 @@ from openrooms_usd.scan.registration.fitting import FINE, AnnealingLevel, refine
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, true_size
 from openrooms_usd.scan.registration.priors import PoseHypothesis
-from openrooms_usd.scan.registration.surroundings import Surroundings
+from openrooms_usd.scan.registration.surroundings import Surroundings, walls_of
 from openrooms_usd.scan.registration.template import (
     Template,
     directions,
@@ -27,7 +27,6 @@ from openrooms_usd.scan.registration.template import (
     unposed,
     upright_of,
 )
-from openrooms_usd.scan.registration.wallsides import walls_of
 from openrooms_usd.scan.results import Pose
 from tests.scan.alignment_cases import (
     CABINET,

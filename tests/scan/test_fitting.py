@@ -7,8 +7,7 @@ from openrooms_usd.scan.placement.correcting import Placement, place
 from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.results import FoundObject
 from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
-from openrooms_usd.scan.rooms.refit import refitted
-from openrooms_usd.scan.rooms.roomoutline import Cost, with_piers
+from openrooms_usd.scan.rooms.roomoutline import Cost, refitted, with_piers
 from openrooms_usd.scan.rooms.spaces import find_spaces
 from openrooms_usd.scan.rooms.walls import upright
 from tests.scan.placement_cases import MODELS, found, outside, overlaps, points, room

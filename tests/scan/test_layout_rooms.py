@@ -9,7 +9,7 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.rooms.layout import LayoutOptions, LayoutRoom, find_layout
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.occupancy import free_along_rays
+from openrooms_usd.scan.rooms.spaces import free_along_rays
 from tests.scan.scanned_rooms import SQUARE, RoomScan, corner_error, motion
 
 FURNITURE = ((1.0, 0.6, 1.4, 0.8, 0.70, 0.74), (0.02, 1.3, 0.6, 1.2, 0.0, 2.0))

@@ -5,8 +5,7 @@ import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.planes import fit_plane, total_least_squares
-from openrooms_usd.scan.points.surfels import surfels
+from openrooms_usd.scan.points.surfels import fit_plane, surfels, total_least_squares
 from openrooms_usd.scan.reconstruction import find_rooms
 from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.scan.rooms.levelling import Level, level

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from openrooms_usd.scan.openings.detection import find_openings
-from openrooms_usd.scan.openings.doorframes import frames
+from openrooms_usd.scan.openings.judgement import frames
 from openrooms_usd.scan.openings.wallpicture import CELL_M, WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import sight_of
 from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.layout import find_layout, open_leaves
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.occupancy import PIXEL_M, at_sensor_height, free_space
-from openrooms_usd.scan.rooms.spaces import _markers, _rooms
+from openrooms_usd.scan.rooms.spaces import PIXEL_M, _markers, _rooms, at_sensor_height, free_space
 from tests.scan.scanned_rooms import DOOR, SQUARE, RoomScan, corner_error
 from tests.scan.walled_rooms import CORNERS, HEIGHT, SENSOR_ORIGINS, Sheet, casing_of, room
 

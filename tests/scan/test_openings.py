@@ -7,8 +7,8 @@ import pytest
 
 from openrooms_usd.scan.openings.cellcounts import CELL_M, faces_of
 from openrooms_usd.scan.openings.detection import LIKELY, behind_curtain, find_openings
+from openrooms_usd.scan.openings.judgement import without_casing
 from openrooms_usd.scan.openings.rectangles import Rectangle
-from openrooms_usd.scan.openings.walllabels import without_casing
 from openrooms_usd.scan.openings.wallpicture import wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import sight_of

@@ -16,8 +16,7 @@ from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.boxes import boxes_of
 from openrooms_usd.scan.segmentation.byshape import ShapeSegmenter
 from openrooms_usd.scan.segmentation.contract import Segments, checked
-from openrooms_usd.scan.segmentation.labelled import things_of, with_labels
-from openrooms_usd.scan.segmentation.naming import UNNAMED
+from openrooms_usd.scan.segmentation.naming import UNNAMED, things_of, with_labels
 from orusd_scans.plainscan import ScanImporter
 
 Array = NDArray[np.float64]

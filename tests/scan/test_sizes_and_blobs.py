@@ -7,11 +7,10 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.fitting import AnnealingLevel, Fit, energy
 from openrooms_usd.scan.registration.priors import PoseHypothesis
+from openrooms_usd.scan.registration.scalelimits import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.supportheights import supports
-from openrooms_usd.scan.registration.surroundings import Surroundings
+from openrooms_usd.scan.registration.surroundings import Surroundings, walls_of
 from openrooms_usd.scan.registration.template import Template, posed, template_of
-from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
-from openrooms_usd.scan.registration.wallsides import walls_of
 from tests.scan.alignment_cases import CABINET, CHAIR, cad, room
 
 # Two boards that are 3 cm apart, each 1 cm thick, with slats between them.

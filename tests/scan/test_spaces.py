@@ -5,14 +5,20 @@ import pytest
 
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
-from openrooms_usd.scan.rooms.borders import moved_behind
+from openrooms_usd.scan.rooms.candidates import moved_behind
+from openrooms_usd.scan.rooms.ceilings import NO_CEILINGS, ceilings_of
 from openrooms_usd.scan.rooms.faces import no_walls
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
-from openrooms_usd.scan.rooms.occupancy import PIXEL_M
 from openrooms_usd.scan.rooms.outline import outline_of
-from openrooms_usd.scan.rooms.soffits import NO_CEILINGS, ceilings_of
-from openrooms_usd.scan.rooms.spaces import _rooms, _watershed, find_spaces, roofed, walled_shares
+from openrooms_usd.scan.rooms.spaces import (
+    PIXEL_M,
+    _rooms,
+    _watershed,
+    find_spaces,
+    roofed,
+    walled_shares,
+)
 from openrooms_usd.scan.rooms.walls import upright
 from tests.scan.scanned_rooms import SQUARE, RoomScan, corner_error, rings_found
 

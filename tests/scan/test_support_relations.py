@@ -6,9 +6,8 @@ import pytest
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.scan.placement.arrangement import arranged
 from openrooms_usd.scan.placement.bodies import Body, solid
-from openrooms_usd.scan.placement.chords import Lattice, chords
 from openrooms_usd.scan.placement.enclosure import Enclosure
-from openrooms_usd.scan.placement.penetration import exits, gaps, near, penetration
+from openrooms_usd.scan.placement.penetration import Lattice, chords, exits, gaps, near, penetration
 from openrooms_usd.scan.placement.spreading import Condition, least_motion
 from openrooms_usd.scan.placement.support import rest
 from tests.scan.placement_cases import MODELS, blocks, found, meets

@@ -11,7 +11,7 @@ from openrooms_usd.scan.rooms.candidates import wall_lines
 from openrooms_usd.scan.rooms.cells import Cells, cut_plan, inside_by_cut
 from openrooms_usd.scan.rooms.directions import angle_between, wall_directions
 from openrooms_usd.scan.rooms.outline import outline_of
-from openrooms_usd.scan.rooms.refit import refitted
+from openrooms_usd.scan.rooms.roomoutline import refitted
 from openrooms_usd.scan.rooms.walls import Line, profile, upright
 from tests.scan.scanned_rooms import CABINET, SQUARE, RoomScan, corner_error, motion, rings_found
 

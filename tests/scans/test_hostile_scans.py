@@ -17,7 +17,7 @@ from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from orusd_scans.plainscan import READERS, read_scanned
 from orusd_scans.roomplan.importer import RoomPlanImporter
-from orusd_scans.scannet.sens import Sens
+from orusd_scans.scannet.frames import Sens
 from orusd_scans.sunrgbd.files import read_matrix
 from tests.scans.laser import write_e57, write_las
 

@@ -16,12 +16,11 @@ from openrooms_usd.capture import Capture, read_capture
 from openrooms_usd.description import load_room
 from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.importing import import_capture
-from openrooms_usd.importing.checks import check_scan
+from openrooms_usd.importing.captures import check_scan
 from openrooms_usd.scan.rooms.levelling import level
 from orusd_scans.formats.laser import read_e57, read_las
-from orusd_scans.formats.meshfile import read_mesh
 from orusd_scans.formats.pointtext import read_npz, read_text
-from orusd_scans.plainscan import READERS, ScanImporter, read_scanned
+from orusd_scans.plainscan import READERS, ScanImporter, read_mesh, read_scanned
 from tests.scan.scanned_rooms import RoomScan
 from tests.scans import test_arkitscenes, test_scannet_scene, test_sunrgbd
 from tests.scans.damage import cuts_are_refused

@@ -10,7 +10,7 @@ from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from orusd_scans.plainscan import Standing, find_standing, upright
-from orusd_scans.scanunits import UNITS, Asked, unit_named
+from orusd_scans.scanaxes import UNITS, Asked, unit_named
 from tests.scan.scanned_rooms import RoomScan
 
 Real = Callable[[str], Path]

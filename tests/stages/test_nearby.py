@@ -12,8 +12,7 @@ from openrooms_usd.library.surroundings.outside.ledges import NET, NET_PASSES, l
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
-from openrooms_usd.stages.lights.daylight import portals
-from openrooms_usd.stages.lights.nearby import author_nearby, site_of
+from openrooms_usd.stages.lights.daylight import author_nearby, portals, site_of
 from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import is_outside, read_meshes

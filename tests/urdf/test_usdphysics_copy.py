@@ -13,8 +13,8 @@ from openrooms_usd.exporters import Report
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.rigid.reading import read_world
 from openrooms_usd.validation.model import Rule, Subject
-from openrooms_usd.validation.physics_rules import articulations, nested_bodies
 from openrooms_usd.validation.physx_rules import PHYSX_RULES
+from openrooms_usd.validation.stage_rules import articulations, nested_bodies
 from orusd_urdf import UsdPhysicsExporter
 from tests.folders import contents
 from tests.validators import nvidia_issues

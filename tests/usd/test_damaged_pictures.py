@@ -12,7 +12,7 @@ from pxr import Sdf, Usd, UsdShade, UsdUtils
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.pictures import load
-from openrooms_usd.usd.shading import udim
+from openrooms_usd.usd.shading import textures
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import Texture, define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface
@@ -117,7 +117,7 @@ def test_each_tile_is_where_its_number_says(tmp_path: Path, kind: str) -> None:
     found, losses = read(stage)
     texture = found.base_color
     assert losses == () and isinstance(texture, Texture)
-    assert udim.grid(texture.file) == (3, 2)
+    assert textures.grid(texture.file) == (3, 2)
     middles = [(column + 0.5, row + 0.5) for column, row in (*TILES, (1, 1))]
     expected = [linear_from_srgb(np.array(color) / 255.0) for color in TILES.values()]
     assert seen(texture, middles) == pytest.approx(np.array([*expected, [0.0] * 3]), abs=1e-3)

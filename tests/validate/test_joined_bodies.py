@@ -4,7 +4,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd.validation.model import Subject
-from openrooms_usd.validation.physics_rules import articulations, nested_bodies
+from openrooms_usd.validation.stage_rules import articulations, nested_bodies
 
 BODIES = ("/World/case", "/World/door", "/World/knob")
 

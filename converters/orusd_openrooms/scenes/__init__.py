@@ -2,11 +2,10 @@
 
 In: ``importer`` is the story. ``reading`` (of a file that may be hostile), ``roots`` (where the
 dataset's files are), ``sceneobjects`` (what shapes are), ``shell`` (the room's plan), ``models``
-and ``materials`` (what shows it), ``standins`` (what stands for what is not there), ``scene`` (all
-of it together).
+and ``materials`` (what shows it, in and out), ``standins`` (what stands for what is not there),
+``scene`` (all of it together).
 
 Out: ``exporter`` is what is registered, ``export`` the story. ``objects`` (what of a stage becomes
 a shape), ``layoutfiles`` (the shell's meshes), ``modelfiles`` (the others' and their steps),
-``microfacet`` (materials and their maps), ``lightboxes`` (the panorama, and what loaders read of
-lights), ``objtext`` (the files' text).
+``lightboxes`` (the panorama, and what loaders read of lights).
 """

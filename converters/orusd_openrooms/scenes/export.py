@@ -8,7 +8,6 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import atomic, names
@@ -22,12 +21,12 @@ from openrooms_usd.rendering.scene.sources import sources_of
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera, list_cameras, read_camera
 from orusd_openrooms.cameras import layout_transforms, pose, write_cameras, write_intrinsics
+from orusd_openrooms.images import write_rgbe
+from orusd_openrooms.lights import ELSEWHERE, Light, light_of
 from orusd_openrooms.pickles import write_pickled
-from orusd_openrooms.records import ELSEWHERE, Light, light_of
-from orusd_openrooms.rgbe import write_rgbe
 from orusd_openrooms.scenes.layoutfiles import floor_of, layout_losses, write_layout
 from orusd_openrooms.scenes.lightboxes import FORM, light_files, panorama
-from orusd_openrooms.scenes.microfacet import Materials, losses
+from orusd_openrooms.scenes.materials import Materials, losses
 from orusd_openrooms.scenes.modelfiles import ModelFiles, plain_steps
 from orusd_openrooms.scenes.objects import Object, Objects, objects_of
 from orusd_openrooms.scenes.records import Bsdf, SceneFile, Shape, Step
@@ -37,7 +36,6 @@ _DECIMALS: Final = 6
 _TURN_DECIMALS: Final = 9
 _SAMPLES: Final = 1024
 _MAPS: Final = ("albedo", "normal", "roughness", "metallic")
-Array = NDArray[np.float64]
 _UP: Final = "../../../"
 _OFF: Final = 1e-8
 _SAME_FOV_DEG: Final = 0.01

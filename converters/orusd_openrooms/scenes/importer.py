@@ -6,27 +6,14 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.capture import (
-    NO_OPTIONS,
-    Capture,
-    CapturedFrame,
-    CapturedModel,
-    CapturedOpening,
-    Packed,
-)
+from openrooms_usd import capture
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
 from openrooms_usd.unpickling import read_pickled
 from orusd_openrooms.readers import read_cameras
-from orusd_openrooms.scenes.materials import (
-    constant,
-    pictures_of,
-    repeat_m,
-    stand_in,
-    tiled_pictures,
-)
+from orusd_openrooms.scenes import materials
 from orusd_openrooms.scenes.records import Bsdf, Color, SceneFile, Step, whole
 from orusd_openrooms.scenes.scene import MARK, Placed, Scene, load_scene
 
@@ -38,7 +25,6 @@ _CROOKED: Final = 0.02
 _SAME: Final = 1e-3
 _FARTHEST: Final = 1e6
 _KINDS: Final = ("s", "rot", "t")
-Array = NDArray[np.float64]
 _FOLDER: Final = "dataset"
 _LAYOUT: Final = "layout.obj"
 _CAMERAS: Final = "cam.txt"
@@ -65,7 +51,9 @@ class OpenRoomsXmlImporter:
     }
     paths = frozenset(options)
 
-    def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
+    def read(
+        self, source: Path, options: Mapping[str, str] = capture.NO_OPTIONS
+    ) -> capture.Capture:
         """Read a scene and what it names.
 
         Args:
@@ -83,7 +71,7 @@ class OpenRoomsXmlImporter:
         notes += _missing(scene)
         shell, shell_notes = ({}, []) if scene.imported else _shell_looks(scene)
         environment, sky_notes = ({}, []) if scene.imported else _environment(scene)
-        return Capture(
+        return capture.Capture(
             source=source.name,
             source_from_world=scene.scene_from_world,
             floor=scene.shell.floor,
@@ -97,7 +85,7 @@ class OpenRoomsXmlImporter:
             notes=tuple(dict.fromkeys([*notes, *shell_notes, *sky_notes])),
         )
 
-    def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
+    def pack(self, source: Path, options: Mapping[str, str] = capture.NO_OPTIONS) -> capture.Packed:
         """The scene, its models with their materials, its layout, its cameras, its panorama."""
         scene = load_scene(source, options)
         contents: dict[str, bytes | Path] = {source.name: source}
@@ -117,10 +105,10 @@ class OpenRoomsXmlImporter:
         if panorama is not None and scene.file.environment_scale >= _OFF:
             contents[f"{_ENVIRONMENT}{panorama.suffix.lower()}"] = panorama
         for part, bsdf in _shell_bsdfs(scene).items():
-            found = pictures_of(bsdf, scene.roots.find) or {}
-            for name, content in tiled_pictures(bsdf, found).items():
+            found = materials.pictures_of(bsdf, scene.roots.find) or {}
+            for name, content in materials.tiled_pictures(bsdf, found).items():
                 contents[f"{_MATERIALS}/{part}/{name}"] = content
-        return Packed(source.name, contents, asked)
+        return capture.Packed(source.name, contents, asked)
 
 
 _MARKED: Final = (
@@ -135,9 +123,9 @@ def _cameras(source: Path, options: Mapping[str, str]) -> Path | None:
     return beside if beside.is_file() else None
 
 
-def _model(scene: Scene, one: Placed) -> CapturedModel:
+def _model(scene: Scene, one: Placed) -> capture.CapturedModel:
     low, high = one.extent
-    return CapturedModel(
+    return capture.CapturedModel(
         id=one.item.id,
         label=one.item.label,
         file=one.file,
@@ -158,9 +146,9 @@ def _emitted(one: Placed) -> Color | None:
     return (0.0, 0.0, 0.0) if stands_in and not one.item.radiance else one.item.radiance
 
 
-def _openings(scene: Scene) -> Iterator[CapturedOpening]:
+def _openings(scene: Scene) -> Iterator[capture.CapturedOpening]:
     for number, (hole, kind) in enumerate(scene.openings):
-        yield CapturedOpening(
+        yield capture.CapturedOpening(
             f"hole{number}", kind, hole.center, hole.direction, hole.width, hole.height
         )
 
@@ -180,12 +168,12 @@ def _shell_looks(scene: Scene) -> tuple[dict[str, dict[str, Any]], list[str]]:
     notes = []
     for part, bsdf in _shell_bsdfs(scene).items():
         if "albedo" not in bsdf.maps:
-            looks[part] = constant(bsdf)
-        elif pictures_of(bsdf, scene.roots.find) is not None:
-            size = repeat_m(bsdf, scene.shell.repeats)
+            looks[part] = materials.constant(bsdf)
+        elif materials.pictures_of(bsdf, scene.roots.find) is not None:
+            size = materials.repeat_m(bsdf, scene.shell.repeats)
             looks[part] = {"file": f"{_MATERIALS}/{part}", "size": size}
         else:
-            looks[part] = stand_in(bsdf)
+            looks[part] = materials.stand_in(bsdf)
             notes.append(f"{part}: {_stood_for(bsdf, looks[part])}")
     return looks, notes
 
@@ -237,7 +225,7 @@ def _environment(scene: Scene) -> tuple[dict[str, Any], list[str]]:
 
 def read_frames(
     path: Path | None, file: SceneFile, scene_from_world: Array
-) -> tuple[CapturedFrame, ...]:
+) -> tuple[capture.CapturedFrame, ...]:
     """The cameras of a scene, counted from 1 as its pictures are.
 
     Args:
@@ -260,7 +248,7 @@ def read_frames(
             f"{len(cameras):,} cameras; at most {_MOST_CAMERAS:,} are read", place=path
         )
     return tuple(
-        CapturedFrame(
+        capture.CapturedFrame(
             f"{number}",
             world_from_scene @ camera_pose(rows, f"{path}: camera {number}"),
             K,

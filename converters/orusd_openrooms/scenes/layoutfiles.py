@@ -7,20 +7,19 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import atomic, names
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.rendering.scene.arrays import Patch, Scene
 from openrooms_usd.usd.light.emitters import world_from_prim
-from orusd_openrooms.scenes.microfacet import Materials, losses, mapping
+from orusd_openrooms.scenes.materials import Materials, losses, mapping
+from orusd_openrooms.scenes.modelfiles import Faces, obj_bytes
 from orusd_openrooms.scenes.objects import SHELL, Objects
-from orusd_openrooms.scenes.objtext import Faces, obj_bytes
 from orusd_openrooms.scenes.records import Bsdf, Shape, Step
 
-Array = NDArray[np.float64]
 _LEAST_THICKNESS_M = 0.01
 # How far an opening's middle may lie from the side that it is cut into, metres.
 _REACH_M: Final = 0.3

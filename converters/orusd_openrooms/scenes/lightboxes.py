@@ -6,12 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
-from orusd_openrooms.lights import box, source
-from orusd_openrooms.records import LOBES, Light
-
-Array = NDArray[np.float64]
+from orusd_openrooms.lights import LOBES, Light, box, source
 
 # Suns are drawn as pixels, which must be small.
 _SUNNY: Final = (512, 1024)

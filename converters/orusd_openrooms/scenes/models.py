@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names, untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.models.pieces import Piece, prim_names
 from openrooms_usd.library.models.wavefront import read_obj
@@ -20,8 +20,6 @@ from orusd_openrooms.scenes.materials import Find, pictures_of, stand_in, surfac
 from orusd_openrooms.scenes.records import Bsdf
 from orusd_openrooms.scenes.roots import Named
 from orusd_openrooms.scenes.sceneobjects import SceneObject, is_light
-
-Array = NDArray[np.float64]
 
 FILE: Final = "model.usdc"
 _GREY: Final = Bsdf("", albedo=(0.5, 0.5, 0.5), roughness=1.0)

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.boards import part_of
 from openrooms_usd.geometry.rotations import is_rotation
 from openrooms_usd.rendering.scene.arrays import Patch, Scene
@@ -18,8 +18,6 @@ from openrooms_usd.usd.light.emitters import world_from_prim
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.semantics import read_label
 from orusd_openrooms.scenes.records import Color
-
-Array = NDArray[np.float64]
 
 SHELL: Final = {names.FLOOR: "floor", names.CEILING: "ceiling", names.WALLS: "wall"}
 _GROUPS: Final = (names.FURNITURE, names.OPENINGS)

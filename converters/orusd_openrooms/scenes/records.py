@@ -4,11 +4,10 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import pose
 
-Array = NDArray[np.float64]
 Color = tuple[float, float, float]
 
 

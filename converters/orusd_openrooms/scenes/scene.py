@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, category
 from openrooms_usd.geometry.rotations import inverse, is_rotation, nearest_rotation, pose
@@ -22,7 +22,6 @@ from orusd_openrooms.scenes.sceneobjects import SceneObject, contents
 from orusd_openrooms.scenes.shell import RELEASE_HEIGHT_M, Hole, Shell, shell_around, shell_of
 from orusd_openrooms.scenes.standins import extent_of
 
-Array = NDArray[np.float64]
 OpeningKind = Literal["window", "door", "opening"]
 MARK: Final = "imported.txt"
 # From their world, Y up, to ours where no layout says it.

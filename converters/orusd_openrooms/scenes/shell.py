@@ -10,14 +10,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 
 if TYPE_CHECKING:
     import shapely
 
-Array = NDArray[np.float64]
 
 # Every room of the release has this height.
 RELEASE_HEIGHT_M: Final = 3.0

@@ -9,11 +9,9 @@ import re
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import CATEGORIES, category
-
-Array = NDArray[np.float64]
 
 # The first row with a word of the name counts: what something is made of comes before what it
 # looks like, and what covers it before what lies below.

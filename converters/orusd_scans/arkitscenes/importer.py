@@ -15,20 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import DepthFrame, fuse
 from orusd_scans.formats.depthpicture import read_picture, read_sixteen_bits
 from orusd_scans.formats.ply import read_ply
-from orusd_scans.frames import intrinsics
-from orusd_scans.packing import packed_folder
+from orusd_scans.frames import intrinsics, packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_sensor_origins
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node, read_json
-from orusd_scans.scanned import Scanned, broken
+from orusd_scans.records import Node, read_json, text
+from orusd_scans.scanned import Scanned, broken, line_of_numbers, one_in
 from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
-
-Array = NDArray[np.float64]
 
 _MESH: Final = "*_3dod_mesh.ply"
 _BOXES: Final = "*_3dod_annotation.json"
@@ -45,7 +42,6 @@ _MAX_POSE_GAP_S: Final = 0.25
 _SAME_MOMENT_S: Final = 0.02
 # Depth is kept where its confidence is not the lowest of 0, 1 and 2.
 _MIN_CONFIDENCE: Final = 1
-_MAX_COORDINATE_M: Final = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +88,7 @@ def read_path(path: Path) -> CameraPath:
     """
     from scipy.spatial.transform import Rotation
 
-    rows = np.array([_numbers(line, 7, path, i) for i, line in enumerate(_lines(path))])
+    rows = np.array([line_of_numbers(line, 7, path, i) for i, line in enumerate(_lines(path))])
     if len(rows) == 0:
         raise broken(path, "it holds no poses")
     _, first = np.unique(rows[:, 0], return_index=True)
@@ -176,19 +172,11 @@ def _pincam(path: Path) -> tuple[Array, tuple[int, int]]:
     lines = _lines(path)
     if len(lines) != 1:
         raise broken(path, "one line of six numbers is expected")
-    width, height, fx, fy, cx, cy = _numbers(lines[0], 6, path, 0)
+    width, height, fx, fy, cx, cy = line_of_numbers(lines[0], 6, path, 0)
     if width < 1 or height < 1:
         raise broken(path, "pictures have no size")
     rows = [[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]
     return intrinsics(Node(rows, path)), (int(width), int(height))
-
-
-def _numbers(line: str, count: int, path: Path, index: int) -> Array:
-    try:
-        values = [float(word) for word in line.split()]
-    except ValueError as error:
-        raise broken(path, f"line {index + 1}: {error}") from error
-    return Node(values, path, f"line {index + 1}").numbers(count, _MAX_COORDINATE_M)
 
 
 def _lines(path: Path) -> list[str]:
@@ -225,7 +213,7 @@ class ARKitScenesImporter:
                     place=source,
                     remedy="give the folder of one scan of ARKitScenes",
                 )
-            every = _whole(options.get("fuse", str(_EVERY_FRAMES)), source)
+            every = one_in(options, _EVERY_FRAMES, source, "pictures")
             fused = fuse(depth_frames(folder, poses, every))
             notes.extend(fused.notes)
             scanned = Scanned(fused.cloud)
@@ -267,14 +255,6 @@ def _frames_folder(source: Path) -> Path | None:
     """The folder of the camera's trajectory."""
     folders = [source, *sorted(source.glob("*_frames"))] if source.is_dir() else []
     return next((folder for folder in folders if (folder / _TRAJECTORY).is_file()), None)
-
-
-def _whole(text_: str, place: Path) -> int:
-    if not text_.isdecimal() or not 0 < int(text_) < 1_000_000:
-        raise InputError(
-            f"{text_[:20]!r} is no number of pictures", place=place, remedy="give --fuse 10"
-        )
-    return int(text_)
 
 
 def read_boxes(path: Path) -> tuple[CapturedBox, ...]:

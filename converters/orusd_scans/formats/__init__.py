@@ -1,5 +1,5 @@
 """Single files of points and pictures, of unknown origin, each read with limits.
 
 - points: `ply`, `pcd`, `laser` (LAS, LAZ, E57; with `laz_reader`), `pointtext`;
-- meshes: `meshfile`; depth and other pictures of whole numbers: `depthpicture`.
+- depth and other pictures of whole numbers: `depthpicture`.
 """

@@ -3,7 +3,6 @@
 - `shapes`, `meshes`, `components`, `usdz`: the USDZ as the records that its JSON
   holds;
 - `records`: these, checked one by one; `curves`: curved walls;
-- `spaces`: which room is meant, and what is in it; `inner`: walls that are not
-  on the outline;
+- `spaces`: which room is meant, and what is in it;
 - `importer`: all of it.
 """

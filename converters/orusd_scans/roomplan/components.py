@@ -8,18 +8,15 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node
+from orusd_scans.records import Node, text
 from orusd_scans.roomplan.curves import Arc, fitted_arc
 from orusd_scans.roomplan.meshes import Hole, floor_outline, holes, is_flat, lowered, missing, span
 from orusd_scans.roomplan.records import Record
 from orusd_scans.roomplan.shapes import AGAIN, Shape, shape_of
-
-Array = NDArray[np.float64]
 
 LISTS: Final = {
     "wall": "walls",

@@ -11,11 +11,9 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from orusd_scans.records.jsonfile import Node
-
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
+from orusd_scans.records import Node
 
 SAGITTA_M: Final = 0.004
 """How far facets may stay behind the arc, metres."""

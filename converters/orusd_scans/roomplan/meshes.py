@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
+
 if TYPE_CHECKING:
     from shapely import Polygon
     from shapely.geometry.base import BaseGeometry
 
-Array = NDArray[np.float64]
 Faces = list[NDArray[np.int64]]
 
 # Points nearer to each other than this are welded, metres: single precision in a room.

@@ -13,14 +13,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Confidence
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records import Node, read_json, text
 from orusd_scans.roomplan.curves import Arc, read_curve
-
-Array = NDArray[np.float64]
 
 _MAX_COORDINATE_M: Final = 1e8  # coordinates, metres: any map projection stays below
 _MAX_DIMENSION_M: Final = 1e3  # dimensions, metres

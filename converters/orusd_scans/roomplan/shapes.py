@@ -12,14 +12,12 @@ from itertools import product
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from orusd_scans.roomplan.meshes import Faces, split
 from orusd_scans.roomplan.records import misplaced
-
-Array = NDArray[np.float64]
 
 AGAIN: Final = "export the capture again, with RoomPlan's option parametric"
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.joining import joined_floors
 from orusd_scans.floorplan import bent, chained
@@ -19,7 +19,6 @@ from orusd_scans.roomplan.records import CapturedRoom, Record
 if TYPE_CHECKING:
     from shapely import Point
 
-Array = NDArray[np.float64]
 
 Z_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 """Y up to Z up: (x, y, z) -> (x, -z, y)."""

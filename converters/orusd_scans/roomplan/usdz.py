@@ -20,11 +20,10 @@ from pathlib import Path, PurePosixPath
 from typing import Final, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Tf
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.unpickling.archives import opened_archive
+from openrooms_usd.unpickling.arrays import opened_archive
 from openrooms_usd.usd.files.crate_reader import check_crate, check_crate_reads
 from openrooms_usd.usd.files.diagnostics import quiet, reading, reason
 from openrooms_usd.usd.files.preflight import check_text
@@ -33,7 +32,6 @@ from orusd_scans.roomplan.meshes import Hole
 from orusd_scans.roomplan.records import CapturedRoom, Record, Section
 from orusd_scans.roomplan.shapes import AGAIN, local, walk
 
-Array = NDArray[np.float64]
 Read = TypeVar("Read")
 
 _IN_WALLS: Final = ("doors", "windows", "openings")

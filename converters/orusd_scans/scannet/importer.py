@@ -11,25 +11,20 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, CapturedModel, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import DepthFrame, Fused, fuse
 from orusd_scans.formats.ply import read_ply
-from orusd_scans.frames import as_text, in_world
-from orusd_scans.packing import packed_folder
+from orusd_scans.frames import as_text, in_world, packed_folder
 from orusd_scans.plainscan import UNDETERMINED, cloud_in, with_sensor_origins
-from orusd_scans.records.jsonfile import Node
-from orusd_scans.scanned import Scanned, opened
-from orusd_scans.scannet.frames import centred, read_scannet_frames, settings
+from orusd_scans.records import Node
+from orusd_scans.scanned import Scanned, one_in, opened
+from orusd_scans.scannet.frames import Sens, centred, read_scannet_frames, settings
 from orusd_scans.scannet.labels import read_annotation
 from orusd_scans.scannet.scan2cad import Scan2CadImporter, official, read_aligned
-from orusd_scans.scannet.sens import Sens
 from orusd_scans.worldframe import WorldFrame, rigid
-
-Array = NDArray[np.float64]
 
 # The meshes of a scene, the usual one first.
 _MESHES: Final = ("_vh_clean_2.ply", "_vh_clean.ply")
@@ -216,7 +211,7 @@ def _scanned(scene: _Scene, options: Mapping[str, str], notes: list[str]) -> Sca
     """The points in the frame of the scan: the labelled mesh, or fused depth."""
     if "fuse" in options or (scene.mesh is None and _sens(scene, options) is not None):
         sens = _needed_sens(scene, options)
-        fused = fuse_sens(sens, _whole(options.get("fuse", str(_EVERY_FRAMES)), sens))
+        fused = fuse_sens(sens, one_in(options, _EVERY_FRAMES, sens, "frames"))
         notes.extend(fused.notes)
         return Scanned(fused.cloud)
     if scene.mesh is None:
@@ -275,14 +270,6 @@ def _depth_frames(sens: Sens, every: int) -> Iterator[DepthFrame]:
     for _, node, depth in sens.depths(every):
         pose = np.array(node.value)
         yield DepthFrame(depth, K, rigid(node) if np.isfinite(pose).all() else pose)
-
-
-def _whole(text: str, place: Path) -> int:
-    if not text.isdecimal() or not 0 < int(text) < 1_000_000:
-        raise InputError(
-            f"{text[:20]!r} is no number of frames", place=place, remedy="give --fuse 10"
-        )
-    return int(text)
 
 
 def _models(

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.semantics import NYU40
 from orusd_scans.formats.ply import read_ply
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node, read_json
-from orusd_scans.records.table import read_table
+from orusd_scans.records import Node, read_json, read_table, text
 
 # The column of the raw names, in new and in old releases.
 _RAW: Final = ("raw_category", "category")

@@ -16,19 +16,16 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.registry import records
 from orusd_scans.frames import as_text, in_world
 from orusd_scans.plan import DrawnPlan, floor_in, frame_along, openings_in, read_plan
-from orusd_scans.records.fields import text
-from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records import Node, read_json, text
 from orusd_scans.scannet.frames import read_scannet_frames
 from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
-
-Array = NDArray[np.float64]
 
 # Objects stand on the floor if their bases are this near to the lowest one's, metres.
 _STANDING_M: Final = 0.15

@@ -9,16 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedBox
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.unpickling import read_pickled
 from orusd_scans.frames import intrinsics
-from orusd_scans.records.fields import number, text
-from orusd_scans.records.jsonfile import Node
-from orusd_scans.scanned import broken, cloud_of, counted, opened, size_of
+from orusd_scans.records import Node, number, text
+from orusd_scans.scanned import broken, cloud_of, counted, line_of_numbers, opened, size_of
 from orusd_scans.worldframe import MAX_COORDINATE_M, proper
-
-Array = NDArray[np.float64]
 
 # The ten classes of VoteNet and MMDetection3D, by their numbers.
 CLASSES: Final = (
@@ -103,7 +101,9 @@ def read_calibration(path: Path) -> tuple[Array, Array]:
     lines = _lines(path)
     if len(lines) < 2:
         raise broken(path, "two lines of nine numbers are expected")
-    tilt, K = (_numbers(line, 9, path, i).reshape(3, 3).T for i, line in enumerate(lines[:2]))
+    tilt, K = (
+        line_of_numbers(line, 9, path, i).reshape(3, 3).T for i, line in enumerate(lines[:2])
+    )
     proper(tilt, Node(None, path, "line 1"))
     return tilt, intrinsics(Node(K.tolist(), path, "line 2"))
 
@@ -119,7 +119,7 @@ def read_boxes(path: Path, frame: str) -> tuple[CapturedBox, ...]:
         words = line.split()
         if len(words) < _LABEL_FIELDS:
             raise broken(path, f"line {i + 1}: a class and 12 numbers are expected")
-        values = _numbers(" ".join(words[1:_LABEL_FIELDS]), _LABEL_FIELDS - 1, path, i)
+        values = line_of_numbers(" ".join(words[1:_LABEL_FIELDS]), _LABEL_FIELDS - 1, path, i)
         half = values[[8, 7, 9]]
         if not (half > 0.0).all() or not values[10:12].any():
             raise broken(path, f"line {i + 1}: a box needs sizes above zero and a direction")
@@ -251,11 +251,3 @@ def camera_of_projection(projection: Array, node: Node) -> tuple[Array, Array]:
 
 def _lines(path: Path) -> list[str]:
     return [line for line in untrusted.read_text(path).splitlines() if line.strip()]
-
-
-def _numbers(line: str, count: int, path: Path, index: int) -> Array:
-    try:
-        values = [float(word) for word in line.split()]
-    except ValueError as error:
-        raise broken(path, f"line {index + 1}: {error}") from error
-    return Node(values, path, f"line {index + 1}").numbers(count, 1e6)

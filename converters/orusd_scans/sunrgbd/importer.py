@@ -18,19 +18,17 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.fusion import DepthFrame, FusionOptions, fuse
 from orusd_scans.formats.depthpicture import picture_size, read_sixteen_bits
-from orusd_scans.frames import intrinsics
-from orusd_scans.packing import packed_folder, there
+from orusd_scans.frames import intrinsics, packed_folder, there
 from orusd_scans.plainscan import UNDETERMINED, cloud_in
-from orusd_scans.records.fields import number, text
-from orusd_scans.records.jsonfile import Node, read_json
+from orusd_scans.records import Node, number, read_json, text
 from orusd_scans.scanned import Scanned, broken
 from orusd_scans.sunrgbd.files import (
     Entry,
@@ -43,8 +41,6 @@ from orusd_scans.sunrgbd.files import (
     read_points,
 )
 from orusd_scans.worldframe import WorldFrame, proper
-
-Array = NDArray[np.float64]
 
 _VOTENET: Final = ("depth", "calib")
 _VOTENET_FILES: Final = (

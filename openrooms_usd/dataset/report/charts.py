@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd.errors import MissingPackageError
@@ -17,6 +18,7 @@ from openrooms_usd.names import CREATOR
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 MOST_BARS: Final = 24
 """More than these are one bar together, where they can be added."""
@@ -166,3 +168,98 @@ def _short(name: str) -> str:
     # Line breaks would push others away.
     plain = "".join(itertools.islice(" ".join(name.split()), _LONGEST_NAME))
     return plain if len(name) <= _LONGEST_NAME else f"{plain[:-1]}…"
+
+
+# What the sections of a report are made of: tables, and charts with their numbers.
+
+MOST_ROWS: Final = 60
+"""Of a table; what is beyond is told to be there."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table; the first column names the rows.
+
+    Attributes:
+        heads: Of the columns.
+        rows: As text.
+        left: How many rows more there are.
+    """
+
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    left: int = 0
+
+    @classmethod
+    def of(cls, heads: Sequence[str], rows: Sequence[Sequence[str]]) -> "Table":
+        """A table that is no longer than people read."""
+        kept = tuple(tuple(row) for row in rows[:MOST_ROWS])
+        return cls(tuple(heads), kept, max(0, len(rows) - MOST_ROWS))
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart, with its numbers as a table for those who cannot see it.
+
+    Attributes:
+        title: What it shows.
+        svg: The drawing.
+        table: Its numbers.
+        note: What must be known to read it.
+    """
+
+    title: str
+    svg: str
+    table: Table
+    note: str = ""
+
+
+# Numbers as people read them: few digits, units that fit.
+
+_THOUSAND: Final = 1000.0
+_COUNTS: Final = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
+_BYTES: Final = ((1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB"))
+_SECONDS: Final = ((86400.0, "days"), (3600.0, "h"), (60.0, "min"))
+# From how many of the next larger unit on it is used: 90 s stay seconds.
+_LEAST: Final = 2.0
+_LEAST_PERCENT: Final = 0.1
+
+
+def count(value: float) -> str:
+    """Such as ``1.2 M``; small whole numbers stay as they are."""
+    if value < 10 * _THOUSAND:
+        return f"{value:,.0f}"
+    return _in_units(value, _COUNTS, 1.0)
+
+
+def size(value: float) -> str:
+    """Bytes, such as ``27 MB``."""
+    return _in_units(value, _BYTES, 1.0) if value >= _THOUSAND else f"{value:.0f} bytes"
+
+
+def seconds(value: float) -> str:
+    """Such as ``0.12 s`` or ``3.5 h``."""
+    if value >= _LEAST * _SECONDS[-1][0]:
+        return _in_units(value, _SECONDS, _LEAST)
+    return f"{digits(value, 2 if value < 10.0 else 3)} s"
+
+
+def share(part: float, whole: float) -> str:
+    """Such as ``12 %`` or ``3.1 %``."""
+    percent = 100.0 * part / whole if whole else 0.0
+    if 0.0 < percent < _LEAST_PERCENT:
+        return f"under {_LEAST_PERCENT} %"
+    return f"{percent:.0f} %" if percent >= 10.0 or percent == 0.0 else f"{percent:.1f} %"
+
+
+def digits(value: float, most: int = 3) -> str:
+    """With so many significant digits, never as a power of ten."""
+    rounded = float(f"{value:.{most}g}")
+    return f"{rounded:,.0f}" if abs(rounded) >= 10 ** (most - 1) else f"{rounded:.12g}"
+
+
+def _in_units(value: float, units: tuple[tuple[float, str], ...], least: float) -> str:
+    for one, name in units:
+        if value >= least * one:
+            return f"{digits(value / one)} {name}"
+    return digits(value)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from openrooms_usd.channels import CHANNELS
-from openrooms_usd.dataset.report import charts, wording
-from openrooms_usd.dataset.report.blocks import Chart, Table
+from openrooms_usd.dataset.report import charts
+from openrooms_usd.dataset.report.charts import Chart, Table
 from openrooms_usd.dataset.stats import KELVIN_STEP, PHASES, Stats
-from openrooms_usd.dataset.status import Failure
-from openrooms_usd.dataset.tally import DEPTH_BINS, DEPTH_STEP_M
+from openrooms_usd.dataset.status import DEPTH_BINS, DEPTH_STEP_M, Failure
 
 _HOUR_S: Final = 3600.0
 _VIEWS: Final = 1000
@@ -37,12 +36,12 @@ class _Ranking:
         total = math.fsum(counts.values())
 
         def shown(value: float) -> str:
-            return wording.share(value, total) if self.as_share else wording.count(value)
+            return charts.share(value, total) if self.as_share else charts.count(value)
 
         rows = sorted(counts.items(), key=lambda row: (-row[1], row[0]))
         table = Table.of(
             ("", self.unit, "share"),
-            [(name, f"{value:,.0f}", wording.share(value, total)) for name, value in rows],
+            [(name, f"{value:,.0f}", charts.share(value, total)) for name, value in rows],
         )
         svg = charts.bars(charts.most(counts), shown, has_rest=len(counts) > charts.MOST_BARS)
         return Chart(self.title, svg, table, self.note)
@@ -90,7 +89,7 @@ class _Histogram:
             drawn, self.end, self.below, self.beside, at_least=self.at_least, log=self.log
         )
         rows = [
-            (self._named(low), f"{number:,}", wording.share(number, total))
+            (self._named(low), f"{number:,}", charts.share(number, total))
             for low, number in sorted(bins.items())
         ]
         return Chart(self.title, svg, Table.of((self.below, "count", "share"), rows), self.note)
@@ -196,7 +195,7 @@ def errors_chart(stats: Stats) -> Chart | None:
     rows = [(name, f"{stats.errors[name]:.3g}") for name in _in_order(stats.errors)]
     svg = charts.bars(
         sorted(stats.errors.items(), key=lambda row: (-row[1], row[0]))[: charts.MOST_BARS],
-        lambda value: wording.digits(value, 2),
+        lambda value: charts.digits(value, 2),
     )
     return Chart("Median error of channels", svg, Table.of(("channel", "error"), rows))
 
@@ -208,7 +207,7 @@ def channels_table(stats: Stats) -> Table:
     rows = [_channel_row(stats, name) for name in every if name not in exact]
     if exact:
         longest = max(stats.channel_seconds[name] for name in exact)
-        rows.append((f"{len(exact)} others", "exact", "", f"{wording.seconds(longest)} at most"))
+        rows.append((f"{len(exact)} others", "exact", "", f"{charts.seconds(longest)} at most"))
     return Table.of(("channel", "median error", "90 % are below", "a view takes"), rows)
 
 
@@ -217,9 +216,9 @@ def _channel_row(stats: Stats, name: str) -> tuple[str, ...]:
     took = stats.channel_seconds.get(name)
     return (
         name,
-        "none" if error is None else wording.digits(error, 2),
-        "" if high is None else wording.digits(high, 2),
-        "" if took is None else wording.seconds(took),
+        "none" if error is None else charts.digits(error, 2),
+        "" if high is None else charts.digits(high, 2),
+        "" if took is None else charts.seconds(took),
     )
 
 
@@ -233,8 +232,8 @@ def phases_chart(stats: Stats) -> Chart | None:
     if not views or not sum(stats.seconds.values()):
         return None
     rows = [(_PHASES[phase], stats.seconds.get(phase, 0.0) / views) for phase in PHASES]
-    table = Table.of(("", "a view"), [(name, wording.seconds(took)) for name, took in rows])
-    return Chart("Seconds a view by phase", charts.bars(rows, wording.seconds), table)
+    table = Table.of(("", "a view"), [(name, charts.seconds(took)) for name, took in rows])
+    return Chart("Seconds a view by phase", charts.bars(rows, charts.seconds), table)
 
 
 def cost_table(stats: Stats, price: float | None) -> Table:
@@ -250,13 +249,13 @@ def cost_table(stats: Stats, price: float | None) -> Table:
     hours = sum(stats.seconds.values()) / views * _VIEWS / _HOUR_S
     core_hours = stats.core_seconds / views * _VIEWS / _HOUR_S
     rows = [
-        ("hours of one worker", f"{wording.digits(hours)}"),
-        ("cores of a worker", wording.digits(core_hours / hours if hours else 0.0)),
-        ("core-hours", wording.digits(core_hours)),
-        ("storage", wording.size(stats.bytes / views * _VIEWS)),
+        ("hours of one worker", f"{charts.digits(hours)}"),
+        ("cores of a worker", charts.digits(core_hours / hours if hours else 0.0)),
+        ("core-hours", charts.digits(core_hours)),
+        ("storage", charts.size(stats.bytes / views * _VIEWS)),
     ]
     if price is not None:
-        cost = wording.digits(core_hours * price)
+        cost = charts.digits(core_hours * price)
         rows.append((f"money, at {price:g} for an hour of a core", cost))
     return Table.of(("", "for 1,000 views"), rows)
 
@@ -286,7 +285,7 @@ def counts_table(counts: Mapping[str, int], name: str, unit: str) -> Table:
     """Counts by name, the largest first, with their shares."""
     total = sum(counts.values())
     ranked = Counter(dict(sorted(counts.items()))).most_common()
-    rows = [(key, f"{value:,}", wording.share(value, total)) for key, value in ranked]
+    rows = [(key, f"{value:,}", charts.share(value, total)) for key, value in ranked]
     return Table.of((name, unit, "share"), rows)
 
 

@@ -131,10 +131,10 @@ def _surface(placed: "PlacedMesh", path: Path, notes: list[str]) -> "PreviewSurf
 
 def _inside(file: str, model: Path) -> bool:
     """Whether a picture is a file in or below the model's folder, or packed with it."""
-    from openrooms_usd.usd.shading import udim
+    from openrooms_usd.usd.shading import textures
 
     # Tiles are many files, and a model takes single ones along.
-    if udim.is_udim(file):
+    if textures.is_udim(file):
         return False
     outer = Path(file.partition("[")[0])
     untrusted.check_path(outer)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import srgb_from_linear
-from openrooms_usd.description.sensor import Distortion, Noise, Sensor
+from openrooms_usd.description.dataset import Distortion, Noise, Sensor
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png

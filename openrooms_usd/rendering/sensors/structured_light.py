@@ -23,7 +23,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.description.sensor import DepthCamera
+from openrooms_usd.description.dataset import DepthCamera
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.vectors import unit
 

@@ -8,10 +8,10 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.raycast import RayCaster
 
-Array = NDArray[np.float64]
 Symmetry = Literal["none", "2", "4", "inf"]
 Up = Literal["X", "Y", "Z"]
 

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
 CELL_M: Final = 0.025  # metres

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.names import SCANNED_HEIGHT
+from openrooms_usd.scan.openings import judgement
 from openrooms_usd.scan.openings.cellcounts import BLINDS, CELL_M, CURTAIN, DOOR, WINDOW, WallFace
-from openrooms_usd.scan.openings.doorframes import frames
-from openrooms_usd.scan.openings.judgement import likelihood
 from openrooms_usd.scan.openings.rectangles import Rectangle
 from openrooms_usd.scan.openings.wallholes import (
     Proposal,
@@ -27,19 +27,10 @@ from openrooms_usd.scan.openings.wallholes import (
     measured,
     rectangles,
 )
-from openrooms_usd.scan.openings.walllabels import (
-    around,
-    is_round,
-    label_weights,
-    lies_deeper,
-    without_casing,
-)
 from openrooms_usd.scan.openings.wallpicture import WallGrid, wall_grids
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import VOXEL_M, Sight, sight_of
 from openrooms_usd.scan.results import FoundOpening
-
-Array = NDArray[np.float64]
 
 # Least distance of openings from the corners of the room and from the ceiling, metres.
 MARGIN_M: Final = 0.05
@@ -88,7 +79,6 @@ _FLOOR_LENGTH_M: Final = 0.3
 _HALF_SILL_M: Final = 0.5
 # Largest width of a curtain that is drawn aside, metres.
 _MAX_BUNDLE_WIDTH_M: Final = 0.6
-Mask = NDArray[np.bool_]
 
 _MAX_POINTS: Final = 60_000
 # Points nearer behind the wall may be of a frame, metres.
@@ -220,7 +210,7 @@ def _by_holes(grid: WallGrid, labelled: bool, mirrored: Echoes) -> Iterator[Prop
 
 
 def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
-    for where, clear in frames(grid):
+    for where, clear in judgement.frames(grid):
         proposal = replace(measured(grid, "door", where), leaf=clear)
         # An open door shows the floor behind it, a closed one its leaf; shelves show neither.
         returned = proposal.solid + proposal.recess
@@ -230,12 +220,12 @@ def _by_frames(grid: WallGrid) -> Iterator[Proposal]:
 
 
 def _by_labels(grid: WallGrid) -> Iterator[Proposal]:
-    for where in rectangles(label_weights(grid, "door"), _SIZES_M["door"][1][0]):
+    for where in rectangles(judgement.label_weights(grid, "door"), _SIZES_M["door"][1][0]):
         proposal = measured(grid, "door", where)
         if proposal.label > _MIN_NAMED_SHARE and proposal.sill < _HIDDEN_FOOT_M:
-            yield measured(grid, "door", without_casing(grid, replace(where, bottom=0)))
+            yield measured(grid, "door", judgement.without_casing(grid, replace(where, bottom=0)))
     named: list[Proposal] = []
-    for where in rectangles(label_weights(grid, "window")):
+    for where in rectangles(judgement.label_weights(grid, "window")):
         proposal = measured(grid, "window", under_curtains(grid, where))
         if proposal.label > _MIN_NAMED_SHARE and not _is_blob(grid, proposal):
             named.append(proposal)
@@ -254,10 +244,10 @@ def _is_blob(grid: WallGrid, p: Proposal) -> bool:
         area > _BLOB_AREAS_M2[1]
         or p.solid < _MIN_WALL_SHARE
         or p.curtain >= 0.5
-        or lies_deeper(grid, p.where)
+        or judgement.lies_deeper(grid, p.where)
     ):
         return False
-    return area < _BLOB_AREAS_M2[0] or is_round(grid, "window", p.where)
+    return area < _BLOB_AREAS_M2[0] or judgement.is_round(grid, "window", p.where)
 
 
 def _plausible(proposal: Proposal) -> bool:
@@ -274,7 +264,7 @@ def confidence(proposal: Proposal, labelled: bool) -> float:
         return _as_probability(min(1.0, score))
     if p.curtain == 1.0:
         return _as_probability(_HIDDEN_WINDOW_SCORE)
-    return 0.0 if labelled and p.leaf else likelihood(p)
+    return 0.0 if labelled and p.leaf else judgement.likelihood(p)
 
 
 def _overlap(a: Proposal, b: Proposal, apart: float = MIN_GAP_M) -> bool:
@@ -314,8 +304,8 @@ def _opening(grid: WallGrid, p: Proposal, sure: float) -> FoundOpening:
 
 def curtain_weights(grid: WallGrid) -> Array:
     """(Z, X) weights of curtains and blinds, by their labels."""
-    curtain = around(grid.labels[CURTAIN] + grid.labels[BLINDS], grid.window)
-    share = curtain / np.maximum(around(grid.labelled, grid.window), 1e-9)
+    curtain = judgement.around(grid.labels[CURTAIN] + grid.labels[BLINDS], grid.window)
+    share = curtain / np.maximum(judgement.around(grid.labelled, grid.window), 1e-9)
     return np.asarray(np.where(curtain > 0, 2.0 * share - 1.0, np.where(grid.solid, -1.0, -0.2)))
 
 

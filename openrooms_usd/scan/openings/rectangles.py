@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # The exact search runs on blocks of cells; edges are then refined cell by cell.
 _COARSE_STEP_CELLS: Final = 3

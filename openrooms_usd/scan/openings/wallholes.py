@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.openings.cellcounts import (
     BLINDS,
     CELL_M,
@@ -24,8 +24,6 @@ from openrooms_usd.scan.openings.cellcounts import (
 from openrooms_usd.scan.openings.rectangles import Rectangle, best_rectangle, ring
 from openrooms_usd.scan.openings.wallpicture import WallGrid
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Kind = Literal["door", "window"]
 
 LABELS: Final[dict[Kind, int]] = {"door": DOOR, "window": WINDOW}

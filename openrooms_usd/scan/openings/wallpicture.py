@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.openings.cellcounts import (
     CELL_M,
     WallFace,
@@ -34,8 +35,6 @@ from openrooms_usd.scan.openings.cellcounts import (
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import Sight
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
 
 # Inlier distance of the plane: so many standard deviations, clipped to these limits.

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import about_point, pose
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.models.cad import CadModel
@@ -14,8 +14,6 @@ from openrooms_usd.scan.placement.enclosure import Enclosure
 from openrooms_usd.scan.placement.penetration import Penetration, penetration
 from openrooms_usd.scan.placement.support import Support, is_rug
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
-
-Array = NDArray[np.float64]
 
 # Half the size of the enclosure of objects without a room, metres.
 _OPEN_SPACE_M = 1000.0

@@ -7,10 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry import topology
 from openrooms_usd.geometry.vectors import unit
-
-Array = NDArray[np.float64]
 
 # Half the thickness that open surfaces get, metres.
 _HALF_SHEET_M: Final = 0.001

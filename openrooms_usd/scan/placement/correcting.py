@@ -11,26 +11,16 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.models.cad import CadModel
+from openrooms_usd.scan.placement import settling
 from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
-from openrooms_usd.scan.placement.fitting import fit
-from openrooms_usd.scan.placement.leavingout import MAX_GAP_M, LeftOut, left_out
-from openrooms_usd.scan.placement.settling import (
-    find_supports,
-    lay_along_walls,
-    lower,
-    set_upright,
-    settle_again,
-)
+from openrooms_usd.scan.placement.fitting import MAX_GAP_M, LeftOut, fit, left_out
 from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest
-from openrooms_usd.scan.placement.violations import Unresolved, violations
 from openrooms_usd.scan.results import FoundObject, FoundRoom
-
-Array = NDArray[np.float64]
 
 # Motions shorter than this are none, metres.
 _NO_MOTION_M: Final = 1e-4
@@ -63,7 +53,7 @@ class Placement:
     """
 
     objects: tuple[FoundObject, ...]
-    unresolved: tuple[Unresolved, ...]
+    unresolved: tuple[settling.Unresolved, ...]
     left_out: tuple[LeftOut, ...]
     notes: tuple[str, ...]
 
@@ -132,54 +122,56 @@ def _settled(
     models: Mapping[str, CadModel],
     rooms: Sequence[FoundRoom],
     reach: float,
-) -> tuple[Arrangement, list[Unresolved]]:
+) -> tuple[Arrangement, list[settling.Unresolved]]:
     """Objects by the least motion, and what is wrong with them after it."""
     state = arranged(objects, models, rooms)
     state.given = _given(state)
-    set_upright(state)
-    find_supports(state)
-    lay_along_walls(state)
+    settling.set_upright(state)
+    settling.find_supports(state)
+    settling.lay_along_walls(state)
     _spread(state, Spread(state, reach))
-    return state, violations(state)
+    return state, settling.violations(state)
 
 
 def _spread(state: Arrangement, spread: Spread) -> None:
     for row, shift in enumerate(spread.run()):
         if np.abs(shift).max() > _NO_MOTION_M:
             state.shift(row, np.append(shift, 0.0))
-    settle_again(state)
+    settling.settle_again(state)
 
 
-def _moved_farther(state: Arrangement, wrong: list[Unresolved]) -> list[Unresolved]:
+def _moved_farther(
+    state: Arrangement, wrong: list[settling.Unresolved]
+) -> list[settling.Unresolved]:
     """What is wrong still after objects that overlap were moved farther."""
     if any(one.kind != "floats" for one in wrong):
         _spread(state, Spread(state, _FAR_REACH_M))
-        return violations(state)
+        return settling.violations(state)
     return wrong
 
 
 def _mended(
-    state: Arrangement, wrong: list[Unresolved], models: Mapping[str, CadModel]
-) -> list[Unresolved]:
+    state: Arrangement, wrong: list[settling.Unresolved], models: Mapping[str, CadModel]
+) -> list[settling.Unresolved]:
     """What is wrong still after all that is tried before anything is left out.
 
     A cut of a few per cent comes before a motion by decimetres: it changes less.
     """
     if land(state, wrong):
-        wrong = violations(state)
+        wrong = settling.violations(state)
     wrong = _fitted(state, wrong, models)
     return _fitted(state, _moved_farther(state, wrong), models)
 
 
 def _fitted(
-    state: Arrangement, wrong: list[Unresolved], models: Mapping[str, CadModel]
-) -> list[Unresolved]:
+    state: Arrangement, wrong: list[settling.Unresolved], models: Mapping[str, CadModel]
+) -> list[settling.Unresolved]:
     """What is wrong still after what has no room was shortened."""
     for _ in range(_MAX_FITS):
         if not fit(state, wrong, models):
             break
         _spread(state, Spread(state, _FITTED_REACH_M, _FITTED_ROUNDS))
-        wrong = violations(state)
+        wrong = settling.violations(state)
     return wrong
 
 
@@ -231,7 +223,7 @@ def _placed(state: Arrangement) -> tuple[FoundObject, ...]:
     return tuple(placed)
 
 
-def land(state: Arrangement, wrong: Sequence[Unresolved]) -> bool:
+def land(state: Arrangement, wrong: Sequence[settling.Unresolved]) -> bool:
     """Put what floats on what is nearest below it; a lamp near the ceiling, or far from all, hangs.
 
     Args:
@@ -254,7 +246,7 @@ def land(state: Arrangement, wrong: Sequence[Unresolved]) -> bool:
         else:
             continue
         before = float(state.bodies[row].low[2])
-        lower(state, row)
+        settling.lower(state, row)
         for other in state.carried(row):
             state.shift(other, np.array([0.0, 0.0, float(state.bodies[row].low[2]) - before]))
         landed = True

@@ -7,14 +7,12 @@ from itertools import combinations
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.polygons import turns
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.placement.bodies import Body
-
-Array = NDArray[np.float64]
 
 # Range within which walls are tested against an object, metres.
 _NEAR_WALL_M: Final = 0.3

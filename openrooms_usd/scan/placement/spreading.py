@@ -13,8 +13,8 @@ from itertools import combinations
 from typing import Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.placement.arrangement import Arrangement
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.penetration import (
@@ -27,8 +27,6 @@ from openrooms_usd.scan.placement.penetration import (
     penetration,
 )
 from openrooms_usd.scan.placement.support import WALL
-
-Array = NDArray[np.float64]
 
 Pair: TypeAlias = tuple[int, int]
 

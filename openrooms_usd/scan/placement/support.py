@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.registry import record
 from openrooms_usd.scan.placement.bodies import Body
-from openrooms_usd.scan.placement.chords import Chords, Lattice, chords, paired
 from openrooms_usd.scan.placement.enclosure import Enclosure
-
-Array = NDArray[np.float64]
+from openrooms_usd.scan.placement.penetration import Chords, Lattice, chords, paired
 
 FLOOR: Final = "floor"
 WALL: Final = "wall"

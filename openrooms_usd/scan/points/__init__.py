@@ -3,7 +3,7 @@
 - `cloud`: points with colours, normals, labels and sensor origins; `fusion`: of depth frames,
   with estimated normals;
 - `thinning`, `voxels`: voxel-grid downsampling, and accumulation in bounded memory;
-- `planes`, `surfels`: MSAC plane fits, those from moments, and one surfel a voxel,
-  of sparse scans from the nearest points;
+- `surfels`: MSAC plane fits, those from moments, and one surfel a voxel, of sparse scans from the
+  nearest points;
 - `visibility`, `sightlines`: range panoramas of the sensors, and unoccluded lines of sight.
 """

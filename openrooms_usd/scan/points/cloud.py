@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # Attributes that have no value for each point.
 _OF_ALL: Final = ("sensor_origins", "words")

@@ -12,12 +12,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.voxels import Samples, VoxelSums
-
-Array = NDArray[np.float64]
 
 # The standard error of a voxel's mean at which its confidence is one half, metres.
 _HALF_CONFIDENCE_M: Final = 0.005

@@ -7,10 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.visibility import likely_sensor_origins
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Edge of the voxels, metres; occupied ones occlude.
 VOXEL_M: Final = 0.05

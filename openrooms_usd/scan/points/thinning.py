@@ -9,9 +9,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.cloud import Cloud
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 # Larger coordinates occur in no map projection of the Earth, metres.

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # Size of a panorama: a cell subtends two to three centimetres at two metres.
 _PANORAMA_COLUMNS: Final = 512

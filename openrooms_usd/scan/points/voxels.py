@@ -6,10 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.thinning import groups, majority
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 Columns = dict[str, NDArray[Any]]
 

@@ -4,9 +4,9 @@ In the order of the work:
 
 - `hints`: given poses, boxes and categories; `evidence`, `selection`: the points of one object,
   and CADs ranked by shape;
-- `scalelimits`: how far a CAD may be scaled; `template`: a CAD with its seven parameters;
-- `wallsides`, `supportheights`, `surroundings`: walls, supports, the residuals of contacts;
-- `hypotheses`, `priors`: initial poses and their covariance; `discs`, `fitting`: robust ICP;
-- `posesearch`: hypotheses from coarse to fine; `truesize`: a prior of scale over all objects;
+- `scalelimits`: how far a CAD may be scaled, and the prior of its true size; `template`: a
+  CAD with its seven parameters;
+- `supportheights`, `surroundings`: supports, walls, the residuals of contacts;
+- `hypotheses`, `priors`: poses from coarse to fine, and their covariance; `fitting`: robust ICP;
 - `alignment`: all objects of a scan.
 """

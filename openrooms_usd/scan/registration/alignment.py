@@ -5,34 +5,32 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.progress import Progress, silent
+from openrooms_usd.progress import Progress, mapped, silent
 from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.fitting import Fit
 from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
-from openrooms_usd.scan.registration.hypotheses import box_of, from_box, from_pose
-from openrooms_usd.scan.registration.posesearch import (
+from openrooms_usd.scan.registration.hypotheses import (
     Survey,
     best_sizes,
+    box_of,
+    from_box,
+    from_pose,
     rough_candidates,
     surveyed,
 )
+from openrooms_usd.scan.registration.scalelimits import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS, RefusedError, Selection
 from openrooms_usd.scan.registration.supportheights import supports
-from openrooms_usd.scan.registration.surroundings import Surroundings
+from openrooms_usd.scan.registration.surroundings import NO_WALLS, Surroundings, Walls, walls_of
 from openrooms_usd.scan.registration.template import directions, posed, template_of, unposed
-from openrooms_usd.scan.registration.truesize import Candidate, Sizes, sized
-from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls, walls_of
 from openrooms_usd.scan.results import FoundObject, FoundRoom
-from openrooms_usd.threads import mapped
-
-Array = NDArray[np.float64]
 
 # Inlier distances, from points to the CAD and from the CAD's visible surface to points, metres; and
 # the least share of inliers each way.

@@ -5,15 +5,13 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import KDTree
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
-from openrooms_usd.scan.registration.wallsides import NO_WALLS, Walls
-
-Array = NDArray[np.float64]
+from openrooms_usd.scan.registration.surroundings import NO_WALLS, Walls
 
 # Largest distance between neighbours in a cluster, metres.
 _CLUSTER_GAP_M: Final = 0.08

@@ -12,13 +12,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.scan.registration.discs import Pairs, System, paired
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.registration.evidence import Evidence
-from openrooms_usd.scan.registration.priors import PoseHypothesis
+from openrooms_usd.scan.registration.priors import Pairs, PoseHypothesis, System, paired
 from openrooms_usd.scan.registration.surroundings import Surroundings, hidden_sides
 from openrooms_usd.scan.registration.template import Template, directions, posed, unposed
-
-Array = NDArray[np.float64]
 
 # Standard deviation of a residual, metres, and the effective number of independent ones that the
 # correlated points of one object amount to.

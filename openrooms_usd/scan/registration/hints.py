@@ -5,13 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.results import Pose
-
-Array = NDArray[np.float64]
 
 # Margin around a hint for points of its instance: metres, plus share of its size.
 _AROUND_HINT_M: Final = 0.2

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.registry import record
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
 from openrooms_usd.scan.points.cloud import Cloud
@@ -16,7 +17,6 @@ from openrooms_usd.scan.registration.hints import Box, Hint, corners_of
 from openrooms_usd.scan.registration.scalelimits import is_natural, turns_of
 from openrooms_usd.scan.registration.template import upright_of
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 # Objects of fewer points are not aligned.

@@ -5,11 +5,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.registration.evidence import Evidence
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # An object whose points end this low may stand on the floor with an occluded foot, metres.
 _HIDDEN_FOOT_M: Final = 0.18

@@ -9,12 +9,11 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.results import Pose
-
-Array = NDArray[np.float64]
 
 # Outward directions of the sides of a template's box.
 SIDES: Final = np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, imagefile
+from openrooms_usd.arrays import Array
 from openrooms_usd.lettering import Ink, lettered, stamp
 
-Array = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 Color = tuple[int, int, int]
 

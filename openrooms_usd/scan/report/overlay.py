@@ -7,6 +7,7 @@ from typing import Final, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.lettering import lettered, stamp
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.report.canvas import (
@@ -130,8 +131,6 @@ def _draw_swatch(canvas: Canvas, line: Caption, middle: int) -> None:
     dash = DASH if line.stroke == "dashed" else None
     canvas.line(ends[0], ends[1], line.color, WIDTHS[line.stroke], dash)
 
-
-Array = NDArray[np.float64]
 
 _MAX_PIXELS: Final = 1300  # pixels of the longer side
 _MAX_PIXELS_PER_M: Final = 260.0  # pixels a metre

@@ -5,13 +5,13 @@ In the order of the work:
 - `verticals`: what speaks for every axis that may be up, in a scan of any unit;
 - `levelling`, `directions`: gravity, the floor, the directions of walls;
 - `storeys`: floors above each other, which are told apart;
-- `ceilings`: their heights and slopes; `soffits`: where they are lower;
+- `ceilings`: their heights and slopes, and where they are lower;
 - `faces`: soffits and wardrobes, which are no walls;
-- `walls`, `candidates`: surfels of walls, and line hypotheses for them;
-- `occupancy`, `spaces`: occupancy and free space of the plan, what of it ceilings cover, and a
+- `walls`, `candidates`: surfels of walls, and line hypotheses for them and for missed walls;
+- `spaces`: occupancy and free space of the plan, what of it ceilings cover, and a
   watershed into rooms;
 - `cells`, `outline`: minimum cut of a line arrangement, simplification by cost;
-- `borders`, `refit`: walls that a scan missed, robust line fits;
-- `roomoutline`: one room with its piers; `layout`: all of them, without the leaves of open doors;
+- `roomoutline`: one room with its piers, by robust line fits; `layout`: all of them, without the
+  leaves of open doors;
   `flat`: several as one, with walls between.
 """

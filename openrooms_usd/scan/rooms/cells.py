@@ -12,11 +12,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.walls import Line
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 # Capacities are integers: tenths of a millimetre of wall.

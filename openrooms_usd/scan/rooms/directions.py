@@ -3,11 +3,9 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.surfels import Surfels
-
-Array = NDArray[np.float64]
 
 # Largest sine of the angle between a wall's normal and the horizontal.
 UPRIGHT_SINE: Final = 0.25

@@ -11,12 +11,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.surfels import Surfels
+from openrooms_usd.scan.rooms.ceilings import Ceilings
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
-from openrooms_usd.scan.rooms.soffits import Ceilings
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _PIXEL_M: Final = 0.05
 _COURSE_M: Final = 0.1  # height of a bin

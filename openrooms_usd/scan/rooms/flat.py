@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.joining import WallBetween, joined_floors, walls_between
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
-
-Array = NDArray[np.float64]
 
 # Jogs of the outline up to this are two rooms' inexact measures of one line, metres.
 _MAX_JOG_M: Final = 0.03

@@ -1,8 +1,8 @@
 """The rooms of a level scan as closed polygons.
 
-Line hypotheses (`candidates`, and `borders` for missed walls) cut the plan into cells; for each
+Line hypotheses (`candidates`, for missed walls too) cut the plan into cells; for each
 space of a watershed (`spaces`) a minimum cut labels them inside or outside (`roomoutline`); the
-outline is simplified as long as its cost falls (`outline`), and its lines are refitted (`refit`).
+outline is simplified as long as its cost falls (`outline`), and its lines are refitted.
 
 An open leaf is collinear with no wall.
 """
@@ -13,24 +13,21 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import SparseScanError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
-from openrooms_usd.scan.rooms.borders import border_lines, end_lines, moved_behind
-from openrooms_usd.scan.rooms.candidates import wall_lines
-from openrooms_usd.scan.rooms.ceilings import ceiling_height, ceiling_slopes
+from openrooms_usd.scan.rooms.candidates import border_lines, end_lines, moved_behind, wall_lines
+from openrooms_usd.scan.rooms.ceilings import ceiling_height, ceiling_slopes, ceilings_of
 from openrooms_usd.scan.rooms.cells import cut_plan
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE, angle_between
 from openrooms_usd.scan.rooms.faces import no_walls
 from openrooms_usd.scan.rooms.levelling import Level
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.roomoutline import Plan
-from openrooms_usd.scan.rooms.soffits import ceilings_of
 from openrooms_usd.scan.rooms.spaces import Spaces, find_spaces, walled_shares
 from openrooms_usd.scan.rooms.walls import Line, Walls, profile, upright
-
-Array = NDArray[np.float64]
 
 # Gain of a square metre of the room inside, in metres of missing wall.
 _INSIDE_GAIN: Final = 1.0
@@ -48,7 +45,6 @@ _OTHER_DIRECTION_COS: Final = 0.87
 _OWN_WALLS_SHARE: Final = 0.6
 _OWN_FLOOR_SHARE: Final = 0.6
 _SHARED_WALL_M: Final = 0.03
-Mask = NDArray[np.bool_]
 
 # NYU40.
 _WALL_LABEL: Final = 1

@@ -15,15 +15,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import SparseScanError
 from openrooms_usd.geometry.rotations import about_z, inverse, pose
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.planes import Plane, fit_plane
-from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
+from openrooms_usd.scan.points.surfels import VOXEL_M, Plane, Surfels, fit_plane, surfels
 from openrooms_usd.scan.rooms.ceilings import ceiling_height
 from openrooms_usd.scan.rooms.directions import wall_directions
-
-Array = NDArray[np.float64]
 
 # Largest error of a given up direction, and of Z where none is given, degrees.
 _MAX_GIVEN_TILT_DEG: Final = 8.0

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # Least angle at which neighbouring walls may meet in a corner, degrees.
 _SAME_WALL_DEG: Final = 6.0

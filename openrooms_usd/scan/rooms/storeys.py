@@ -9,13 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 _LEVEL_COS: Final = float(np.cos(np.deg2rad(8.0)))
 _BIN_M: Final = 0.05

@@ -14,11 +14,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 # Surfels wanted of a scan, and least points for each: their size follows from it, not from a unit.
 _PIECES: Final = 30_000

@@ -6,14 +6,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.surfels import Surfels
+from openrooms_usd.scan.rooms.ceilings import NO_CEILINGS, Ceilings
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
-from openrooms_usd.scan.rooms.soffits import NO_CEILINGS, Ceilings
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-Mask = NDArray[np.bool_]
 
 # Inliers of a line: within so many standard deviations, clipped to these limits, with normals
 # within 20 degrees of the line's.

@@ -7,15 +7,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.registration.hints import Box
-from openrooms_usd.scan.registration.wallsides import walls_of
+from openrooms_usd.scan.registration.surroundings import walls_of
 from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.shape import upright_box
-
-Array = NDArray[np.float64]
 
 _THINNING_M: Final = 0.02
 # Boxes of nearly one heading that overlap by less than this part of the smaller one's side are

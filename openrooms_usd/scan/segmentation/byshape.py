@@ -7,17 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import Surfels, surfels
 from openrooms_usd.scan.points.thinning import thin
-from openrooms_usd.scan.registration.wallsides import walls_of
+from openrooms_usd.scan.registration.surroundings import walls_of
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.segmentation.contract import Segments
 from openrooms_usd.scan.segmentation.grouping import grouped
 from openrooms_usd.scan.segmentation.naming import UNNAMED, named
 from openrooms_usd.scan.segmentation.shape import Shape, shape_of
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 _THINNING_M: Final = 0.02
@@ -45,7 +45,6 @@ _MIN_SURFELS_BELOW: Final = 6
 _MIN_VOLUME_ON_TOP_M3: Final = 0.03
 # What ends this near to the ceiling is a part of the building or a curtain, metres.
 _BELOW_CEILING_M: Final = 0.15
-Mask = NDArray[np.bool_]
 
 # Surfels this near to a wall are the wall's; those that face it a little farther, too: walls are
 # straight, real ones bulge, and scans drift. Metres.

@@ -16,9 +16,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
 
-Array = NDArray[np.float64]
 Numbers = NDArray[np.int32]
 Pairs = NDArray[np.intp]
 

@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.points.surfels import VOXEL_M
-from openrooms_usd.scan.registration.wallsides import Walls
-
-Array = NDArray[np.float64]
+from openrooms_usd.scan.registration.surroundings import Walls
 
 _LEVEL_COS: Final = 0.85
 # Quantiles that bound a piece, without outliers.

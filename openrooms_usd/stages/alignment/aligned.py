@@ -3,13 +3,13 @@
 import os
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Capture, CapturedBox, CapturedModel
 from openrooms_usd.description.alignment import FileObject
 from openrooms_usd.furniture import Size, part_of
@@ -21,8 +21,6 @@ from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
 from openrooms_usd.stages.alignment.poses import author_pose
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.places.frames import gf_matrix
-
-Array: TypeAlias = NDArray[np.float64]
 
 _TYPES: Final = Sdf.ValueTypeNames
 _SCALE: Final = "xformOp:scale"

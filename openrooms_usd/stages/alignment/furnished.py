@@ -5,9 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from openrooms_usd import adapters
 from openrooms_usd.description.alignment import ScanAlignment, named_objects
 from openrooms_usd.description.naming import captured_names
@@ -15,15 +12,14 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.words import plain
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.placement.correcting import moved_by
-from openrooms_usd.scan.placement.violations import Unresolved
+from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
 from openrooms_usd.scan.results import FoundRoom
 from openrooms_usd.scan.segmentation.boxes import boxes_of
 from openrooms_usd.scan.segmentation.byshape import ShapeSegmenter
 from openrooms_usd.scan.segmentation.contract import Segmenter, Segments, checked
-from openrooms_usd.scan.segmentation.labelled import SHELL_CLASSES, things_of
-from openrooms_usd.scan.segmentation.naming import UNNAMED
+from openrooms_usd.scan.segmentation.naming import SHELL_CLASSES, UNNAMED, things_of
 from openrooms_usd.stages.alignment.captured import UNKNOWN
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.instances import told_left_out
@@ -33,8 +29,6 @@ from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.scanned import found_in
 from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.usd.semantics import NYU40
-
-Array = NDArray[np.float64]
 
 # Objects that placement moved by more than this are counted in a note, metres.
 _COUNTED_MOTION_M: Final = 0.01

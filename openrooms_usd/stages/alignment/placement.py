@@ -6,17 +6,15 @@ from functools import cached_property, lru_cache
 from typing import Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Confidence
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.furniture import Size
 from openrooms_usd.geometry.rotations import in_plan, tilted
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.stages.alignment.surroundings import Surroundings
-
-Array: TypeAlias = NDArray[np.float64]
 
 Tilt: TypeAlias = tuple[float, float]
 

@@ -3,14 +3,12 @@
 from typing import Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import about_z, pose, tilted
 from openrooms_usd.usd.places.frames import TIME, matrix
-
-Array: TypeAlias = NDArray[np.float64]
 
 _TYPES: Final = Sdf.ValueTypeNames
 # These two, and a scale after them, are what `UsdGeom.XformCommonAPI` and most editors write.

@@ -6,8 +6,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.codedigest import remembered
 from openrooms_usd.description.alignment import FileObject, ScanAlignment
 from openrooms_usd.description.scanned import ScannedObject
@@ -30,8 +30,6 @@ from openrooms_usd.stages.alignment.instances import Instance, hint_of, instance
 from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.semantics import NYU40, class_of, classes
-
-Array = NDArray[np.float64]
 
 
 @dataclass(eq=False)

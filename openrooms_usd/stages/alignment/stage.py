@@ -12,13 +12,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.alignment import (
     AlignedObject,
     CapturedAlignment,
@@ -35,42 +35,18 @@ from openrooms_usd.furniture import CATEGORIES, Order, Size, category, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.models.meshfile import dependencies
-from openrooms_usd.stages.alignment.aligned import (
-    apply_schema,
-    author_aligned,
-    author_measured,
-    author_shifted,
-    placed_model,
-    with_boxes,
-)
+from openrooms_usd.progress import mapped
+from openrooms_usd.stages.alignment import aligned, placement, poses
 from openrooms_usd.stages.alignment.captured import Captured, captured_objects
 from openrooms_usd.stages.alignment.catalogue import Catalogue
-from openrooms_usd.stages.alignment.placement import (
-    FLOOR,
-    WALL,
-    Placement,
-    Source,
-    Stand,
-    Supports,
-    parents_first,
-)
-from openrooms_usd.stages.alignment.poses import (
-    author_described,
-    author_pose,
-    composed_pose,
-    matrix_of,
-    moved_by_hand,
-)
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
-from openrooms_usd.threads import mapped
 from openrooms_usd.untrusted import check_path
 from openrooms_usd.usd.files.layers import is_off
 
 ASSETS: Final = "assets"
 _TYPES: Final = Sdf.ValueTypeNames
-Array: TypeAlias = NDArray[np.float64]
 
 # A support with a smaller scale is degenerate.
 _MIN_SCALE: Final = 1e-6
@@ -92,8 +68,8 @@ class Following:
 
     stage: Usd.Stage
     room: Surroundings
-    placements: Mapping[str, Placement]
-    stands: Mapping[str, Stand]
+    placements: Mapping[str, placement.Placement]
+    stands: Mapping[str, placement.Stand]
     notes: list[str]
     _motions: dict[str, Array] = field(default_factory=dict)
 
@@ -113,10 +89,10 @@ class Following:
         with_others = set(parents.values())
         self._note_what_is_off(parents)
         layer = self.stage.GetEditTarget().GetLayer()
-        for name in parents_first(parents) if by_hand else ():
+        for name in placement.parents_first(parents) if by_hand else ():
             followed = self._followed(name, parents[name])
             if followed is not None:
-                author_pose(layer.GetPrimAtPath(f"{names.FURNITURE}/{name}"), followed)
+                poses.author_pose(layer.GetPrimAtPath(f"{names.FURNITURE}/{name}"), followed)
             if name in with_others:
                 self._note_motion(name, followed, name in by_hand)
 
@@ -127,7 +103,7 @@ class Following:
         prim = self._prim(name)
         if is_off(prim):
             return
-        now = composed_pose(prim) if by_hand or followed is None else followed
+        now = poses.composed_pose(prim) if by_hand or followed is None else followed
         if not np.isfinite(now).all() or abs(np.linalg.det(now[:3, :3])) < _MIN_SCALE**3:
             self.notes.append(f"{name} is scaled to nothing: nothing follows it")
             return
@@ -153,11 +129,11 @@ class Following:
         heading = float(np.degrees(np.arctan2(turn[1, 0], turn[0, 0])))
         x, y = gone[:2, 3].tolist()
         yaw = stand.yaw + heading
-        if item.on == WALL:
+        if item.on == placement.WALL:
             width, depth, _ = item.size
             hung = self.room.hang(x, y, width, depth)
             x, y, yaw = hung.x, hung.y, hung.yaw
-        return matrix_of(x, y, stand.z, yaw, stand.tilt)
+        return poses.matrix_of(x, y, stand.z, yaw, stand.tilt)
 
     def _note_what_is_off(self, parents: Mapping[str, str | None]) -> None:
         children: defaultdict[str, list[str]] = defaultdict(list)
@@ -171,7 +147,7 @@ class Following:
     def _described(self, name: str) -> Array:
         """(4, 4) from an object's frame to the room, as it is described."""
         item, stand = self.placements[name], self.stands[name]
-        upright = matrix_of(stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
+        upright = poses.matrix_of(stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
         return upright if item.pose is None else item.pose
 
     def _prim(self, name: str) -> Usd.Prim:
@@ -219,9 +195,9 @@ class AlignmentStage:
         """
         room = surroundings(context.stage)
         placements = {item.name: item for item in _placements(context, room.floor)}
-        stands = Supports(placements, room, context.notes).stands()
+        stands = placement.Supports(placements, room, context.notes).stands()
         _publish(context, [item.asset for item in placements.values()])
-        by_hand = moved_by_hand(context.stage)
+        by_hand = poses.moved_by_hand(context.stage)
         _author_furniture(context, placements, stands)
         Following(context.stage, room, placements, stands, context.notes).author(by_hand)
 
@@ -247,7 +223,7 @@ def _cad_files(alignment: ScanAlignment, source: Path) -> list[str]:
     return sorted(os.path.relpath(path, source) for path in files)
 
 
-def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
+def _placements(context: StageContext, floor: float) -> Iterator[placement.Placement]:
     """Captured objects, then those of the description, each with its asset."""
     alignment, catalogue = _explicit(context.room), Catalogue(context)
     if isinstance(alignment, ScanAlignment):
@@ -255,11 +231,11 @@ def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
 
         yield from furnish(context, alignment, catalogue)
     elif isinstance(alignment, CapturedAlignment):
-        capture = with_boxes(capture_of(context, alignment))
+        capture = aligned.with_boxes(capture_of(context, alignment))
         models = {model.id: model for model in capture.models if model.file}
         for thing in captured_objects(capture, floor, alignment.objects, context.notes):
             if (model := models.get(thing.box.id)) is not None:
-                yield placed_model(context, catalogue, model, thing, capture.source)
+                yield aligned.placed_model(context, catalogue, model, thing, capture.source)
             else:
                 yield _placed_capture(catalogue, thing, capture.source)
     for name, item in named_objects(_described(alignment)):
@@ -270,17 +246,19 @@ def _placements(context: StageContext, floor: float) -> Iterator[Placement]:
             raise
 
 
-def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> Placement:
+def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> placement.Placement:
     (x, y, z), emits = thing.base, category(thing.category).emits
     asset = catalogue.furniture(thing.category, thing.size, label=thing.label)
-    source = Source(file, thing.box.id, thing.box.confidence, thing.box.label)
+    source = placement.Source(file, thing.box.id, thing.box.confidence, thing.box.label)
     height = None if thing.on_floor else z
-    return Placement(
+    return placement.Placement(
         thing.name, asset, thing.size, x, y, height, thing.yaw, emits=emits, source=source
     )
 
 
-def placement_of(catalogue: Catalogue, name: str, item: LibraryObject | FileObject) -> Placement:
+def placement_of(
+    catalogue: Catalogue, name: str, item: LibraryObject | FileObject
+) -> placement.Placement:
     """An object of a description with its asset, before anything carries it.
 
     Raises:
@@ -301,8 +279,8 @@ def placement_of(catalogue: Catalogue, name: str, item: LibraryObject | FileObje
         asset = catalogue.furniture(item.category, size, item.style, order=order)
         emits = spec.emits
     x, y, *z = item.at
-    on = item.on or (spec.support if spec else FLOOR)
-    return Placement(
+    on = item.on or (spec.support if spec else placement.FLOOR)
+    return placement.Placement(
         name,
         asset,
         size,
@@ -329,7 +307,9 @@ def _publish(context: StageContext, assets: Iterable[Asset]) -> None:
 
 
 def _author_furniture(
-    context: StageContext, placements: Mapping[str, Placement], stands: Mapping[str, Stand]
+    context: StageContext,
+    placements: Mapping[str, placement.Placement],
+    stands: Mapping[str, placement.Stand],
 ) -> None:
     """Define the prims, on the layer itself: thousands of them in one change."""
     layer = context.stage.GetEditTarget().GetLayer()
@@ -346,24 +326,24 @@ def _author_furniture(
             prim.instanceable = not item.emits
             stand = stands[name]
             if item.pose is None:
-                author_described(prim, stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
+                poses.author_described(prim, stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
             elif item.measured is None:
-                author_shifted(prim, item.pose, item.shifts)
+                aligned.author_shifted(prim, item.pose, item.shifts)
             else:
-                author_aligned(prim, item.measured.pose, item.pose)
-                author_measured(prim, item.measured)
+                aligned.author_aligned(prim, item.measured.pose, item.pose)
+                aligned.author_measured(prim, item.measured)
             if item.source:
                 _author_source(prim, item.source)
 
 
-def _author_source(prim: Sdf.PrimSpec, source: Source) -> None:
-    apply_schema(prim, names.SOURCE_API)
+def _author_source(prim: Sdf.PrimSpec, source: placement.Source) -> None:
+    aligned.apply_schema(prim, names.SOURCE_API)
     _set(prim, names.SOURCE_FILE, _TYPES.String, source.file)
     _set(prim, names.SOURCE_ID, _TYPES.String, source.id)
     if source.confidence:
         _set(prim, names.SOURCE_CONFIDENCE, _TYPES.Token, source.confidence)
     if source.word:
-        apply_schema(prim, f"SemanticsLabelsAPI:{names.CAPTURED}")
+        aligned.apply_schema(prim, f"SemanticsLabelsAPI:{names.CAPTURED}")
         label = Sdf.AttributeSpec(
             prim, f"semantics:labels:{names.CAPTURED}", _TYPES.TokenArray, Sdf.VariabilityUniform
         )

@@ -6,17 +6,15 @@ in the edits layer carries and holds its furniture where it is now.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.places.frames import TIME, local_to_world, matrix
-from openrooms_usd.usd.places.partitions import read_partitions
-
-Array: TypeAlias = NDArray[np.float64]
+from openrooms_usd.usd.places.placements import read_partitions
 
 # Largest distance of an opening's middle from the inner edge of its wall, metres.
 _ON_THE_EDGE: Final = 0.02

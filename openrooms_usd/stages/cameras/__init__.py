@@ -1,5 +1,5 @@
 """The cameras: where views are taken from, and how they are exposed.
 
 - `stage`: all cameras, and how bright their pictures become;
-- `selection`, `photographs`: the best of many views, and the cameras of a capture.
+- `selection`: the best of many views, and the cameras of a capture.
 """

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Capture, CapturedFrame
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.description.cameras import (
@@ -33,21 +34,19 @@ from openrooms_usd.geometry.pinhole import intrinsics, look_at
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.cameras.photographs import (
+from openrooms_usd.stages.cameras.selection import (
+    Selection,
     frame_name,
     intrinsics_for,
     name_photograph,
     photographs,
 )
-from openrooms_usd.stages.cameras.selection import Selection
 from openrooms_usd.stages.captures import capture_inputs, captured_section
 from openrooms_usd.usd.cameras import define_camera, exposure_of_ev100
 from openrooms_usd.usd.light.emitters import flux_share, world_area
 from openrooms_usd.usd.light.lights import DomeLight, MeshLight, read_lights, read_portals
 from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP
 from openrooms_usd.usd.shading.textures import read_texture
-
-Array = NDArray[np.float64]
 
 # Mean reflectance of walls, floor, ceiling and furniture.
 _REFLECTANCE: Final = 0.5

@@ -13,10 +13,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.hallways import SHEET_M, Hallway, door_space, hallway
 from openrooms_usd.building.walls import Wall
 from openrooms_usd.furniture import Size, make, part_of, styles
@@ -27,8 +27,6 @@ from openrooms_usd.usd.light.emitters import nits_from_lumen, world_area
 from openrooms_usd.usd.light.lights import define_mesh_light
 from openrooms_usd.usd.places.frames import author_placement
 from openrooms_usd.usd.semantics import label
-
-Array = NDArray[np.float64]
 
 # What is tried, the most liked first: how deep it is, and how far it goes to both sides of the
 # opening's middle; metres.

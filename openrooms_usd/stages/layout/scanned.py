@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.walls import walls_of
 from openrooms_usd.capture import (
     Capture,
@@ -36,8 +36,6 @@ from openrooms_usd.scan.rooms.flat import Flat, flat_of
 from openrooms_usd.scan.rooms.layout import LayoutOptions
 from openrooms_usd.stages.base import StageContext, record_of
 from openrooms_usd.stages.layout.openings import hole_of
-
-Array = NDArray[np.float64]
 
 # What openings of a flat's outline are in: none of its inner walls.
 _OUTER: Final = "outside"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.partitions import Partition, misplaced, partition_walls
 from openrooms_usd.building.shell import slab, wall_solid
 from openrooms_usd.building.walls import Wall, walls_of
@@ -32,7 +33,6 @@ from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.usd.places.frames import gf_matrix
 
 _TYPES = Sdf.ValueTypeNames
-Array = NDArray[np.float64]
 
 # Captured partitions whose top is nearer to the ceiling than this reach it, metres.
 _TO_THE_CEILING_M: Final = 0.15

@@ -9,11 +9,11 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.ceilings import across, bars
 from openrooms_usd.building.claddings import cladding
 from openrooms_usd.building.mouldings import moulding, panelling, section
@@ -25,8 +25,6 @@ from openrooms_usd.description.naming import unique_names
 from openrooms_usd.description.trim import Ceiling, Cladding, Trim
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.stages.layout.openings import Cut
-
-Array: TypeAlias = NDArray[np.float64]
 
 # How far a door's own casing reaches beyond its opening, metres.
 _DOOR_CASING_M: Final = 0.06

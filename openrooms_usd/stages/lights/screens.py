@@ -4,23 +4,18 @@ import hashlib
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.lights import Screen
-from openrooms_usd.description.nearest import did_you_mean
-from openrooms_usd.errors import DescriptionError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.styles.displays import picture
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.usd.files.layers import is_deactivated
 from openrooms_usd.usd.places.frames import author_matrix
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
-
-Array = NDArray[np.float64]
 
 # The part of a thing that shows pictures.
 SCREEN: Final = "screen"
@@ -45,7 +40,7 @@ def author_screens(context: StageContext) -> None:
     if not context.room.lights.screens:
         return
     found = _screens(context.stage)
-    _check_names(context, found)
+    context.check_named("lights.screens", found, "so its screen is dark", "screen")
     UsdGeom.Scope.Define(context.stage, names.SCREENS)
     for name, screen in wanted.items():
         if name not in found:
@@ -65,21 +60,6 @@ def _screens(stage: Usd.Stage) -> dict[str, PlacedMesh]:
         if mesh.path.startswith(f"{names.FURNITURE}/")
         and read_label(mesh.prim, names.PART) == SCREEN
     }
-
-
-def _check_names(context: StageContext, found: dict[str, PlacedMesh]) -> None:
-    for name in context.room.lights.screens:
-        path = f"{names.FURNITURE}/{name}"
-        if name in found:
-            continue
-        if is_deactivated(context.stage, path):
-            context.notes.append(f"{name}: deactivated, so its screen is dark")
-            continue
-        raise DescriptionError(
-            f"there is no screen {name!r}{did_you_mean(name, found)}",
-            place=f"lights.screens.{name}",
-            remedy=f"screens are: {', '.join(list(found)[:30]) or 'none'}",
-        )
 
 
 def _face(mesh: PlacedMesh) -> tuple[Array, float, float] | None:

@@ -9,7 +9,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,7 +27,6 @@ from openrooms_usd.description.lights import (
     Lamp,
     SkyEnvironment,
 )
-from openrooms_usd.description.nearest import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.furniture import CATEGORIES
@@ -39,7 +38,6 @@ from openrooms_usd.stages.layout.beyond import author_beyond_lamps
 from openrooms_usd.stages.lights.daylight import author_portals, author_sky
 from openrooms_usd.stages.lights.screens import author_screens
 from openrooms_usd.untrusted import read_text
-from openrooms_usd.usd.files.layers import is_deactivated
 from openrooms_usd.usd.light.emitters import (
     flux_share,
     nits_from_lumen,
@@ -99,7 +97,8 @@ class LightsStage:
             StageError: A lamp's bulb has no area, or is inside an instance that stays one.
         """
         lamps = _lamps(context.stage)
-        _check_names(context, lamps)
+        lacking = f"has no part {names.LIGHT_BULB} that could emit"
+        context.check_named("lights.lamps", lamps, "so it is not lit", "lamp", lacking)
         UsdGeom.Scope.Define(context.stage, names.LIGHTS)
         environment = context.room.lights.environment
         if isinstance(environment, FileEnvironment):
@@ -170,28 +169,6 @@ def _lamps(stage: Usd.Stage) -> dict[str, Found]:
         if bulbs:
             found[root.GetName()] = Found(root, bulbs)
     return found
-
-
-def _check_names(context: StageContext, lamps: Mapping[str, Found]) -> None:
-    """Refuse lamps that are not there, and objects that are no lamps."""
-    for name in context.room.lights.lamps:
-        path = f"{names.FURNITURE}/{name}"
-        if name in lamps:
-            continue
-        if is_deactivated(context.stage, path):
-            context.notes.append(f"{name}: deactivated, so it is not lit")
-            continue
-        is_object = context.stage.GetPrimAtPath(path)
-        reason = (
-            f"{name} has no part {names.LIGHT_BULB} that could emit"
-            if is_object
-            else f"there is no lamp {name!r}{did_you_mean(name, lamps)}"
-        )
-        raise DescriptionError(
-            reason,
-            place=f"lights.lamps.{name}",
-            remedy=f"lamps are: {', '.join(list(lamps)[:30]) or 'none'}",
-        )
 
 
 def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:

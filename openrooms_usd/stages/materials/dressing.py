@@ -10,7 +10,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.materials import Look
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import DescriptionError

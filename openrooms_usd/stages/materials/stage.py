@@ -14,7 +14,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.description.materials import Look
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library.ownmaterials import files_of as material_files

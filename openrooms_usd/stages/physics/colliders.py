@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.library.construction import mass_of_part
@@ -12,11 +12,8 @@ from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.mass import MassProperties, combined
 from openrooms_usd.stages.physics.ahead import Search
-from openrooms_usd.stages.physics.assets import RigidAsset
 from openrooms_usd.stages.physics.cache import cached_shapes
-from openrooms_usd.stages.physics.parts import RigidLink, Solid
-
-Array = NDArray[np.float64]
+from openrooms_usd.stages.physics.parts import RigidAsset, RigidLink, Solid
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,10 +17,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.description.nearest import did_you_mean
-from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import DescriptionError
 from openrooms_usd.furniture import registry
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.library.friction import friction_of
@@ -31,8 +28,6 @@ from openrooms_usd.physics.panels import panel_pieces, slab_hull
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.appearance import texels
 from openrooms_usd.stages.physics.ahead import search_ahead
-from openrooms_usd.stages.physics.assets import RigidAsset
-from openrooms_usd.stages.physics.authoring import author_physics
 from openrooms_usd.stages.physics.cache import cached_shapes
 from openrooms_usd.stages.physics.colliders import (
     AssetColliders,
@@ -40,10 +35,10 @@ from openrooms_usd.stages.physics.colliders import (
     LinkColliders,
     searches_of,
 )
-from openrooms_usd.stages.physics.objects import Objects, search_colliders
-from openrooms_usd.stages.physics.parts import RigidLink, Solid, Substance
+from openrooms_usd.stages.physics.objects import Objects, author_physics, search_colliders
+from openrooms_usd.stages.physics.parts import RigidAsset, RigidLink, Solid, Substance
 from openrooms_usd.usd.bodies import define_scene
-from openrooms_usd.usd.files.layers import apply_metadata, export, is_deactivated, split_arrays
+from openrooms_usd.usd.files.layers import apply_metadata, export, split_arrays
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 
@@ -191,7 +186,8 @@ class PhysicsStage:
             return
         furniture = context.stage.GetPrimAtPath(names.FURNITURE)
         roots = list(furniture.GetChildren()) if furniture else []
-        _check_names(context, section, [root.GetName() for root in roots])
+        known = [root.GetName() for root in roots]
+        context.check_named("physics.objects", known, "so it has no physics")
         UsdGeom.Scope.Define(context.stage, names.PHYSICS)
         define_scene(context.stage, names.PHYSICS_SCENE, section.gravity)
         objects = Objects(section)
@@ -204,21 +200,6 @@ class PhysicsStage:
             author_room(context, room)
         _publish(context, missing)
         _reference(context, found, files)
-
-
-def _check_names(context: StageContext, section: Physics, known: Sequence[str]) -> None:
-    """Refuse objects that are not there."""
-    for name in section.objects:
-        if name in known:
-            continue
-        if is_deactivated(context.stage, f"{names.FURNITURE}/{name}"):
-            context.notes.append(f"{name}: deactivated, so it has no physics")
-            continue
-        raise DescriptionError(
-            f"there is no object {name!r}{did_you_mean(name, known)}",
-            place=f"physics.objects.{name}",
-            remedy=f"there are: {', '.join(known[:30]) or 'none'}",
-        )
 
 
 def _code(category: str) -> str:

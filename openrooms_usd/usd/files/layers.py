@@ -271,6 +271,15 @@ def reactivate(specs: Iterable[Sdf.PrimSpec]) -> None:
         spec.customData[_MARK] = True
 
 
+def prim_specs(layer: Sdf.Layer) -> Iterator[Sdf.PrimSpec]:
+    """The prim specs of a layer outside variants, parents before children."""
+    waiting = list(reversed(list(layer.rootPrims)))
+    while waiting:
+        spec = waiting.pop()
+        yield spec
+        waiting.extend(reversed(list(spec.nameChildren)))
+
+
 def is_deactivated(stage: Usd.Stage, path: str) -> bool:
     """Whether a prim, one above it or one below it is inactive."""
     prim = stage.GetPrimAtPath(path)

@@ -15,19 +15,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.arrays import number_of, vector_of
-from openrooms_usd.usd.light.emitters import (
-    CylinderLight,
-    DiskLight,
-    DistantLight,
-    DomeLight,
-    Light,
-    MeshLight,
-    RectLight,
-    SphereLight,
-    UnknownLight,
-    world_area,
-    world_from_prim,
-)
+from openrooms_usd.usd.light import emitters
 from openrooms_usd.usd.light.shaping import read_shaping
 from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
@@ -39,7 +27,7 @@ Matrix = NDArray[np.float64]
 _WHEN: Final = Usd.TimeCode.EarliestTime()
 
 
-def read_light(prim: Usd.Prim, world: Matrix | None = None) -> Light:
+def read_light(prim: Usd.Prim, world: Matrix | None = None) -> emitters.Light:
     """One light, whether it can be seen or not.
 
     Args:
@@ -48,7 +36,7 @@ def read_light(prim: Usd.Prim, world: Matrix | None = None) -> Light:
     """
     reader = _Reader(prim, world)
     if reason := _misplaced(prim, reader.world):
-        return UnknownLight(str(prim.GetPath()), np.zeros(3), reader.world, (reason,))
+        return emitters.UnknownLight(str(prim.GetPath()), np.zeros(3), reader.world, (reason,))
     # LightAPI makes a light of any shape; MeshLightAPI is for meshes.
     read = (
         _Reader.mesh if prim.IsA(UsdGeom.Gprim) else _KINDS.get(prim.GetTypeName(), _Reader.unknown)
@@ -93,11 +81,11 @@ class _Reader:
         self.prim = prim
         self.losses: list[str] = []
         self.normalize = False
-        self.world = world_from_prim(prim) if world is None else world
+        self.world = emitters.world_from_prim(prim) if world is None else world
 
     # Kinds: each reads what is its own, and what all have in common at the end.
 
-    def dome(self) -> Light:
+    def dome(self) -> emitters.Light:
         # The pole of a plain DomeLight is +Y, whatever else is written there.
         known = self.prim.IsA(UsdLux.DomeLight_1)
         pole = self.value("poleAxis", UsdGeom.Tokens.y) if known else UsdGeom.Tokens.y
@@ -106,49 +94,51 @@ class _Reader:
         frame = self.world @ Z_UP_FROM_Y_UP if pole == UsdGeom.Tokens.z else self.world
         texture = self.texture()
         path, radiance, _, losses = self.common(1.0)
-        return DomeLight(path, radiance, _rotation(frame), losses, texture)
+        return emitters.DomeLight(path, radiance, _rotation(frame), losses, texture)
 
-    def mesh(self) -> Light:
+    def mesh(self) -> emitters.Light:
         glow, tinted = self.glow()
-        area = world_area(self.prim)
+        area = emitters.world_area(self.prim)
         if area == 0.0 and self.value("inputs:normalize", False):
             self.losses.append(
                 "inputs:normalize: the area of such a shape is not known; 1 is taken"
             )
         path, radiance, world, losses = self.common(area)
-        return MeshLight(path, radiance * glow, world, losses, tinted)
+        return emitters.MeshLight(path, radiance * glow, world, losses, tinted)
 
-    def rect(self) -> Light:
+    def rect(self) -> emitters.Light:
         width, height = self.size("inputs:width", 1.0), self.size("inputs:height", 1.0)
         texture = self.texture()
-        return RectLight(*self.common(width * height * self.xy_scale()), width, height, texture)
+        return emitters.RectLight(
+            *self.common(width * height * self.xy_scale()), width, height, texture
+        )
 
-    def disk(self) -> Light:
+    def disk(self) -> emitters.Light:
         radius = self.size("inputs:radius", 0.5)
-        return DiskLight(*self.common(math.pi * radius**2 * self.xy_scale()), radius)
+        return emitters.DiskLight(*self.common(math.pi * radius**2 * self.xy_scale()), radius)
 
-    def sphere(self) -> Light:
+    def sphere(self) -> emitters.Light:
         radius = self.thick("inputs:radius", 0.5, "treatAsPoint")
-        return SphereLight(*self.common(ellipsoid_area(*(radius * self.scales()))), radius)
+        return emitters.SphereLight(*self.common(ellipsoid_area(*(radius * self.scales()))), radius)
 
-    def cylinder(self) -> Light:
+    def cylinder(self) -> emitters.Light:
         radius = self.thick("inputs:radius", 0.5, "treatAsLine")
         length = self.size("inputs:length", 1.0)
         sx, sy, sz = self.scales()
         area = length * sx * ellipse_perimeter(radius * sy, radius * sz)
-        return CylinderLight(*self.common(area), radius, length)
+        return emitters.CylinderLight(*self.common(area), radius, length)
 
-    def distant(self) -> Light:
+    def distant(self) -> emitters.Light:
         angle = self.number("inputs:angle", 0.53)
         half = math.radians(min(max(angle, 0.0), 360.0)) / 2
         lit = math.sin(half) ** 2 * math.pi
         size = 1.0 if half == 0 else lit if half <= math.pi / 2 else 2 * math.pi - lit
         common = self.common(size)
-        return DistantLight(*common, angle, common[1] * size)
+        return emitters.DistantLight(*common, angle, common[1] * size)
 
-    def unknown(self) -> Light:
+    def unknown(self) -> emitters.Light:
         self.losses.append(f"{self.prim.GetTypeName() or 'a prim'} is not a kind of light we read")
-        return UnknownLight(*self.common(1.0))
+        return emitters.UnknownLight(*self.common(1.0))
 
     # What the kinds are made of.
 
@@ -276,7 +266,7 @@ class _Reader:
         return float(np.linalg.norm(np.cross(self.world[:3, 0], self.world[:3, 1])))
 
 
-_KINDS: Final[dict[str, Callable[[_Reader], Light]]] = {
+_KINDS: Final[dict[str, Callable[[_Reader], emitters.Light]]] = {
     "DomeLight": _Reader.dome,
     "DomeLight_1": _Reader.dome,
     "RectLight": _Reader.rect,
@@ -338,13 +328,13 @@ class LightLinks:
         lights: Its lights; those from afar light everything.
     """
 
-    def __init__(self, stage: Usd.Stage, lights: Iterable[Light]) -> None:
+    def __init__(self, stage: Usd.Stage, lights: Iterable[emitters.Light]) -> None:
         self._queries = {
             light.path: UsdLux.LightAPI(stage.GetPrimAtPath(light.prim))
             .GetLightLinkCollectionAPI()
             .ComputeMembershipQuery()
             for light in lights
-            if not isinstance(light, DomeLight | DistantLight)
+            if not isinstance(light, emitters.DomeLight | emitters.DistantLight)
         }
         for path, query in tuple(self._queries.items()):
             if includes_all(query):

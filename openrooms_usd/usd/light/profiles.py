@@ -18,10 +18,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.untrusted import read_text
-
-Array = NDArray[np.float64]
 
 _TITLES: Final = ("IESNA:LM-63-1995", "IESNA:LM-63-2002", "IESNA91")
 _TYPE_C: Final = 1

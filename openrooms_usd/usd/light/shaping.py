@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdLux
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.arrays import number_of, vector_of
@@ -21,8 +21,6 @@ from openrooms_usd.usd.light.emitters import (
     SphereLight,
 )
 from openrooms_usd.usd.light.profiles import Profile, Shaping, read_profile, shaping
-
-Array = NDArray[np.float64]
 
 _STEP_DEG: Final = 0.25
 # Steps in a cone, however narrow, and in the width of a focused beam.

@@ -10,18 +10,10 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom
 
-from openrooms_usd.usd.places.frames import (
-    TIME,
-    gf_matrix,
-    local_to_world,
-    matrix,
-    world_from_stage,
-)
-
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
+from openrooms_usd.usd.places import frames
 
 _SUFFIX: Final = "settled"
 _TRANSLATE: Final = f"xformOp:translate:{_SUFFIX}"
@@ -59,13 +51,13 @@ def author_motions(stage: Usd.Stage, motions: Iterable[Motion]) -> list[str]:
         Prims that are not where they should be, because a stronger layer places them.
     """
     ordered = sorted(motions, key=lambda motion: Sdf.Path(motion.path))
-    world = world_from_stage(stage)
-    cache = UsdGeom.XformCache(TIME)
+    world = frames.world_from_stage(stage)
+    cache = UsdGeom.XformCache(frames.TIME)
     wanted: dict[str, Array] = {}
     for motion in ordered:
         prim = stage.GetPrimAtPath(motion.path)
         moved = np.linalg.inv(world) @ motion.world_motion @ world
-        wanted[motion.path] = moved @ local_to_world(prim, cache)
+        wanted[motion.path] = moved @ frames.local_to_world(prim, cache)
     for motion in ordered:
         _author(stage.GetPrimAtPath(motion.path), wanted[motion.path], motion.side)
     return _missed(stage, wanted)
@@ -74,10 +66,10 @@ def author_motions(stage: Usd.Stage, motions: Iterable[Motion]) -> list[str]:
 def _author(prim: Usd.Prim, stage_from_prim: Array, side: Literal["before", "after"]) -> None:
     """Add the operations that bring a prim to a pose, its parents being where they shall be."""
     xformable = UsdGeom.Xformable(prim)
-    local = matrix(xformable.GetLocalTransformation(TIME))
+    local = frames.matrix(xformable.GetLocalTransformation(frames.TIME))
     resets = xformable.GetResetXformStack()
-    cache = UsdGeom.XformCache(TIME)
-    parent = np.eye(4) if resets else local_to_world(prim.GetParent(), cache)
+    cache = UsdGeom.XformCache(frames.TIME)
+    parent = np.eye(4) if resets else frames.local_to_world(prim.GetParent(), cache)
     target = np.linalg.inv(parent) @ stage_from_prim
     undone = np.linalg.inv(local)
     added = target @ undone if side == "before" else undone @ target
@@ -99,17 +91,17 @@ def _operations(motion: Array) -> Mapping[str, tuple[Sdf.ValueTypeName, object]]
     R, t = motion[:3, :3], motion[:3, 3]
     if np.abs(R.T @ R - np.eye(3)).max() > _RIGID_TOLERANCE or np.linalg.det(R) < 0:
         # Below a parent that is stretched, what is rigid in the world is not.
-        return {_TRANSFORM: (Sdf.ValueTypeNames.Matrix4d, gf_matrix(motion))}
+        return {_TRANSFORM: (Sdf.ValueTypeNames.Matrix4d, frames.gf_matrix(motion))}
     found: dict[str, tuple[Sdf.ValueTypeName, object]] = {}
     if np.abs(t).max() > _STILL_M_RAD:
         found[_TRANSLATE] = (Sdf.ValueTypeNames.Double3, Gf.Vec3d(*t.tolist()))
     if np.abs(R - np.eye(3)).max() > _STILL_M_RAD:
-        turn = gf_matrix(motion).RemoveScaleShear().ExtractRotationQuat()
+        turn = frames.gf_matrix(motion).RemoveScaleShear().ExtractRotationQuat()
         found[_ORIENT] = (Sdf.ValueTypeNames.Quatd, turn)
     return found
 
 
 def _missed(stage: Usd.Stage, wanted: Mapping[str, Array]) -> list[str]:
-    cache = UsdGeom.XformCache(TIME)
-    found = ((path, local_to_world(stage.GetPrimAtPath(path), cache)) for path in wanted)
+    cache = UsdGeom.XformCache(frames.TIME)
+    found = ((path, frames.local_to_world(stage.GetPrimAtPath(path), cache)) for path in wanted)
     return [path for path, pose in found if not np.allclose(pose, wanted[path], atol=1e-6)]

@@ -1,6 +1,6 @@
 """Any UsdPhysics stage as bodies, links, joints, shapes and contacts for engines.
 
-- `frames`: where bodies stand; `masses`: what they weigh; `joints`: what they join, as trees;
-- `shapes`: what collides and what is seen;
+- `shapes`: where bodies stand, what collides and what is seen;
+- `joints`: what bodies weigh, and what joins them, as trees;
 - `reading`: the whole neutral world, and what passes through each other.
 """

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdPhysics
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Body, LinkName, Shape, Visual, World
 from openrooms_usd.physics.world import Link as WorldLink
-from openrooms_usd.usd.rigid.frames import Frames
 from openrooms_usd.usd.rigid.joints import (
     KINDS,
     UNKNOWN_KINDS,
@@ -32,14 +32,13 @@ from openrooms_usd.usd.rigid.joints import (
     joint_of,
     limits_of,
     pose,
+    read_mass,
     trees,
 )
-from openrooms_usd.usd.rigid.masses import read_mass
-from openrooms_usd.usd.rigid.shapes import ShapeReader, safe
+from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader, safe
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import read_meshes
 
-Array = NDArray[np.float64]
 _Type = UsdPhysics.ObjectType
 _SHAPES: Final = tuple(getattr(_Type, name) for name in _Type.names if name.endswith("Shape"))
 # Until USD 26 the parser had the first of these names alone.

@@ -1,14 +1,16 @@
 """The shapes of a stage that collide and those that are seen, in the frames of their links."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pxr import Sdf, Usd, UsdPhysics
+from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
@@ -16,14 +18,85 @@ from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.decomposition import collision_shapes
 from openrooms_usd.physics.hulls import MOST_VERTICES, convex_hull, half_spaces
-from openrooms_usd.physics.world import Contact, Shape, Visual
-from openrooms_usd.usd.rigid.frames import Frames
+from openrooms_usd.physics.world import STANDARD_GRAVITY, Contact, Shape, Visual
+from openrooms_usd.usd.bodies import frame_and_scale
+from openrooms_usd.usd.places.frames import TIME, matrix, meters_per_unit, world_from_stage
 from openrooms_usd.usd.shading import physics
 from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
 from openrooms_usd.usd.shapes.gprims import read_surface
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 
-Array = NDArray[np.float64]
+# Rigid frames of the prims of a stage, in metres with Z up.
+
+
+class Frames:
+    """Frames of the prims of one stage.
+
+    Args:
+        stage: The composed stage, in any unit and with any axis up.
+    """
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self.stage = stage
+        self._cache = UsdGeom.XformCache(TIME)
+
+    @cached_property
+    def metres(self) -> float:
+        """Metres for one unit of the stage."""
+        return meters_per_unit(self.stage)
+
+    @cached_property
+    def kilograms(self) -> float:
+        """Kilograms for one unit of the stage."""
+        return float(UsdPhysics.GetStageKilogramsPerUnit(self.stage))
+
+    @cached_property
+    def turn(self) -> Array:
+        """(3, 3) from the stage's axes to Z up."""
+        return np.asarray(world_from_stage(self.stage)[:3, :3] / self.metres)
+
+    def world(self, prim: Usd.Prim) -> Array:
+        """(4, 4) from a prim's own frame, with its scale, to the world."""
+        placed = matrix(self._cache.GetLocalToWorldTransform(prim))
+        return np.asarray(world_from_stage(self.stage) @ placed)
+
+    def rigid(self, path: Sdf.Path) -> Array:
+        """(4, 4) from the rigid frame of a prim to the world."""
+        prim = self.stage.GetPrimAtPath(path)
+        found, _ = frame_and_scale(self._cache.GetLocalToWorldTransform(prim))
+        return self.placed(found)
+
+    def placed(self, stage_from_body: Array) -> Array:
+        """A rigid frame in the stage's units and axes as one in the world's."""
+        frame = np.eye(4)
+        frame[:3, :3] = self.turn @ stage_from_body[:3, :3]
+        frame[:3, 3] = self.metres * (self.turn @ stage_from_body[:3, 3])
+        return frame
+
+    def ordered(self, paths: Collection[Sdf.Path]) -> Iterator[Sdf.Path]:
+        """Paths of prims in the order of the stage."""
+        waiting = set(paths)
+        for prim in Usd.PrimRange(self.stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
+            if not waiting:
+                return
+            if prim.GetPath() in waiting:
+                waiting.discard(prim.GetPath())
+                yield prim.GetPath()
+        yield from sorted(waiting)
+
+    def gravity(self, scenes: Sequence[UsdPhysics.SceneDesc]) -> Array:
+        """(3,) gravity of the first scene, m/s2; the earth's where none is authored."""
+        down, pull = np.array([0.0, 0.0, -1.0]), STANDARD_GRAVITY
+        for scene in scenes[:1]:
+            given = np.array(scene.gravityDirection, dtype=np.float64)
+            if np.linalg.norm(given) > 0.0:
+                down = self.turn @ (given / np.linalg.norm(given))
+            # Negative stands for that of the earth, and the number is a single-precision one.
+            if 0.0 <= scene.gravityMagnitude < np.inf:
+                pull = round(scene.gravityMagnitude * self.metres, 6)
+        return np.asarray(down * pull)
+
+
 Loss = tuple[str, Literal["approximated", "skipped"], str]
 Pieces = tuple[TriangleMesh, ...]
 

@@ -1,5 +1,5 @@
 """Materials: authored and read, from UsdPreviewSurface, MaterialX and textures.
 
 Modules: `surfaces`, `materials`, `materialreader`, `physics`, `networks`, `uvtextures`,
-`textures`, `udim`, `mtlxlayers`, `uber`, `nodegraphs`, `nodecoordinates`.
+`textures`, `mtlxlayers`, `uber`, `nodegraphs`.
 """

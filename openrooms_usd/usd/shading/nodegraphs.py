@@ -13,16 +13,9 @@ from numpy.typing import NDArray
 from pxr import UsdShade
 
 from openrooms_usd.colorimetry import linear_from_srgb
+from openrooms_usd.usd.shading import uvtextures
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
-from openrooms_usd.usd.shading.nodecoordinates import coordinates, family
 from openrooms_usd.usd.shading.surfaces import Channel, ColorSpace, Texture, Wrap
-from openrooms_usd.usd.shading.uvtextures import (
-    decomposed,
-    over_tiles,
-    picture_file,
-    read_texture_node,
-    usual_color_space,
-)
 
 Numbers = tuple[float, ...]
 Folded = Numbers | Texture
@@ -85,7 +78,7 @@ def _fold(network: Network, shader: UsdShade.Shader, name: str, depth: int) -> F
     source = network.source(shader, name)
     if source.shader is None:
         return _linear(finite_numbers(source.constant), source.space)
-    rule = _RULES.get(family(source.kind))
+    rule = _RULES.get(uvtextures.family(source.kind))
     if rule is None or depth == 0:
         network.lost(shader, name, f"{source.kind or 'a shader'} cannot drive it")
         return None
@@ -255,11 +248,11 @@ def _normal_map(node: _Node) -> Folded | None:
 
 
 def _image(node: _Node) -> Folded | None:
-    file = picture_file(node.network, node.shader)
+    file = uvtextures.picture_file(node.network, node.shader)
     if file is None:
         return node.fold("default", (0.0,))
-    primvar, matrix = coordinates(node.network, node.shader)
-    where = decomposed(node.network, node.shader, _tiling(node) @ matrix)
+    primvar, matrix = uvtextures.coordinates(node.network, node.shader)
+    where = uvtextures.decomposed(node.network, node.shader, _tiling(node) @ matrix)
     constant = node.network.constant
     texture = Texture(
         file,
@@ -273,7 +266,7 @@ def _image(node: _Node) -> Folded | None:
         uv_translation=where.translation,
         fallback=cast(Any, tuple(_widened(node.numbers("default", (0.0,)), 4, 1.0).tolist())),
     )
-    return over_tiles(node.network, node.shader, texture)
+    return uvtextures.over_tiles(node.network, node.shader, texture)
 
 
 def _gltf_image(node: _Node) -> Folded | None:
@@ -291,7 +284,7 @@ def _gltf_image(node: _Node) -> Folded | None:
 def _tiling(node: _Node) -> NDArray[np.float64]:
     """(3, 3) of what a tiled image does to its coordinates."""
     matrix = np.eye(3)
-    if family(node.kind) == "tiledimage":
+    if uvtextures.family(node.kind) == "tiledimage":
         matrix[:2, :2] = np.diag(_widened(node.numbers("uvtiling", (1.0,)), 2, 1.0))
         matrix[:2, 2] = -_widened(node.numbers("uvoffset", (0.0,)), 2, 0.0)
         size, tile = (
@@ -309,11 +302,11 @@ def _space(node: _Node, file: str) -> ColorSpace:
     if said and said not in _LINEAR:
         node.lost("file", f"the colour space {said} is taken as a usual one")
     is_color = "_color" in node.kind and said not in _LINEAR
-    return usual_color_space(node.network, node.shader, file) if is_color else "raw"
+    return uvtextures.usual_color_space(node.network, node.shader, file) if is_color else "raw"
 
 
 def _usd_texture(node: _Node) -> Folded | None:
-    found = read_texture_node(node.network, node.shader, node.output)
+    found = uvtextures.read_texture_node(node.network, node.shader, node.output)
     return node.fold("fallback") if found is None else found
 
 

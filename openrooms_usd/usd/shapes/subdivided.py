@@ -12,15 +12,13 @@ from numpy.typing import NDArray
 from pxr import UsdGeom
 from scipy.sparse import csr_array
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.cages import Cage, Weights
 from openrooms_usd.geometry.subdivision import Refinement, limit, refine, smooth_normals
 from openrooms_usd.geometry.triangulation import TriangleMesh, has_area
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.usd.arrays import array_of, integers
 from openrooms_usd.usd.places.frames import TIME
-
-Array = NDArray[np.float64]
-
 
 # What is sharper stays so, however often it is refined.
 _ENDLESS: Final = UsdGeom.Mesh.SHARPNESS_INFINITE
@@ -69,8 +67,6 @@ def read_creases(geometry: UsdGeom.Mesh, cage: Cage) -> Array:
     np.maximum.at(edges, at[there], sharp[there])
     return edges[cage.edges]
 
-
-Ints = NDArray[np.int64]
 
 # How often faces are refined, and of one mesh the most triangles before that is less often.
 LEVELS: Final = 2

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd.arrays import number_of
 from openrooms_usd.usd.places.frames import TIME
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Tf, Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.arrays import array_of, flattened, integers
 from openrooms_usd.usd.places.frames import TIME, local_to_parent
 from openrooms_usd.usd.shapes.gprims import Surface, read_surface
@@ -15,7 +15,6 @@ from openrooms_usd.usd.shapes.gprims import Surface, read_surface
 if TYPE_CHECKING:
     from openrooms_usd.usd.shapes.subdivided import Topologies
 
-Array = NDArray[np.float64]
 Tints = tuple[tuple[str, tuple[float, ...]], ...]
 
 TINTS: Final[Mapping[str, int]] = {"displayColor": 3, "displayOpacity": 1}

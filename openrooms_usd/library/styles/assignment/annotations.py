@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Final
 
 from openrooms_usd import untrusted
-from openrooms_usd.description.nearest import did_you_mean
+from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.styles.assignment.kinds import kind_of

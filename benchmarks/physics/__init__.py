@@ -1,1 +1,0 @@
-"""Collision shapes, pushes and speed: ``python -m benchmarks.physics``; `shapes`, `push`."""
