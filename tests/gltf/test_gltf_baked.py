@@ -1,10 +1,8 @@
 """Light of lightmaps: what is shown without any lamp is colour times irradiance, exposed."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import OpenImageIO
 import pytest
 from pxr import Gf, Sdf, UsdGeom
 
@@ -15,20 +13,12 @@ from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.usd.light.lights import define_mesh_light
 from openrooms_usd.usd.shading.surfaces import Texture
 from tests.gltf.conftest import Export
+from tests.pictures import save_picture
 from tests.small import Stage
 
 SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
 STOPS = -6.0
 PLACES = np.random.default_rng(3).uniform(0.1, 0.9, (100, 2))
-
-
-def save(path: Path, pixels: np.ndarray, kind: str) -> str:
-    height, width, channels = pixels.shape
-    file: Any = OpenImageIO.ImageOutput.create(str(path))
-    assert file.open(str(path), OpenImageIO.ImageSpec(width, height, channels, kind))
-    assert file.write_image(np.ascontiguousarray(pixels))
-    file.close()
-    return str(path)
 
 
 def lit(tmp_path: Path) -> tuple[Stage, np.ndarray, np.ndarray]:
@@ -39,14 +29,14 @@ def lit(tmp_path: Path) -> tuple[Stage, np.ndarray, np.ndarray]:
     codes = np.round(paint * 255).astype(np.uint8)
     made = Stage()
     color = Texture(
-        save(tmp_path / "paint.png", codes, "uint8"),
+        save_picture(tmp_path / "paint.png", codes),
         color_space="sRGB",
         wrap_s="clamp",
         wrap_t="clamp",
     )
     look = made.material("/M", base_color=color)
     atlas = made.stage.DefinePrim("/Lightmaps/atlas_0", "Scope")
-    asset = Sdf.AssetPath(save(tmp_path / "light.exr", light.astype(np.float32), "float"))
+    asset = Sdf.AssetPath(save_picture(tmp_path / "light.exr", light.astype(np.float32)))
     atlas.CreateAttribute(IRRADIANCE, Sdf.ValueTypeNames.Asset).Set(asset)
     for number, offset in enumerate(((0.0, 0.0), (0.5, 0.25))):
         mesh = made.quad(f"/Square_{number}", np.add(SQUARE, (0, 0, number)), material=look)

@@ -20,7 +20,8 @@ from openrooms_usd.usd.shapes.meshes import read_meshes
 from orusd_gltf import GltfExporter
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb, local, read, volume
-from tests.gltf.test_gltf_materials import CORNERS, save
+from tests.gltf.test_gltf_materials import CORNERS
+from tests.pictures import save_picture
 from tests.small import Stage
 
 SHEAR = Gf.Matrix4d(1, 0.4, 0, 0, 0, 1, 0.3, 0, 0.2, 0, 1, 0, 0.5, 1, 2, 1)
@@ -189,8 +190,8 @@ def test_pictures_are_stored_smaller(form: str, export: Export, tmp_path: Path) 
     rows, columns = np.mgrid[0:64, 0:64] / 64.0
     codes = np.stack([rows, columns, 0.5 + 0 * rows, 1 - rows], axis=-1)
     codes = np.round(codes * 255).astype(np.uint8)
-    color = Texture(save(tmp_path / "color.png", codes[..., :3]), color_space="sRGB")
-    clear = Texture(save(tmp_path / "clear.png", codes[..., 3:]), channel="r")
+    color = Texture(save_picture(tmp_path / "color.png", codes[..., :3]), color_space="sRGB")
+    clear = Texture(save_picture(tmp_path / "clear.png", codes[..., 3:]), channel="r")
     made.quad("/Plain", CORNERS, material=made.material("/M", base_color=color))
     leaf = made.material("/Leaf", base_color=color, opacity=clear)
     made.quad("/Cut", CORNERS, material=leaf)

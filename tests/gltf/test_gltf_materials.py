@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO
 import pytest
 from numpy.typing import NDArray
 
@@ -14,6 +13,7 @@ from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, PreviewSurface, Texture
 from tests.gltf.conftest import Export
 from tests.gltf.reading import Glb
+from tests.pictures import save_picture
 from tests.small import Stage
 
 Array = NDArray[Any]
@@ -21,17 +21,6 @@ CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 # Places inside of the square; a texel of 8 bits, and of half precision, may be off by this.
 PLACES = np.random.default_rng(1).uniform(0.02, 0.98, (200, 2))
 CODE = 1.2 / 255.0
-
-
-def save(path: Path, pixels: Array) -> str:
-    height, width, channels = pixels.shape
-    file: Any = OpenImageIO.ImageOutput.create(str(path))
-    spec = OpenImageIO.ImageSpec(width, height, channels, "uint8")
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    assert file.open(str(path), spec)
-    assert file.write_image(np.ascontiguousarray(pixels))
-    file.close()
-    return str(path)
 
 
 @pytest.fixture
@@ -44,11 +33,11 @@ def files(tmp_path: Path) -> dict[str, str]:
     ]
     smooth = np.round(np.stack(wave, axis=-1) * 255).astype(np.uint8)
     return {
-        "color": save(tmp_path / "color.png", smooth[..., :3]),
-        "rgba": save(tmp_path / "rgba.png", smooth),
-        "grey": save(tmp_path / "grey.png", smooth[..., 3:]),
-        "small": save(tmp_path / "small.png", smooth[::2, ::2, :1]),
-        "relief": save(tmp_path / "relief.png", 96 + smooth[..., :3] // 4),
+        "color": save_picture(tmp_path / "color.png", smooth[..., :3]),
+        "rgba": save_picture(tmp_path / "rgba.png", smooth),
+        "grey": save_picture(tmp_path / "grey.png", smooth[..., 3:]),
+        "small": save_picture(tmp_path / "small.png", smooth[::2, ::2, :1]),
+        "relief": save_picture(tmp_path / "relief.png", 96 + smooth[..., :3] // 4),
     }
 
 

@@ -1,12 +1,10 @@
 """Sessions of every backend that works here, and stages to try them on."""
 
 from collections.abc import Callable
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-import OpenImageIO
 import pytest
 from numpy.typing import NDArray
 from pxr import Usd
@@ -71,22 +69,6 @@ def shoot(open_stage: Open) -> Callable[..., View]:
         return shown(open_stage(stage), *channels, **how)  # type: ignore[no-any-return]
 
     return render
-
-
-@pytest.fixture
-def save_picture() -> Callable[[Path, NDArray[Any]], str]:
-    """Write (H, W, C) pixels, top row first, to a file whose type its suffix says."""
-
-    def save(path: Path, pixels: NDArray[Any]) -> str:
-        height, width, channels = pixels.shape
-        kind = "float" if pixels.dtype == np.float32 else "uint8"
-        file: Any = OpenImageIO.ImageOutput.create(str(path))
-        assert file.open(str(path), OpenImageIO.ImageSpec(width, height, channels, kind))
-        assert file.write_image(np.ascontiguousarray(pixels))
-        file.close()
-        return str(path)
-
-    return save
 
 
 class Lit:

@@ -1,6 +1,5 @@
 """What denoisers are guided by: patterns finer than pixels are their mean, not what centres see."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from pxr import Usd
 
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from tests import small
+from tests.pictures import save_picture
 from tests.small import square
 
 # Stripes a pixel; not a whole number, so that centres see a slow beat.
@@ -19,7 +19,7 @@ SLOPE = 0.6
 
 
 @pytest.fixture
-def striped(tmp_path: Path, save_picture: Callable[[Path, Any], str]) -> Usd.Stage:
+def striped(tmp_path: Path) -> Usd.Stage:
     """A quad that fills the picture, black and white in stripes, whose normals lean to and fro."""
     count = round(WIDTH * STRIPES_A_PIXEL)
     side = np.tile(np.repeat([0, 1], 8), count)[None, :, None].repeat(2, axis=0)

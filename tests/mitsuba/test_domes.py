@@ -14,6 +14,7 @@ from pxr import UsdLux
 
 from tests import small
 from tests.mitsuba.rendering import radiance
+from tests.pictures import save_picture
 
 Array = NDArray[np.float64]
 # Directions of the integral, from pole to pole and around.
@@ -64,9 +65,7 @@ def pictures() -> dict[str, Array]:
 
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", pictures())
-def test_they_bring_what_they_hold(
-    open_stage: Any, save_picture: Any, tmp_path: Path, name: str
-) -> None:
+def test_they_bring_what_they_hold(open_stage: Any, tmp_path: Path, name: str) -> None:
     pixels = pictures()[name].astype(np.float32)
     made = small.Stage(up="Y")
     dome = UsdLux.DomeLight.Define(made.stage, "/Sky")

@@ -16,10 +16,11 @@ from orusd_mitsuba import MitsubaExporter
 from tests import small
 from tests.crowd import crowd
 from tests.mitsuba.rendering import radiance
+from tests.pictures import save_picture
 from tests.small import square
 
 
-def room(save_picture, folder):
+def room(folder):
     """One of everything that is exported."""
     made = small.Stage()
     random = np.random.default_rng(2)
@@ -52,8 +53,8 @@ def room(save_picture, folder):
 
 
 @pytest.mark.one_in(2)
-def test_mitsuba_loads_the_file_and_sees_the_same(shoot, save_picture, tmp_path, variant):
-    stage = room(save_picture, tmp_path)
+def test_mitsuba_loads_the_file_and_sees_the_same(shoot, tmp_path, variant):
+    stage = room(tmp_path)
     ours = shoot(stage, "radiance", width=64, height=48, samples=64).images["radiance"]
     MitsubaExporter().convert(stage, tmp_path / "out", {})
     import mitsuba as mi
@@ -76,8 +77,8 @@ def test_mitsuba_loads_the_file_and_sees_the_same(shoot, save_picture, tmp_path,
     assert difference == pytest.approx(2 * ours.error, rel=0.5)
 
 
-def test_one_shape_for_each_prim_with_names_that_differ(save_picture, tmp_path):
-    MitsubaExporter().convert(room(save_picture, tmp_path), tmp_path / "x.xml", {})
+def test_one_shape_for_each_prim_with_names_that_differ(tmp_path):
+    MitsubaExporter().convert(room(tmp_path), tmp_path / "x.xml", {})
     root = ElementTree.parse(tmp_path / "x.xml").getroot()
     identifiers = [element.get("id") for element in root]
     assert len({name.lower() for name in identifiers}) == len(identifiers)
@@ -92,10 +93,10 @@ def test_one_shape_for_each_prim_with_names_that_differ(save_picture, tmp_path):
 
 
 @pytest.mark.slow
-def test_equal_stages_give_equal_bytes(save_picture, tmp_path):
+def test_equal_stages_give_equal_bytes(tmp_path):
     digests = []
     for name in ("first", "second"):
-        MitsubaExporter().convert(room(save_picture, tmp_path), tmp_path / name, {})
+        MitsubaExporter().convert(room(tmp_path), tmp_path / name, {})
         files = sorted(path for path in (tmp_path / name).rglob("*") if path.is_file())
         time.sleep(1.1)  # whatever writes the time of day writes another one now
         digests.append([hashlib.sha256(file.read_bytes()).hexdigest() for file in files])
@@ -119,9 +120,7 @@ def test_a_stage_far_away_is_moved_near_and_says_so(tmp_path):
     assert any(path == "/" and "moved" in reason for path, _, reason in report.losses())
 
 
-def test_instances_share_a_file_and_stand_where_they_do(
-    open_stage, save_picture, tmp_path, monkeypatch
-):
+def test_instances_share_a_file_and_stand_where_they_do(open_stage, tmp_path, monkeypatch):
     pixels = np.random.default_rng(5).integers(40, 220, (8, 8, 3)).astype(np.uint8)
     stage = crowd(save_picture(tmp_path / "paper.png", pixels)).stage
     monkeypatch.setattr(gathering, "LEAST_SAVED_TRIANGLES", 1)

@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO
 import pytest
 
 from openrooms_usd.rendering.scene.pictures import Picture, load, mended
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from tests import small
+from tests.pictures import save_picture
 from tests.small import square
 
 QUAD = square((0, 0, 0), 1)
@@ -23,18 +23,9 @@ Save = Callable[..., str]
 def save(tmp_path: Path) -> Save:
     """Write (H, W, C) values of 0..1, or floats as they are, in a type of pixels."""
 
-    def write(name: str, values: Any, kind: str) -> str:
-        pixels = np.ascontiguousarray(values, dtype=np.float32)
-        height, width, channels = pixels.shape
-        spec = OpenImageIO.ImageSpec(width, height, channels, kind)
-        spec.attribute("oiio:UnassociatedAlpha", 1)
-        file: Any = OpenImageIO.ImageOutput.create(str(tmp_path / name))
-        assert file.open(str(tmp_path / name), spec)
-        assert file.write_image(pixels)
-        file.close()
-        return str(tmp_path / name)
-
-    return write
+    return lambda name, values, kind: save_picture(
+        tmp_path / name, np.asarray(values, dtype=np.float32), kind
+    )
 
 
 def loaded(texture: Texture, channels: int = 3, limits: tuple[float, float] = UNIT) -> Picture:

@@ -11,6 +11,7 @@ from openrooms_usd.rendering.scene.lights import LightRecord
 from openrooms_usd.usd.light.lights import Portal, define_mesh_light
 from openrooms_usd.usd.semantics import label
 from tests import small
+from tests.pictures import save_picture
 from tests.small import square
 
 SIZE = (64, 48)
@@ -93,9 +94,7 @@ def test_names_are_unique_whatever_the_objects_are_called() -> None:
     assert names[:2] == ["a", "a_2"] and len(set(names)) == 5
 
 
-def test_a_textured_lamp_is_the_mean_of_its_picture(
-    lit: Any, save_picture: Any, tmp_path: Any
-) -> None:
+def test_a_textured_lamp_is_the_mean_of_its_picture(lit: Any, tmp_path: Any) -> None:
     made = small.Stage()
     pixels = np.zeros((2, 4, 3), dtype=np.float32)
     pixels[:, :2] = 4.0

@@ -13,6 +13,7 @@ from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.shading.surfaces import Texture
 from tests import small
 from tests.mitsuba.rendering import radiance, session_of
+from tests.pictures import save_picture
 
 HEIGHT = 2.0
 NITS = 1000.0
@@ -112,7 +113,7 @@ def test_all_domes_shine() -> None:
     assert lux(made, 256)[1] == pytest.approx(3.0 * math.pi * NITS, rel=0.02)
 
 
-def test_domes_of_any_turn_are_summed_by_direction(save_picture: Any, tmp_path: Path) -> None:
+def test_domes_of_any_turn_are_summed_by_direction(tmp_path: Path) -> None:
     """Two smooth pictures, 1 + a d for a direction d: their sum has the sum of both."""
     rows, columns = 32, 64
     polar = np.pi * (np.arange(rows) + 0.5)[:, None] / rows
@@ -147,7 +148,7 @@ def test_shapes_that_are_lights_emit() -> None:
     assert lux(made, 1024)[1] == pytest.approx(NITS * math.pi * 0.1**2 / HEIGHT**2, rel=0.03)
 
 
-def test_the_picture_of_a_glow_is_tinted_by_the_light(save_picture: Any, tmp_path: Path) -> None:
+def test_the_picture_of_a_glow_is_tinted_by_the_light(tmp_path: Path) -> None:
     glow = save_picture(tmp_path / "glow.exr", np.full((4, 4, 3), (2.0, 1.0, 0.5), np.float32))
     made = small.Stage()
     material = made.material("/Glow", emissive=Texture(glow, color_space="raw"))
@@ -163,7 +164,7 @@ def test_the_picture_of_a_glow_is_tinted_by_the_light(save_picture: Any, tmp_pat
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 8), (2, 4), (4, 8), (32, 64)])
 def test_a_bright_pixel_of_a_small_dome_brings_what_lies_between_pixels(
-    save_picture: Any, tmp_path: Path, size: tuple[int, int]
+    tmp_path: Path, size: tuple[int, int]
 ) -> None:
     """By the integral of the rows' means, linear between their centres."""
     pixels = np.ones((*size, 3), dtype=np.float32)

@@ -14,6 +14,7 @@ from orusd_mitsuba import variants
 from orusd_mitsuba.plugins import material_table
 from tests import small
 from tests.mitsuba.rendering import radiance, session_of
+from tests.pictures import save_picture
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def mitsuba(vectorized: str) -> Any:
     return mi
 
 
-def noise(save_picture: Any, path: Any, height: int, width: int, channels: int = 3) -> str:
+def noise(path: Any, height: int, width: int, channels: int = 3) -> str:
     rng = np.random.default_rng(height * width + channels)
     return str(save_picture(path, rng.integers(0, 256, (height, width, channels)).astype(np.uint8)))
 
@@ -32,9 +33,9 @@ def noise(save_picture: Any, path: Any, height: int, width: int, channels: int =
 @pytest.mark.parametrize("wrap", ["repeat", "mirror", "clamp"])
 @pytest.mark.parametrize("size", [(1, 1), (3, 5), (16, 8)])
 def test_the_table_looks_textures_up_as_the_ground_truth_does(
-    mitsuba: Any, save_picture: Any, tmp_path: Any, wrap: Any, size: tuple[int, int]
+    mitsuba: Any, tmp_path: Any, wrap: Any, size: tuple[int, int]
 ) -> None:
-    color, gloss = (noise(save_picture, tmp_path / f"{c}.png", *size, c) for c in (3, 1))
+    color, gloss = (noise(tmp_path / f"{c}.png", *size, c) for c in (3, 1))
     mapped = {"wrap_s": wrap, "wrap_t": wrap}
     preview = PreviewSurface(
         base_color=Texture(color, color_space="sRGB", scale=(0.9, 0.8, 1.5, 1.0), **mapped),
@@ -75,9 +76,9 @@ def test_the_table_looks_textures_up_as_the_ground_truth_does(
 @pytest.mark.parametrize("channel", ["rgb", "r", "b", "a"])
 @pytest.mark.parametrize("wanted", [1, 3])
 def test_codes_mean_what_the_values_are(
-    save_picture: Any, tmp_path: Any, stored: int, channel: Any, wanted: int
+    tmp_path: Any, stored: int, channel: Any, wanted: int
 ) -> None:
-    file = noise(save_picture, tmp_path / "t.png", 7, 9, stored)
+    file = noise(tmp_path / "t.png", 7, 9, stored)
     for space in ("sRGB", "raw"):
         texture = Texture(
             file,
@@ -95,7 +96,7 @@ def test_codes_mean_what_the_values_are(
         assert (coded.wrap, coded.losses) == (plain.wrap, plain.losses)
 
 
-def test_what_is_not_of_eight_bits_is_no_row(save_picture: Any, tmp_path: Any) -> None:
+def test_what_is_not_of_eight_bits_is_no_row(tmp_path: Any) -> None:
     values = np.random.default_rng(1).random((4, 4, 3)).astype(np.float32)
     file = save_picture(tmp_path / "t.exr", values)
     reader = SurfaceReader()
@@ -107,10 +108,10 @@ def test_what_is_not_of_eight_bits_is_no_row(save_picture: Any, tmp_path: Any) -
         assert not material_table.fits(reader.read(preview))
 
 
-def room(save_picture: Any, folder: Any) -> Any:
+def room(folder: Any) -> Any:
     made = small.Stage()
     for number in range(4):
-        color = noise(save_picture, folder / f"c{number}.png", 4 + number, 6)
+        color = noise(folder / f"c{number}.png", 4 + number, 6)
         relief = np.full((2, 2, 3), (118 + 5 * number, 140, 230), dtype=np.uint8)
         look = made.material(
             f"/Look_{number}",
@@ -141,9 +142,9 @@ def room(save_picture: Any, folder: Any) -> Any:
 
 @pytest.mark.slow
 def test_one_bsdf_or_many_give_the_same_picture(
-    save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
+    tmp_path: Any, mitsuba: Any, monkeypatch: Any
 ) -> None:
-    stage = room(save_picture, tmp_path)
+    stage = room(tmp_path)
     pixels = {}
     for tabulated in (True, False):
         if not tabulated:
@@ -158,10 +159,8 @@ def test_one_bsdf_or_many_give_the_same_picture(
     assert difference.mean() < 2e-3
 
 
-def test_each_picture_is_read_once(
-    save_picture: Any, tmp_path: Any, mitsuba: Any, monkeypatch: Any
-) -> None:
-    stage, read = room(save_picture, tmp_path), []
+def test_each_picture_is_read_once(tmp_path: Any, mitsuba: Any, monkeypatch: Any) -> None:
+    stage, read = room(tmp_path), []
     once = codes.read_codes
     monkeypatch.setattr(codes, "read_codes", lambda file: read.append(file) or once(file))
     session_of(stage, variant="llvm")
@@ -169,8 +168,8 @@ def test_each_picture_is_read_once(
     assert len(read) == 9 and len(set(read)) == 8
 
 
-def test_tints_and_places_of_one_picture_share_its_codes(save_picture: Any, tmp_path: Any) -> None:
-    file = noise(save_picture, tmp_path / "t.png", 8, 8)
+def test_tints_and_places_of_one_picture_share_its_codes(tmp_path: Any) -> None:
+    file = noise(tmp_path / "t.png", 8, 8)
     reader = SurfaceReader()
     previews = [
         PreviewSurface(

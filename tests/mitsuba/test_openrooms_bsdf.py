@@ -10,6 +10,7 @@ from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Textur
 from orusd_mitsuba import MitsubaExporter
 from tests import small
 from tests.mitsuba.rendering import session_of, shown
+from tests.pictures import save_picture
 from tests.small import square
 
 Prepare = Callable[[str], Any]
@@ -228,9 +229,7 @@ def test_cloth_of_ours_keeps_all_light(prepare: Prepare) -> None:
     np.testing.assert_allclose(weight, 1.0, rtol=1e-5)
 
 
-def test_exported_files_need_nothing_of_ours(
-    save_picture: Any, tmp_path: Any, prepare: Prepare
-) -> None:
+def test_exported_files_need_nothing_of_ours(tmp_path: Any, prepare: Prepare) -> None:
     mi = prepare("llvm")
     relief = save_picture(tmp_path / "n.png", np.full((2, 2, 3), 128, dtype=np.uint8))
     made = plate(f0=0.05, normal=Texture(relief, scale=NORMAL_SCALE, bias=NORMAL_BIAS))

@@ -12,6 +12,7 @@ from orusd_mitsuba.transport.bands import Band
 from tests import small
 from tests.mitsuba.rendering import shown
 from tests.mitsuba.statistics import lambert
+from tests.pictures import save_picture
 from tests.small import square
 
 ALBEDO = 0.6
@@ -168,7 +169,7 @@ def directions_of_sky():
 
 
 @pytest.mark.parametrize("kind", ["z pole", "y pole", "legacy", "rotated", "y up"])
-def test_the_sky_stands_where_usd_says(shoot, save_picture, tmp_path, kind):
+def test_the_sky_stands_where_usd_says(shoot, tmp_path, kind):
     own = directions_of_sky()
     # What a pixel stores is its direction in our world, Z up, worked out without the translator.
     to_world = {
@@ -202,7 +203,7 @@ def test_the_sky_stands_where_usd_says(shoot, save_picture, tmp_path, kind):
         assert np.degrees(np.arccos(seen @ direction / np.linalg.norm(seen))) < 2.5
 
 
-def test_a_constant_sky_and_a_sky_with_wrong_pixels(open_stage, shoot, save_picture, tmp_path):
+def test_a_constant_sky_and_a_sky_with_wrong_pixels(open_stage, shoot, tmp_path):
     made = small.Stage()
     made.dome(radiance=7.0)
     made.camera((0, 0, 0), (1, 0, 0))

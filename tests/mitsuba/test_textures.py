@@ -8,6 +8,7 @@ from pxr import Gf
 
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from tests import small
+from tests.pictures import save_picture
 from tests.small import square
 
 SIDE = 8
@@ -36,7 +37,7 @@ def linear(encoded):
     return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
 
 
-def test_the_top_row_of_the_picture_is_at_t_one(shoot, save_picture, tmp_path):
+def test_the_top_row_of_the_picture_is_at_t_one(shoot, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
     made = from_above(Texture(file, color_space="sRGB"))
@@ -61,7 +62,7 @@ ALONG = {"repeat": "wrap", "mirror": "symmetric", "clamp": "edge", "black": "con
         ("clamp", "black"),
     ],
 )
-def test_wrap_modes_beyond_the_picture(shoot, save_picture, tmp_path, wraps):
+def test_wrap_modes_beyond_the_picture(shoot, tmp_path, wraps):
     pixels = speckled()
     texture = Texture(
         save_picture(tmp_path / "paper.png", pixels),
@@ -79,7 +80,7 @@ def test_wrap_modes_beyond_the_picture(shoot, save_picture, tmp_path, wraps):
     assert np.abs(seen - expected).max() < 1e-3
 
 
-def test_transform_scales_then_turns_then_moves(shoot, save_picture, tmp_path):
+def test_transform_scales_then_turns_then_moves(shoot, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
     texture = Texture(file, uv_scale=(2.0, 0.5), uv_rotation=90.0, uv_translation=(0.25, 0.125))
@@ -104,7 +105,7 @@ def test_transform_scales_then_turns_then_moves(shoot, save_picture, tmp_path):
             assert np.abs(seen[row, column] - value).max() < 1e-3
 
 
-def test_scale_bias_and_single_channels(shoot, save_picture, tmp_path):
+def test_scale_bias_and_single_channels(shoot, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
     texture = Texture(file, channel="g", scale=(1, 0.5, 1, 1), bias=(0, 0.25, 0, 0))
@@ -114,7 +115,7 @@ def test_scale_bias_and_single_channels(shoot, save_picture, tmp_path):
     assert np.abs(images["base_color"].pixels - pixels / 255.0).max() < 1e-3
 
 
-def test_materials_that_share_a_picture_show_it_each_in_its_way(shoot, save_picture, tmp_path):
+def test_materials_that_share_a_picture_show_it_each_in_its_way(shoot, tmp_path):
     """One of half the radiance, one mirrored along s."""
     pixels = speckled()
     file = save_picture(tmp_path / "lamp.png", pixels)
@@ -135,7 +136,7 @@ def test_materials_that_share_a_picture_show_it_each_in_its_way(shoot, save_pict
     assert np.abs(shown[0] - shown[1]).max() > 0.1
 
 
-def test_textures_of_one_material_may_be_placed_differently(shoot, save_picture, tmp_path):
+def test_textures_of_one_material_may_be_placed_differently(shoot, tmp_path):
     pixels = speckled()
     file = save_picture(tmp_path / "paper.png", pixels)
     turned = Texture(file, uv_scale=(2.0, 0.5), uv_rotation=30.0, uv_translation=(0.4, 0.1))
@@ -148,7 +149,7 @@ def test_textures_of_one_material_may_be_placed_differently(shoot, save_picture,
 
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("wrap", ["repeat", "mirror", "clamp"])
-def test_the_renderer_sees_the_colours_that_the_channel_says(shoot, save_picture, tmp_path, wrap):
+def test_the_renderer_sees_the_colours_that_the_channel_says(shoot, tmp_path, wrap):
     file = save_picture(tmp_path / "paper.png", speckled())
     how = {"wrap_s": wrap, "wrap_t": wrap, "uv_rotation": 30.0, "uv_translation": (0.3, -0.2)}
     made = from_above(Texture(file, color_space="sRGB", **how), st_scale=2.5)
@@ -170,7 +171,7 @@ def relief():
 
 
 @pytest.mark.parametrize("rotation", [0.0, 90.0])
-def test_normal_maps_tilt_along_u_and_v(shoot, save_picture, tmp_path, rotation):
+def test_normal_maps_tilt_along_u_and_v(shoot, tmp_path, rotation):
     file = save_picture(tmp_path / "relief.png", relief())
     texture = Texture(file, scale=NORMAL_SCALE, bias=NORMAL_BIAS, uv_rotation=rotation)
     made = from_above(texture, role="normal")
@@ -191,7 +192,7 @@ def test_normal_maps_tilt_along_u_and_v(shoot, save_picture, tmp_path, rotation)
 @pytest.mark.parametrize("behind", [False, True])
 @pytest.mark.parametrize("rotation", [0.0, 90.0])
 def test_the_renderer_shades_with_the_normals_that_the_channel_says(
-    shoot, save_picture, tmp_path, rotation, behind
+    shoot, tmp_path, rotation, behind
 ):
     file = save_picture(tmp_path / "relief.png", relief())
     texture = Texture(file, scale=NORMAL_SCALE, bias=NORMAL_BIAS, uv_rotation=rotation)
@@ -215,7 +216,7 @@ def test_the_renderer_shades_with_the_normals_that_the_channel_says(
     assert np.abs(seen - expected)[settled].max() < 0.01
 
 
-def test_clear_parts_are_seen_through(shoot, save_picture, tmp_path):
+def test_clear_parts_are_seen_through(shoot, tmp_path):
     pixels = np.full((SIDE, SIDE, 3), 255, dtype=np.uint8)
     pixels[:, : SIDE // 2] = 0
     file = save_picture(tmp_path / "leaf.png", pixels)
@@ -229,9 +230,7 @@ def test_clear_parts_are_seen_through(shoot, save_picture, tmp_path):
     assert len(np.unique(images["instance"].pixels)) == 2
 
 
-def test_what_cannot_be_read_is_reported_and_rendered_all_the_same(
-    open_stage, shoot, save_picture, tmp_path
-):
+def test_what_cannot_be_read_is_reported_and_rendered_all_the_same(open_stage, shoot, tmp_path):
     broken = tmp_path / "broken.png"
     broken.write_bytes(b"this is no picture")
     made = small.Stage()
@@ -256,9 +255,7 @@ def test_what_cannot_be_read_is_reported_and_rendered_all_the_same(
     assert np.allclose(middle, (0.25, 0.5, 0.75), atol=1e-3)
 
 
-def test_the_picture_of_a_rectangle_light_is_upright_from_its_lit_side(
-    shoot, save_picture, tmp_path
-):
+def test_the_picture_of_a_rectangle_light_is_upright_from_its_lit_side(shoot, tmp_path):
     pixels = speckled().astype(np.float32) / 255
     made = small.Stage()
     light = made.light("Rect", "/Light", 3.0, width=2.0, height=2.0)

@@ -11,6 +11,7 @@ from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 from orusd_mitsuba import variants
 from orusd_mitsuba.export.exporter import export_scene
 from tests import small
+from tests.pictures import save_picture
 from tests.small import square
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -132,9 +133,7 @@ def test_the_base_colour_channel_is_what_is_reflected(shoot: Any) -> None:
     np.testing.assert_allclose(view.images["base_color"].pixels, np.full((24, 32, 3), CLOTH))
 
 
-def test_a_textured_sheet_passes_in_the_hue_of_each_texel(
-    shoot: Any, save_picture: Any, tmp_path: Any
-) -> None:
+def test_a_textured_sheet_passes_in_the_hue_of_each_texel(shoot: Any, tmp_path: Any) -> None:
     texels = np.zeros((1, 2, 3), dtype=np.float32)
     texels[0] = [[0.2, 0.3, 0.1], [0.1, 0.1, 0.4]]
     file = save_picture(tmp_path / "cloth.exr", texels)

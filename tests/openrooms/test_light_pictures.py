@@ -126,9 +126,7 @@ def test_legacy_stores_red_where_the_format_has_blue(render: RenderedScene, tmp_
 def test_even_light_gives_pi_times_it() -> None:
     even = np.full((2, 3, 16, 32, 3), [1.0, 2.0, 3.0], np.float32)
     np.testing.assert_allclose(
-        frame.irradiance(even),
-        np.broadcast_to([np.pi, 2 * np.pi, 3 * np.pi], (2, 3, 3)),
-        rtol=1e-6,
+        frame.irradiance(even), np.broadcast_to([np.pi, 2 * np.pi, 3 * np.pi], (2, 3, 3)), rtol=1e-6
     )
 
 

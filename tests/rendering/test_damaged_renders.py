@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO
 import pytest
 
 from openrooms_usd.description.rendering import RenderSettings
@@ -18,6 +17,7 @@ from openrooms_usd.rendering.coco import coco
 from openrooms_usd.rendering.reading import read_render
 from openrooms_usd.rendering.relight import Relighting, relight
 from openrooms_usd.unpickling.arrays import read_array
+from tests.pictures import save_picture
 
 SIZE = (8, 6)
 
@@ -36,11 +36,8 @@ def render(renderer: Any, scene: Path, tmp_path: Path) -> Path:
 
 
 def write_exr(path: Path, names: list[str], size: tuple[int, int] = SIZE, value: float = 1) -> None:
-    spec = OpenImageIO.ImageSpec(*size, len(names), OpenImageIO.FLOAT)
-    spec.channelnames = tuple(names)
-    output = OpenImageIO.ImageOutput.create(str(path))
     pixels = np.full((size[1], size[0], len(names)), value, np.float32)
-    assert output.open(str(path), spec) and output.write_image(pixels) and output.close()
+    save_picture(path, pixels, names=names)
 
 
 def labels(render: Path, value: float) -> None:

@@ -4,22 +4,13 @@ import json
 from pathlib import Path
 
 import numpy as np
-import OpenImageIO
 import pytest
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.exr import read_channels, read_picture
 from openrooms_usd.rendering.manifest_schema import ViewEntry
 from openrooms_usd.rendering.reading import RenderedView, read_render
-
-
-def write_exr(path: Path, names: list[str], pixels: np.ndarray) -> None:
-    spec = OpenImageIO.ImageSpec(pixels.shape[1], pixels.shape[0], len(names), OpenImageIO.FLOAT)
-    spec.channelnames = tuple(names)
-    output = OpenImageIO.ImageOutput.create(str(path))
-    done = output.open(str(path), spec) and output.write_image(np.ascontiguousarray(pixels))
-    assert done and output.close()
-
+from tests.pictures import save_picture
 
 ENTRY = {"resolution": [8, 6], "K": np.eye(3).tolist(), "world_from_camera": np.eye(4).tolist()}
 LIGHT = {
@@ -43,7 +34,7 @@ def view(folder: Path) -> RenderedView:
 def test_layers_keep_their_parts_in_order(pixels: np.ndarray, tmp_path: Path) -> None:
     """Files list parts as they like, the alphabet's order among them: B, G, R."""
     names = ["a.B", "a.G", "a.R", "n.Z", "n.X", "n.Y", "d.Y"]
-    write_exr(tmp_path / "a.exr", names, pixels)
+    save_picture(tmp_path / "a.exr", pixels, names=names)
     found = read_channels(tmp_path / "a.exr")
     np.testing.assert_array_equal(found["a"], pixels[..., [2, 1, 0]])
     np.testing.assert_array_equal(found["n"], pixels[..., [4, 5, 3]])
@@ -52,7 +43,7 @@ def test_layers_keep_their_parts_in_order(pixels: np.ndarray, tmp_path: Path) ->
 
 def test_lights_are_found_by_number(pixels: np.ndarray, tmp_path: Path) -> None:
     names = ["mask_0.Y", "mask_12.Y", *(f"direct_2.{part}" for part in "RGB"), "odd.Y", "x_.Y"]
-    write_exr(tmp_path / "lights.exr", names, pixels)
+    save_picture(tmp_path / "lights.exr", pixels, names=names)
     found = view(tmp_path).lights
     assert {name: [*lights] for name, lights in found.items()} == {"mask": [0, 12], "direct": [2]}
     np.testing.assert_array_equal(found["mask"][12], pixels[..., [1]])
@@ -67,14 +58,16 @@ def test_a_view_without_lights_and_grids(tmp_path: Path) -> None:
 
 def test_a_grid_has_its_hemispheres(tmp_path: Path) -> None:
     picture = np.random.default_rng(1).random((2 * 16, 3 * 32, 3)).astype(np.float32)
-    write_exr(tmp_path / "environment.exr", ["R", "G", "B"], picture)
+    save_picture(tmp_path / "environment.exr", picture, names=["R", "G", "B"])
     grid = view(tmp_path).grid("environment")
     assert grid is not None and grid.shape == (2, 3, 16, 32, 3)
     np.testing.assert_array_equal(grid[1, 2, 5, 7], picture[16 + 5, 64 + 7])
 
 
 def test_a_grid_of_another_size_is_refused(tmp_path: Path) -> None:
-    write_exr(tmp_path / "environment.exr", ["R", "G", "B"], np.zeros((16, 33, 3), np.float32))
+    save_picture(
+        tmp_path / "environment.exr", np.zeros((16, 33, 3), np.float32), names=["R", "G", "B"]
+    )
     with pytest.raises(InputError, match="no grid of hemispheres"):
         view(tmp_path).grid("environment")
 

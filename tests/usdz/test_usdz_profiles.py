@@ -23,6 +23,7 @@ from openrooms_usd.usd.shading.surfaces import Texture
 from openrooms_usd.usd.shapes.meshes import read_meshes
 from orusd_usdz import UsdzExporter
 from orusd_usdz.profiles import PROFILES
+from tests.pictures import save_picture
 from tests.small import Stage
 
 ROOT = Path(__file__).parents[2]
@@ -132,10 +133,10 @@ def test_equal_rooms_give_equal_files(composed_demo: Path, tmp_path: Path) -> No
         assert (tmp_path / "a.usdz").read_bytes() == (tmp_path / "b.usdz").read_bytes(), profile
 
 
-def odd_stage(path: Path, save: Callable[..., str]) -> Path:
+def odd_stage(path: Path) -> Path:
     """What rooms of ours do not hold, and others' do."""
     made = Stage(path=path)
-    sky = save(path.parent / "paper.exr", np.full((4, 4, 3), 0.25, np.float32))
+    sky = save_picture(path.parent / "paper.exr", np.full((4, 4, 3), 0.25, np.float32))
     paper = made.material("/World/M/paper", base_color=Texture(sky), emissive=(300.0, 200.0, 0.0))
     made.quad("/World/Paper", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], material=paper)
     bare = made.box("/World/Bare", 1.0)
@@ -156,19 +157,8 @@ def odd_stage(path: Path, save: Callable[..., str]) -> Path:
     return path
 
 
-def save_exr(path: Path, pixels: np.ndarray) -> str:
-    import OpenImageIO
-
-    height, width, channels = pixels.shape
-    file: Any = OpenImageIO.ImageOutput.create(str(path))
-    assert file.open(str(path), OpenImageIO.ImageSpec(width, height, channels, "float"))
-    assert file.write_image(pixels)
-    file.close()
-    return str(path)
-
-
 def test_what_a_phone_does_not_know_is_told(tmp_path: Path) -> None:
-    scene = odd_stage(tmp_path / "scene.usda", save_exr)
+    scene = odd_stage(tmp_path / "scene.usda")
     theirs, report = written(scene, tmp_path / "out.usdz", "arkit")
     rows = {path: (outcome, reason) for path, outcome, reason in report.rows}
     assert rows["/World/Plane"] == ("skipped", "phones know no Plane")
@@ -239,7 +229,7 @@ def apple() -> Check:
 def test_apples_rules_accept_the_room(composed_bodies: Path, apple: Check, tmp_path: Path) -> None:
     written(composed_bodies, tmp_path / "phone.usdz", "arkit")
     assert apple(tmp_path / "phone.usdz") == []
-    written(odd_stage(tmp_path / "scene.usda", save_exr), tmp_path / "odd.usdz", "arkit")
+    written(odd_stage(tmp_path / "scene.usda"), tmp_path / "odd.usdz", "arkit")
     assert apple(tmp_path / "odd.usdz") == []
     # The rules find what the default profile holds.
     written(composed_bodies, tmp_path / "usual.usdz", "default")

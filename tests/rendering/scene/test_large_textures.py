@@ -18,6 +18,7 @@ from openrooms_usd.rendering.scene.pictures import Picture, load
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.shading.surfaces import Texture
 from tests import small
+from tests.pictures import save_picture
 from tests.small import square
 
 
@@ -60,14 +61,9 @@ def test_alpha_is_never_decoded(tmp_path: Path) -> None:
 
 
 def test_pictures_of_floats_follow_too(tmp_path: Path) -> None:
-    import OpenImageIO
-
     pixels = np.random.default_rng(1).uniform(0.0, 4.0, (32, 32, 3)).astype(np.float32)
-    file: Any = OpenImageIO.ImageOutput.create(str(tmp_path / "a.exr"))
-    file.open(str(tmp_path / "a.exr"), OpenImageIO.ImageSpec(32, 32, 3, "float"))
-    file.write_image(pixels)
-    file.close()
-    found = load(Texture(str(tmp_path / "a.exr")), 3, (0.0, np.inf), np.eye(3), 8)
+    file = save_picture(tmp_path / "a.exr", pixels)
+    found = load(Texture(file), 3, (0.0, np.inf), np.eye(3), 8)
     expected = pixels.reshape(8, 4, 8, 4, 3).mean(axis=(1, 3))
     assert np.abs(found.pixels[::-1] - expected).max() < 2e-3
 

@@ -4,12 +4,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenImageIO
 import pytest
 
 from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.rendering.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, f0_of
+from tests.pictures import save_picture
 
 
 def read(**inputs: Any) -> Surface:
@@ -19,10 +19,8 @@ def read(**inputs: Any) -> Surface:
 @pytest.fixture
 def half(tmp_path: Path) -> str:
     """A picture whose mean is (0.2, 0.4, 0.6)."""
-    file = OpenImageIO.ImageOutput.create(str(tmp_path / "half.png"))
-    assert file.open(str(tmp_path / "half.png"), OpenImageIO.ImageSpec(2, 1, 3, "uint8"))
-    assert file.write_image(np.array([[[0, 0, 51], [102, 204, 255]]], np.uint8)) and file.close()
-    return str(tmp_path / "half.png")
+    pixels = np.array([[[0, 0, 51], [102, 204, 255]]], np.uint8)
+    return save_picture(tmp_path / "half.png", pixels)
 
 
 def test_a_constant_normal_is_a_map_of_one_texel() -> None:
