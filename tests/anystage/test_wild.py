@@ -11,7 +11,7 @@ import pytest
 FOLDERS = [Path(one) for one in os.environ.get("ORUSD_USD_SAMPLES", "").split(os.pathsep) if one]
 SECONDS = float(os.environ.get("ORUSD_USD_SECONDS", "120"))
 ENDINGS = (".usd", ".usda", ".usdc", ".usdz")
-PRELOADED = ["openrooms_usd.rendering.opened", "openrooms_usd.usd.moments", "scipy.spatial"]
+PRELOADED = ["openrooms_usd.rendering.opening", "openrooms_usd.usd.moments", "scipy.spatial"]
 
 
 def translated(path: Path) -> str:
