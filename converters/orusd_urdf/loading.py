@@ -32,7 +32,7 @@ class Loaded:
         return [at for name, at in self.links.items() if name.split(".")[0] == link]
 
 
-def load_bullet(folder: Path, client: int) -> dict[str, Loaded]:
+def load_bullet(folder: str | Path, client: Any) -> dict[str, Loaded]:
     """Load every body of a folder that the URDF exporter wrote, where it stands.
 
     Gravity is that of the room, joints are left to themselves but for their friction, nothing is
@@ -40,7 +40,7 @@ def load_bullet(folder: Path, client: int) -> dict[str, Loaded]:
 
     Args:
         folder: It has ``scene.json``.
-        client: What ``pybullet.connect`` gave.
+        client: What ``pybullet.connect`` gave, or a ``BulletClient`` of ``pybullet_utils``.
 
     Returns:
         The bodies by their names in the scene file.
@@ -50,6 +50,7 @@ def load_bullet(folder: Path, client: int) -> dict[str, Loaded]:
         MissingPackageError: Bullet is not installed.
     """
     p = needed("pybullet")
+    folder, client = Path(folder), getattr(client, "_client", client)
     scene = _scene(folder / "scene.json")
     p.setGravity(*scene["gravity"], physicsClientId=client)
     bodies = {entry["name"]: _load(p, folder, entry, client) for entry in scene["bodies"]}

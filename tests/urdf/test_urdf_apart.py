@@ -141,9 +141,16 @@ def test_engines_obey(world: World, engine: str) -> None:
     simulation.close()
 
 
-def test_bullet_obeys_the_export(stage: Usd.Stage, tmp_path: Path, client: int) -> None:
+def test_bullet_obeys_the_export(stage: Usd.Stage, tmp_path: Path) -> None:
+    from pybullet_utils.bullet_client import BulletClient
+
     UrdfExporter().convert(stage, tmp_path / "urdf", {})
-    bodies = load_bullet(tmp_path / "urdf", client)
+    opened = BulletClient(pybullet.DIRECT)
+    opened.setPhysicsEngineParameter(
+        fixedTimeStep=0.002, numSolverIterations=200, solverResidualThreshold=0.0
+    )
+    client = opened._client
+    bodies = load_bullet(str(tmp_path / "urdf"), opened)
     for _ in range(STEPS):
         pybullet.stepSimulation(client)
     heights = {
