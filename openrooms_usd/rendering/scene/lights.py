@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, is_dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.rendering.scene.arrays import Patch
+if TYPE_CHECKING:
+    from openrooms_usd.rendering.scene.arrays import Patch
 
 LightKind = Literal["lamp", "opening", "elsewhere"]
 LobeName = Literal["sun", "sky", "ground"]
@@ -90,12 +91,12 @@ def plain(value: Any) -> Any:
     return value
 
 
-def is_linked(patches: Iterable[Patch]) -> bool:
+def is_linked(patches: "Iterable[Patch]") -> bool:
     """Whether there is a lamp that counts more on some surfaces than on others."""
     return any(patch.unlit_by or patch.response != (1.0, 1.0) for patch in patches)
 
 
-def counted(lamp: Patch, patch: Patch) -> float:
+def counted(lamp: "Patch", patch: "Patch") -> float:
     """The factor of a lamp's light on a surface.
 
     Args:

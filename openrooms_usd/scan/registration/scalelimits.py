@@ -7,16 +7,18 @@ the proportions that it has. What the library builds anew has sizes of its own: 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.scan.models.cad import CadModel
-from openrooms_usd.scan.registration.fitting import Fit
-from openrooms_usd.scan.registration.priors import PoseHypothesis
-from openrooms_usd.scan.registration.surroundings import Surroundings
-from openrooms_usd.scan.registration.template import Template
+
+if TYPE_CHECKING:
+    from openrooms_usd.scan.registration.fitting import Fit
+    from openrooms_usd.scan.registration.priors import PoseHypothesis
+    from openrooms_usd.scan.registration.surroundings import Surroundings
+    from openrooms_usd.scan.registration.template import Template
 
 SCALES: Final = (0.6, 1.6)
 """The least and the greatest scale along an axis."""
@@ -99,10 +101,10 @@ class Candidate:
         fit: The pose so far.
     """
 
-    template: Template
-    hypothesis: PoseHypothesis
-    around: Surroundings
-    fit: Fit
+    template: "Template"
+    hypothesis: "PoseHypothesis"
+    around: "Surroundings"
+    fit: "Fit"
 
 
 @dataclass(frozen=True, eq=False)
