@@ -1,9 +1,6 @@
 """How what takes long says how far it is: one shape for all of it."""
 
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
-from contextvars import copy_context
-from typing import TypeVar
+from collections.abc import Callable
 
 Progress = Callable[[str, float], None]
 """Called with what is being worked on and the finished fraction of the whole, from 0 to 1."""
@@ -43,26 +40,3 @@ def nested(progress: Progress, what: str, begin: float, end: float) -> Progress:
         progress(": ".join(filter(None, (what, step))), done)
 
     return told
-
-
-# Work of one caller on several threads.
-
-_Item = TypeVar("_Item")
-_Made = TypeVar("_Made")
-
-
-def mapped(work: Callable[[_Item], _Made], items: Iterable[_Item], workers: int) -> Iterator[_Made]:
-    """What work makes of each item, in the order of the items, in the caller's context.
-
-    Args:
-        work: Called with an item, in any thread.
-        items: What there is to do.
-        workers: How many threads; fewer than one are one.
-
-    Raises:
-        Exception: Whatever ``work`` raises first, in the order of the items.
-    """
-    with ThreadPoolExecutor(max(workers, 1)) as pool:
-        waiting = [pool.submit(copy_context().run, work, item) for item in items]
-        for each in waiting:
-            yield each.result()

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from openrooms_usd.description.room import Room
     from openrooms_usd.edits.objects import SceneObject
     from openrooms_usd.edits.orphans import Orphan
-    from openrooms_usd.edits.views import ByName, SceneCamera, SceneFile, SceneLight, SceneMaterial
+    from openrooms_usd.edits.scenefile import ByName, SceneFile
+    from openrooms_usd.edits.views import SceneCamera, SceneLight, SceneMaterial
 
 
 @dataclass(eq=False, repr=False)
@@ -242,6 +243,6 @@ class Scene(os.PathLike[str]):
 
     @cached_property
     def _file(self) -> "SceneFile":
-        from openrooms_usd.edits.views import SceneFile
+        from openrooms_usd.edits.scenefile import SceneFile
 
         return SceneFile(self.path)

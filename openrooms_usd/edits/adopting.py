@@ -12,14 +12,9 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import claims, names, untrusted
 from openrooms_usd.edits.blender import is_blenders
 from openrooms_usd.edits.blender_changes import BlenderDifferences
-from openrooms_usd.edits.flattened import (
-    Differences,
-    empty,
-    make_absolute,
-    merged_over,
-    with_sublayers,
-)
+from openrooms_usd.edits.flattened import Differences
 from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers, real_path
+from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_sublayers
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting

@@ -15,7 +15,8 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.edits.editing import editing
-from openrooms_usd.edits.targets import Spot, all_furniture, furniture, hung, snapped
+from openrooms_usd.edits.snapping import Spot, hung, snapped
+from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
@@ -27,6 +28,9 @@ from openrooms_usd.usd.semantics import label, read_label
 _APART_M: Final = 0.05
 _FAR_M: Final = 4.0
 _STEP_M: Final = 0.25
+# Flush to a wall is inside of the room, metres; thinner things are in nobody's way: rugs.
+_FLUSH_M: Final = 1e-3
+_THIN_M: Final = 0.03
 # What is that near to the floor stands on it, metres.
 _ON_FLOOR_M: Final = 0.1
 
@@ -226,7 +230,7 @@ def beside(stage: Usd.Stage, thing: Standing) -> Spot:
     room, others = surroundings(stage), [standing(prim) for prim in all_furniture(stage)]
     here, width, depth = np.array([thing.x, thing.y]), *thing.size[:2]
     taken = [_footprint(each) for each in others if _share_heights(thing, each)]
-    walls = shapely.Polygon(room.walls[:, 0]).buffer(_ON_FLOOR_M) if len(room.walls) > 2 else None
+    walls = shapely.Polygon(room.walls[:, 0]).buffer(_FLUSH_M) if len(room.walls) > 2 else None
     found = []
     for more in np.arange(0.0, _FAR_M, _STEP_M):
         for turn, side in ((0.0, width), (180.0, width), (-90.0, depth), (90.0, depth)):
@@ -238,8 +242,8 @@ def beside(stage: Usd.Stage, thing: Standing) -> Spot:
             free = (walls is None or walls.covers(box)) and not any(map(box.intersects, taken))
             if apart >= 0.0 and free:
                 return spot
-            found.append((apart if more == 0.0 else -np.inf, spot))
-    return max(found)[1]
+            found.append((apart, spot))
+    return max(found[:4])[1]
 
 
 def _footprint(thing: Standing) -> Any:
@@ -254,10 +258,9 @@ def _footprint(thing: Standing) -> Any:
 
 def _share_heights(one: Standing, other: Standing) -> bool:
     """Whether two things can be in each other's way: rugs and what hangs above cannot."""
-    return (
-        one.z + one.bottom < other.z + other.bottom + other.size[2]
-        and other.z + other.bottom < one.z + one.bottom + one.size[2]
-    )
+    low = max(each.z + each.bottom for each in (one, other))
+    high = min(each.z + each.bottom + each.size[2] for each in (one, other))
+    return high - low > _THIN_M
 
 
 def free_path(stage: Usd.Stage, path: Sdf.Path) -> Sdf.Path:

@@ -9,8 +9,8 @@ from typing import Any, Final
 from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd import claims, names, untrusted
-from openrooms_usd.edits.flattened import copied
 from openrooms_usd.edits.foreign import own_layers
+from openrooms_usd.edits.merging import copied
 from openrooms_usd.errors import InputError
 from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting

@@ -16,8 +16,9 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.edits import arranging, assigning, remaking, views
-from openrooms_usd.edits.targets import Scope, Spot
-from openrooms_usd.edits.views import ByName, SceneFile
+from openrooms_usd.edits.scenefile import ByName, SceneFile
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import Scope
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
 from openrooms_usd.usd.files.diagnostics import quiet

@@ -4,7 +4,7 @@ The standard library's machine, in Python, works off a few of its instructions. 
 numbers, texts, lists, tuples, dictionaries, and the four calls by which numpy stores numeric arrays
 and scalars. Every other name or instruction is an error, whatever it would do.
 
-`arrays`: ZIP archives, opened by the one door; sizes and shapes, weighed before memory
+`archives`: ZIP archives, opened by the one door; `arrays`: sizes and shapes, weighed before memory
 is taken.
 """
 

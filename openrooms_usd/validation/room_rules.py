@@ -106,14 +106,21 @@ def _is_in(place: Array, thing: RoomObject) -> bool:
 
 def overlaps(subject: Subject) -> Iterator[Complaint]:
     """No two things are in each other, nor any in a wall that stands free."""
-    for one, other in subject.room.pairs(_MAX_OVERLAP_M):
+    return _overlaps(subject.room)
+
+
+def _overlaps(room: RoomView, only: RoomObject | None = None) -> Iterator[Complaint]:
+    """Of all things, or of one of them."""
+    for one, other in room.pairs(_MAX_OVERLAP_M):
+        if only not in (None, one, other):
+            continue
         depth = _depth(one.body, other.body, max(_yields(one), _yields(other)))
         if depth > 0.0:
             first, second = sorted((one, other), key=lambda thing: thing.path)
             yield first.path, f"it is {depth:.2f} m deep in {second.name}"
-    for wall in subject.room.partitions:
-        body = _body(wall.outline, subject.room.floor or 0.0, wall.height)
-        for thing in subject.room.things:
+    for wall in room.partitions:
+        body = _body(wall.outline, room.floor or 0.0, wall.height)
+        for thing in room.things if only is None else (only,):
             if (depth := _depth(thing.body, body, _yields(thing))) > 0.0:
                 yield thing.path, f"it is {depth:.2f} m deep in {wall.path.rpartition('/')[2]}"
 
@@ -232,13 +239,13 @@ def about(stage: Usd.Stage, path: str) -> list[str]:
     Returns:
         A sentence for each complaint.
     """
-    subject, name = Subject(stage), path.rpartition("/")[2]
-    found = [*outside_room(subject), *overlaps(subject), *sizes(subject)]
-    return [
-        f"{place.rpartition('/')[2]}: {said}"
-        for place, said in found
-        if place == path or said.endswith(f" in {name}")
-    ]
+    subject = Subject(stage)
+    thing = next((one for one in subject.room.things if one.path == path), None)
+    if thing is None:
+        return []
+    own = [found for found in (*outside_room(subject), *sizes(subject)) if found[0] == path]
+    found = [*own, *_overlaps(subject.room, thing)]
+    return [f"{place.rpartition('/')[2]}: {said}" for place, said in found]
 
 
 def told(subject: Subject) -> Iterator[str]:

@@ -17,7 +17,7 @@ from openrooms_usd.usd.light.emitters import DistantLight, DomeLight
 from openrooms_usd.usd.light.lights import read_portals
 from openrooms_usd.usd.light.lightsearch import read_lights
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
-from openrooms_usd.usd.places.placements import StandingWall, read_partitions
+from openrooms_usd.usd.places.partitions import StandingWall, read_partitions
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 

@@ -15,7 +15,8 @@ from openrooms_usd.description import load_room
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.editing import History
-from openrooms_usd.edits.targets import Spot, furniture
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.stages.alignment.instances import instances_of

@@ -12,7 +12,8 @@ from pxr import Sdf, Usd
 from openrooms_usd import names
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.assigning import Assigned
-from openrooms_usd.edits.targets import Scope, Spot, furniture, object_of, parts_meant
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import Scope, furniture, object_of, parts_meant
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.styles.assignment.kinds import kind_of
 from openrooms_usd.stages.alignment.surroundings import surroundings

@@ -12,7 +12,8 @@ from openrooms_usd.description.model import Model
 from openrooms_usd.description.units import Angle, Length
 from openrooms_usd.edits.arranging import Standing, settled, standing
 from openrooms_usd.edits.remaking import choices
-from openrooms_usd.edits.targets import Spot, all_furniture, furniture
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.usd.files.diagnostics import quiet
@@ -98,20 +99,10 @@ def objects_app(held: Corrections) -> App:
         kind, keep = given.category, given.keep_size
         return changed(lambda: target.remake(given.name, given.style, kind, keep_size=keep))
 
-    def state() -> dict[str, Any]:
-        stage = open_stage(scene)
-        return {
-            **room_state(scene),
-            **held.told(),
-            "objects": [_told(standing(prim))["object"] for prim in all_furniture(stage)],
-            "categories": {name: list(CATEGORIES[name].styles) for name in sorted(CATEGORIES)},
-            "floor": surroundings(stage).floor,
-        }
-
     return App(
         page="objects",
         title=f"{scene.resolve().parent.name}: objects",
-        state=state,
+        state=lambda: _state(held),
         resources={"room.glb": lambda: room_glb(scene)},
         commands={
             "try": Command(_Spot, tried),
@@ -128,6 +119,19 @@ def objects_app(held: Corrections) -> App:
         },
         watched=(held.history.file,),
     )
+
+
+def _state(held: Corrections) -> dict[str, Any]:
+    """What the page is told of the room."""
+    scene = held.target.scene
+    stage = open_stage(scene)
+    return {
+        **room_state(scene),
+        **held.told(),
+        "objects": [_told(standing(prim))["object"] for prim in all_furniture(stage)],
+        "categories": {name: list(CATEGORIES[name].styles) for name in sorted(CATEGORIES)},
+        "floor": surroundings(stage).floor,
+    }
 
 
 def _spot(given: _Spot) -> Spot:

@@ -7,7 +7,8 @@ from typing import Any, Protocol, TypeAlias
 
 from openrooms_usd import names
 from openrooms_usd.edits import arranging, assigning, remaking
-from openrooms_usd.edits.targets import Scope, Spot
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import Scope
 
 # What something is made of, as a room.yaml says it.
 Said: TypeAlias = str | Mapping[str, Any]

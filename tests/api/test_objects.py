@@ -269,7 +269,7 @@ def test_what_another_program_changes_is_read_again(scene: ou.Scene) -> None:
 
 
 def test_one_of_many_that_an_instancer_draws_is_found_by_its_number() -> None:
-    from openrooms_usd.edits.views import ByName
+    from openrooms_usd.edits.scenefile import ByName
 
     chairs = ByName("object", Path("scene.usda"), {"/World/Chairs": "chairs"})
     assert chairs["/World/Chairs[3]"] == chairs["/World/Chairs"] == "chairs"

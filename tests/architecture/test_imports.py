@@ -62,6 +62,7 @@ RANKS = (
         "removal",
         "scan",
         "sourcetext",
+        "threads",
         "unfinished",
         "usercache",
         "unpickling",

@@ -70,7 +70,7 @@ ALLOWED = {
     ("openrooms_usd/loading/shards.py", "tarfile.open"): "reads the stream of the door",
     ("openrooms_usd/importing/captures.py", "target.read_bytes"): "a file, and compared alone",
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.OpenAsAnonymous"): "looked through before",
-    ("openrooms_usd/edits/flattened.py", "Usd.Stage.Open"): "layers that were looked through",
+    ("openrooms_usd/edits/merging.py", "Usd.Stage.Open"): "layers that were looked through",
     ("openrooms_usd/ledger.py", "self._file.open"): "writes",
     ("openrooms_usd/library/ownmaterials/materialx.py", "Usd.Stage.Open"): "a layer in memory",
     ("openrooms_usd/package.py", "Sdf.Layer.FindOrOpen"): "looked through before",
@@ -99,7 +99,7 @@ ALLOWED = {
     ("converters/orusd_scans/sunrgbd/files.py", "whosmat"): "reads the stream of the door",
     ("openrooms_usd/importing/captures.py", "path.open"): "writes the copy",
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.FindOrOpen"): "looked through before",
-    ("openrooms_usd/edits/flattened.py", "Sdf.Layer.FindOrOpen"): "looked through with the stage",
+    ("openrooms_usd/edits/merging.py", "Sdf.Layer.FindOrOpen"): "looked through with the stage",
     ("openrooms_usd/ledger.py", "source.open"): "what this program has just written",
     ("openrooms_usd/package.py", "UsdUtils.ComputeAllDependencies"): "looked through before",
     ("openrooms_usd/rendering/exr.py", "OpenImageIO.ImageInput.open"): "checked before",
@@ -118,7 +118,7 @@ ALLOWED = {
         "UsdUtils.ComputeAllDependencies",
     ): "checked before",
     ("openrooms_usd/scan/models/meshscene.py", "trimesh.load_scene"): "reads bytes of the door",
-    ("openrooms_usd/unpickling/arrays.py", "zipfile.ZipFile"): "reads the stream of the door",
+    ("openrooms_usd/unpickling/archives.py", "zipfile.ZipFile"): "reads the stream of the door",
 }
 
 

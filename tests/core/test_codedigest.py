@@ -10,7 +10,7 @@ import pytest
 
 from openrooms_usd import codedigest, sourcetext
 from openrooms_usd.codedigest import code_digest, library_versions, modules
-from openrooms_usd.progress import mapped
+from openrooms_usd.threads import mapped
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = {

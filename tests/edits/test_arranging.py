@@ -7,14 +7,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 
+from openrooms_usd import names
 from openrooms_usd.composing import compose_room
-from openrooms_usd.edits.arranging import duplicate, place, relabel, remove
+from openrooms_usd.edits.arranging import beside, duplicate, place, relabel, remove, standing
 from openrooms_usd.edits.editing import History
 from openrooms_usd.edits.orphans import orphans_of
 from openrooms_usd.edits.remaking import remake
-from openrooms_usd.edits.targets import Spot
+from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import DescriptionError, InputError, OrusdError
 from openrooms_usd.usd.semantics import read_label
 from tests.edits.test_assigning import others
@@ -197,3 +199,29 @@ def test_what_another_program_has_written_is_not_taken_back(scene: Path) -> None
     with pytest.raises(InputError, match="another program"):
         history.undo()
     assert history.file.read_text() == theirs and history.told()["undo"] == 0
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [
+        ({}, (0.55, 0.0)),
+        ({"rug": ((0.0, 0.0, 0.005), (3.0, 3.0, 0.01))}, (0.55, 0.0)),
+        ({"lamp": ((0.55, 0.0, 2.0), (0.5, 0.5, 0.5))}, (0.55, 0.0)),
+        ({"box": ((0.55, 0.0, 0.25), (0.5, 0.5, 0.5))}, (-0.55, 0.0)),
+        ({"wall": ((0.0, 0.0, 0.25), (1.0, 5.0, 0.5))}, (0.8, 0.0)),
+    ],
+)
+def test_a_copy_goes_to_the_nearest_free_place(
+    more: dict[str, tuple[tuple[float, ...], tuple[float, ...]]], expected: tuple[float, float]
+) -> None:
+    """Beside a cube of half a metre; what lies flat or hangs above is in nobody's way."""
+    stage = Usd.Stage.CreateInMemory()
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    for name, (at, size) in {"cube": ((0.0, 0.0, 0.25), (0.5, 0.5, 0.5)), **more}.items():
+        cube = UsdGeom.Cube.Define(stage, f"{names.FURNITURE}/{name}")
+        cube.CreateSizeAttr(1.0)
+        cube.AddTranslateOp().Set(Gf.Vec3d(*at))
+        cube.AddScaleOp().Set(Gf.Vec3f(*size))
+    spot = beside(stage, standing(furniture(stage, "cube")))
+    assert (spot.x, spot.y) == pytest.approx(expected)

@@ -15,6 +15,7 @@ from scipy.io import savemat
 from openrooms_usd import untrusted
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
+from openrooms_usd.unpickling import read_pickled
 from orusd_scans.plainscan import READERS, read_scanned
 from orusd_scans.roomplan.importer import RoomPlanImporter
 from orusd_scans.scannet.frames import Sens
@@ -281,3 +282,9 @@ def test_messages_quote_little(tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
         read_scanned(tmp_path / "a.xyz")
     assert len(str(caught.value)) < 800
+
+
+def test_pickles_come_through_the_door(tmp_path: Path) -> None:
+    for kind in ("pipe", "endless"):
+        with pytest.raises(InputError, match=NO_FILES[kind]):
+            read_pickled(made(tmp_path / kind, kind))

@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -217,6 +218,25 @@ def test_nonsense_in_a_record_is_refused_with_its_place(scanner, name: str) -> N
     import re
 
     assert re.search(message, str(error.value))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda M: M.T, "row by row"),
+        (lambda M: M @ np.diag([1, 1, -1, 1]), "left-handed"),
+        (lambda M: M @ np.diag([1, 2, 1, 1]), "scales the axes by 1, 2, 1"),
+        (lambda M: M @ (np.eye(4) + np.eye(4, k=1) * [0, 0.5, 0, 0]), "scales|shears"),
+    ],
+)
+def test_transforms_that_are_no_motion_are_named(scanner, change: Any, message: str) -> None:
+    data = scanner.room(CORNERS, 2.5)
+    row = scanner.box("chair", [1, 1, 0.4], [0.5, 0.5, 0.8], 20)
+    M = np.array(row["transform"]).reshape(4, 4).T
+    data["objects"] = [row | {"transform": change(M).T.ravel().tolist()}]
+    with pytest.raises(InputError, match=message) as error:
+        read(scanner.write(data))
+    assert "objects[0].transform" in str(error.value.place)
 
 
 BAD_FILES = {

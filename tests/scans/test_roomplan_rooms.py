@@ -13,7 +13,7 @@ from openrooms_usd import names
 from openrooms_usd.capture import Capture
 from openrooms_usd.composing import compose_room
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.places.placements import read_partitions
+from openrooms_usd.usd.places.partitions import read_partitions
 from tests.commands import output_of
 from tests.scans.roomplan_usdz import read
 

@@ -15,7 +15,7 @@ from openrooms_usd.furniture import category
 from openrooms_usd.generation.expansion import expanded
 from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.usd.light.lights import read_portals
-from openrooms_usd.usd.places.placements import read_partitions
+from openrooms_usd.usd.places.partitions import read_partitions
 from openrooms_usd.usd.semantics import read_label
 
 TEXT = """

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from openrooms_usd.description import load_room
-from openrooms_usd.edits.targets import Spot
+from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.errors import OrusdError
 from openrooms_usd.view.corrections import corrections
 from openrooms_usd.view.describing import Described

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from openrooms_usd.cli import orusd
 from openrooms_usd.description import load_room
-from openrooms_usd.edits.targets import Spot
+from openrooms_usd.edits.snapping import Spot
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.corrections import Hints, corrections

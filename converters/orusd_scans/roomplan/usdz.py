@@ -23,7 +23,7 @@ import numpy as np
 from pxr import Sdf, Tf
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.unpickling.arrays import opened_archive
+from openrooms_usd.unpickling.archives import opened_archive
 from openrooms_usd.usd.files.crate_reader import check_crate, check_crate_reads
 from openrooms_usd.usd.files.diagnostics import quiet, reading, reason
 from openrooms_usd.usd.files.preflight import check_text

@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.progress import Progress, mapped, silent
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.visibility import Panoramas, likely_sensor_origins, look_around
@@ -31,6 +31,7 @@ from openrooms_usd.scan.registration.supportheights import supports
 from openrooms_usd.scan.registration.surroundings import NO_WALLS, Surroundings, Walls, walls_of
 from openrooms_usd.scan.registration.template import directions, posed, template_of, unposed
 from openrooms_usd.scan.results import FoundObject, FoundRoom
+from openrooms_usd.threads import mapped
 
 # Inlier distances, from points to the CAD and from the CAD's visible surface to points, metres; and
 # the least share of inliers each way.

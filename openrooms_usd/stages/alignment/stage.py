@@ -35,13 +35,13 @@ from openrooms_usd.furniture import CATEGORIES, Order, Size, category, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.models.meshfile import dependencies
-from openrooms_usd.progress import mapped
 from openrooms_usd.stages.alignment import aligned, placement, poses
 from openrooms_usd.stages.alignment.captured import Captured, captured_objects
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
+from openrooms_usd.threads import mapped
 from openrooms_usd.untrusted import check_path
 from openrooms_usd.usd.files.layers import is_off
 

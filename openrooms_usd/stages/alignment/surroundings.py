@@ -14,7 +14,7 @@ from pxr import Gf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.usd.places.frames import TIME, local_to_world, matrix
-from openrooms_usd.usd.places.placements import read_partitions
+from openrooms_usd.usd.places.partitions import read_partitions
 
 # Largest distance of an opening's middle from the inner edge of its wall, metres.
 _ON_THE_EDGE: Final = 0.02

@@ -36,7 +36,7 @@ from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundin
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.light.lights import Portal, connect_portals, define_dome, define_portal
 from openrooms_usd.usd.places.frames import TIME, author_matrix, local_to_world
-from openrooms_usd.usd.places.placements import is_partition
+from openrooms_usd.usd.places.partitions import is_partition
 from openrooms_usd.usd.semantics import label, read_label
 from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, define_preview_surface
 from openrooms_usd.usd.shapes.meshes import define_mesh

@@ -15,9 +15,9 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library import textures
 from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.ownmaterials import OwnMaterial, publish, read_material
-from openrooms_usd.progress import mapped
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.appearance import Appearance, Color, appearance_of
+from openrooms_usd.threads import mapped
 from openrooms_usd.usd.shading import physics
 from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, define_preview_surface
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE

@@ -27,7 +27,6 @@ from openrooms_usd.furniture.record import Support
 from openrooms_usd.library.construction import joint_damping_of, movable, tolerance_of
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.physics.collision_error import RESOLUTION_M
-from openrooms_usd.progress import mapped
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.looks import VARIANT_SET
 from openrooms_usd.stages.physics.colliders import AssetColliders, LinkColliders, colliders_of
@@ -39,6 +38,7 @@ from openrooms_usd.stages.physics.parts import (
     looks_of,
     read_links,
 )
+from openrooms_usd.threads import mapped
 from openrooms_usd.usd.bodies import (
     Motion,
     author_articulation,

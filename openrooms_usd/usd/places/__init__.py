@@ -1,4 +1,4 @@
 """Where things are: units, axes, transforms, poses; walls that stand free.
 
-Modules: `frames`, `metrics`, `placements`, `settled`.
+Modules: `frames`, `metrics`, `placements`, `partitions`, `settled`.
 """

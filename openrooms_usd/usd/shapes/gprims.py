@@ -132,12 +132,12 @@ def _reader(kind: str) -> Callable[[Usd.Prim], Drawn] | None:
 
         return read_curves
     if kind in ("NurbsPatch", "Points", "TetMesh"):
-        from openrooms_usd.usd.shapes import curves
+        from openrooms_usd.usd.shapes import patches
 
         return {
-            "NurbsPatch": curves.read_patch,
-            "Points": curves.read_points,
-            "TetMesh": curves.read_tetrahedra,
+            "NurbsPatch": patches.read_patch,
+            "Points": patches.read_points,
+            "TetMesh": patches.read_tetrahedra,
         }[kind]
     return None
 

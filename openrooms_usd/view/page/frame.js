@@ -5,7 +5,7 @@ import { button, element } from "orusd/panel.js";
 
 const NARROW = matchMedia("(max-width: 700px)");
 
-/** A button that folds a panel away; on narrow windows the panel starts folded. */
+/** Put a button before a panel that folds it away; in narrow windows it starts folded. */
 export function folding(panel) {
   const fold = button("fold", "", () => set(!panel.hidden));
   const set = (closed) => {
@@ -16,7 +16,6 @@ export function folding(panel) {
   };
   set(NARROW.matches);
   panel.before(fold);
-  return fold;
 }
 
 /** Help: what mouse, fingers and keys do. rows: [what is pressed, what it does]. */
