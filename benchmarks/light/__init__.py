@@ -7,3 +7,8 @@ them), `complete`, and `honesty` (all channels and their estimated errors, also 
 `rooms` opens all rooms for our integrators, `sessions` as anybody would, with what is true of them
 and what shall be reached; `bias` says how far a picture is from that.
 """
+
+from orusd_mitsuba import variants
+
+# Which LLVM is loaded has to be chosen before any section imports Mitsuba.
+variants.choose()
