@@ -16,6 +16,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.light import emitters
+from openrooms_usd.usd.light.inputs import has_filters, light_input, old_names
 from openrooms_usd.usd.light.shaping import read_shaping
 from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
@@ -58,10 +59,9 @@ def _misplaced(prim: Usd.Prim, world: Matrix) -> str:
 
 def _response(prim: Usd.Prim) -> tuple[tuple[float, float], tuple[str, ...]]:
     """The multipliers of diffuse and specular reflection, and what is lost of them."""
-    light = UsdLux.LightAPI(prim)
     values = [
-        number_of(attribute.Get(_WHEN))
-        for attribute in (light.GetDiffuseAttr(), light.GetSpecularAttr())
+        number_of(light_input(prim, name).Get(_WHEN))
+        for name in ("inputs:diffuse", "inputs:specular")
     ]
     diffuse, specular = (
         max(0.0, value) if value is not None and math.isfinite(value) else 1.0 for value in values
@@ -149,7 +149,7 @@ class _Reader:
         return str(self.prim.GetPath()), radiance, self.world, tuple(self.losses)
 
     def value(self, name: str, default: Any) -> Any:
-        attribute = self.prim.GetAttribute(name)
+        attribute = light_input(self.prim, name)
         if attribute and attribute.HasAuthoredConnections():
             self.losses.append(f"{name}: what is connected to it is left out")
         value = attribute.Get(_WHEN) if attribute else None
@@ -243,10 +243,12 @@ class _Reader:
     def check_extras(self) -> None:
         """Note the features that no light here has."""
         for name, (neutral, what) in _EXTRAS.items():
-            attribute = self.prim.GetAttribute(name)
+            attribute = light_input(self.prim, name)
             if attribute and attribute.HasAuthoredValue() and attribute.Get(_WHEN) != neutral:
                 self.losses.append(f"{name}: {what}")
-        if self.prim.GetRelationship("light:filters").GetTargets():
+        if old := old_names(self.prim):
+            self.losses.append(f"names of before USD 21.02 are read: {', '.join(old)}")
+        if has_filters(self.prim):
             self.losses.append("light:filters: light filters are left out")
         light = UsdLux.LightAPI(self.prim)
         if not includes_all(light.GetShadowLinkCollectionAPI().ComputeMembershipQuery()):
