@@ -12,7 +12,7 @@ from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.semantics import unread_labels
 
 _PURPOSE: Final = "its purpose is"
-_ALARMING: Final = ("its label ", "before USD 21.02")
+_ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ")
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:

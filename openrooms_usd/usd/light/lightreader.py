@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.arrays import number_of, vector_of
+from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.light import emitters
 from openrooms_usd.usd.light.inputs import has_filters, light_input, old_names
 from openrooms_usd.usd.light.shaping import read_shaping
@@ -210,18 +211,14 @@ class _Reader:
 
     def texture(self) -> str | None:
         asset = self.value("inputs:texture:file", None)
-        authored = str(getattr(asset, "path", "") or "")
-        resolved = str(getattr(asset, "resolvedPath", "") or "")
+        resolved, lost = locate(light_input(self.prim, "inputs:texture:file"), asset)
+        if lost:
+            self.losses.append(f"its texture {lost}")
         layout = self.value("inputs:texture:format", UsdLux.Tokens.automatic)
-        if not authored:
-            return None
-        if not resolved:
-            self.losses.append(f"its texture {authored} is missing")
-        elif layout not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong):
+        if resolved and layout not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong):
             self.losses.append(f"textures in {layout} layout are not read")
-        else:
-            return resolved
-        return None
+            return None
+        return resolved or None
 
     def glow(self) -> tuple[NDArray[np.float64], bool]:
         """(3,) what the bound material makes of a mesh light's color, and whether by a picture."""

@@ -12,6 +12,7 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.arrays import number_of, vector_of
+from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.light.emitters import (
     CylinderLight,
     DiskLight,
@@ -22,6 +23,7 @@ from openrooms_usd.usd.light.emitters import (
 )
 from openrooms_usd.usd.light.inputs import light_input
 from openrooms_usd.usd.light.profiles import Profile, Shaping, read_profile, shaping
+from openrooms_usd.usd.shading.textures import told
 
 _STEP_DEG: Final = 0.25
 # Steps in a cone, however narrow, and in the width of a focused beam.
@@ -110,7 +112,7 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
     if not isinstance(light, _SURFACES):
         authored = {"ies": file, "cone": cone.changes}
         return None, tuple(why for name, why in _AFAR.items() if authored[name])
-    profile, lost = _read_profile(file)
+    profile, lost = _read_profile(_said(prim, "ies:file"), file)
     if profile is None and not cone.changes:
         return None, (*losses, *lost)
     normalize = profile is not None and bool(_value(prim, "ies:normalize", False))
@@ -158,15 +160,15 @@ def _finite(attribute: Usd.Attribute, losses: list[str]) -> float | None:
     return None
 
 
-def _read_profile(file: Any) -> tuple[Profile | None, tuple[str, ...]]:
+def _read_profile(attribute: Usd.Attribute, file: Any) -> tuple[Profile | None, tuple[str, ...]]:
     if not isinstance(file, Sdf.AssetPath) or not file.path:
         return None, ()
-    if not file.resolvedPath:
-        return None, (f"its IES profile {file.path} is missing",)
+    found, lost = locate(attribute, file)
+    losses = (f"its IES profile {lost}",) if lost else ()
     try:
-        return read_profile(Path(file.resolvedPath)), ()
+        return read_profile(Path(found)) if found else None, losses
     except InputError as error:
-        return None, (f"{file.path}: {error.message}; it shines evenly",)
+        return None, (*losses, told(error), "it shines evenly")
 
 
 def define_shaping(prim: Usd.Prim, file: str) -> None:

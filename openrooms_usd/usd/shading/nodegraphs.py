@@ -16,6 +16,7 @@ from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.usd.shading import uvtextures
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
 from openrooms_usd.usd.shading.surfaces import Channel, ColorSpace, Texture, Wrap
+from openrooms_usd.usd.shading.textures import color_space
 
 Numbers = tuple[float, ...]
 Folded = Numbers | Texture
@@ -109,11 +110,9 @@ def affine(value: Folded, factor: Numbers, offset: Numbers = (0.0,)) -> Folded:
         a, b, c = (_widened(numbers, many, numbers[-1]) for numbers in (value, factor, offset))
         return _bounded(a * b + c)
     by, plus = _widened(factor, 4, 1.0), _widened(offset, 4, 0.0)
-    made = {
-        "scale": np.array(value.scale) * by,
-        "bias": np.array(value.bias) * by + plus,
-        "fallback": np.array(value.fallback) * by + plus,
-    }
+    made = {"scale": np.array(value.scale) * by, "bias": np.array(value.bias) * by + plus}
+    if value.fallback is not None:
+        made["fallback"] = np.array(value.fallback) * by + plus
     return replace(value, **cast(Any, {name: _bounded(part) for name, part in made.items()}))
 
 
@@ -302,7 +301,7 @@ def _space(node: _Node, file: str) -> ColorSpace:
     if said and said not in _LINEAR:
         node.lost("file", f"the colour space {said} is taken as a usual one")
     is_color = "_color" in node.kind and said not in _LINEAR
-    return uvtextures.usual_color_space(node.network, node.shader, file) if is_color else "raw"
+    return color_space(file) if is_color else "raw"
 
 
 def _usd_texture(node: _Node) -> Folded | None:

@@ -1,8 +1,8 @@
 """The inputs of a UsdPreviewSurface as plain data, each a constant or a texture."""
 
 import math
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,7 +70,7 @@ class Texture:
         uv_scale: Factor of the texture coordinates, applied first.
         uv_rotation: Rotation of the texture coordinates, degrees counter-clockwise, applied second.
         uv_translation: Offset of the texture coordinates, applied last.
-        fallback: Value where the picture cannot be read.
+        fallback: Value where the picture cannot be read; None: the default of what it drives.
     """
 
     file: str
@@ -84,7 +84,7 @@ class Texture:
     uv_scale: tuple[float, float] = (1.0, 1.0)
     uv_rotation: float = 0.0
     uv_translation: tuple[float, float] = (0.0, 0.0)
-    fallback: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    fallback: tuple[float, float, float, float] | None = None
 
     @property
     def uv_matrix(self) -> NDArray[np.float64]:
@@ -146,3 +146,19 @@ class PreviewSurface:
     f0: float | None = None
     pane: Color | None = None
     painted: tuple[tuple[str, str], ...] = ()
+
+
+BLACK: Final = (0.0, 0.0, 0.0, 1.0)
+"""The fallback of a UsdUVTexture of which nobody knows what it drives."""
+
+
+def completed(surface: PreviewSurface) -> PreviewSurface:
+    """A surface whose textures fall back on the default of what they drive, if on nothing else."""
+    found: dict[str, Any] = {}
+    for item in fields(surface):
+        value = getattr(surface, item.name)
+        if isinstance(value, Texture) and value.fallback is None:
+            usual = item.default if item.default is not None else BLACK[:3]
+            rgba = (*usual, 1.0) if isinstance(usual, tuple) else (usual,) * 4
+            found[item.name] = replace(value, fallback=rgba)
+    return replace(surface, **found)
