@@ -1,10 +1,10 @@
 """Who stands above what: through instances, and through point instancers, whatever is in them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from pxr import Sdf, Usd, UsdGeom
 
-from openrooms_usd.usd.arrays import integers
+from openrooms_usd.usd.places.frames import TIME
 
 Stand = tuple[str, Usd.Prim]
 """A place, and the prim that stands there."""
@@ -25,7 +25,7 @@ class Ancestry:
     def __init__(self, stage: Usd.Stage) -> None:
         self._stage = stage
         self._known: dict[str, tuple[Stand, ...]] = {"": ()}
-        self._scattered: dict[str, tuple[list[Sdf.Path], list[int]]] = {}
+        self._scattered: dict[str, tuple[Sequence[Sdf.Path], Sequence[int]]] = {}
 
     def of(self, place: str) -> tuple[Stand, ...]:
         """What stands at a place and above it, the nearest first; nothing where nothing stands.
@@ -64,7 +64,7 @@ class Ancestry:
         key = outer[0][0]
         if key not in self._scattered:
             targets = instancer.GetPrototypesRel().GetForwardedTargets()
-            self._scattered[key] = targets, integers(instancer.GetProtoIndicesAttr()).tolist()
+            self._scattered[key] = targets, instancer.GetProtoIndicesAttr().Get(TIME)
         targets, indices = self._scattered[key]
         return self._stage.GetPrimAtPath(targets[indices[int(place[len(key) + 1 : -1])]])
 

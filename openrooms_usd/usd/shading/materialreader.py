@@ -160,8 +160,7 @@ def _folded_input(network: Network, shader: UsdShade.Shader, name: str, default:
     found = fold(network, shader, name)
     if not isinstance(found, Texture):
         return network.finite(shader, name, found, default)
-    single = isinstance(default, float) and found.channel == "rgb"
-    return replace(found, channel="r") if single else found
+    return replace(found, channel=found.channel[0]) if isinstance(default, float) else found
 
 
 def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]) -> PreviewSurface:

@@ -140,8 +140,10 @@ def _define_texture(
         value = getattr(texture, item)
         if value != getattr(Texture, item):
             node.CreateInput(item, _Types.Float4).Set(Gf.Vec4f(*value))
-    kind = _Types.Float3 if texture.channel == "rgb" else _Types.Float
-    return node.CreateOutput(texture.channel, kind)
+    # A UsdUVTexture has its colours in one order alone.
+    if len(texture.channel) > 1:
+        return node.CreateOutput("rgb", _Types.Float3)
+    return node.CreateOutput(texture.channel, _Types.Float)
 
 
 # Rows of triangles, and the material that they show.

@@ -163,9 +163,9 @@ def _instead(file: Path) -> str:
     with untrusted.opened(file, "picture") as stream:
         head = stream.read(_HEAD_BYTES)
     if not head:
-        return "the file is empty"
+        return "not a picture: the file is empty"
     is_page = head.lstrip().lower().startswith((b"<!doctype html", b"<html"))
-    return "it is a page of a website" if is_page else ""
+    return "not a picture: it is a page of a website" if is_page else ""
 
 
 def flaw(path: str) -> str:

@@ -150,7 +150,7 @@ class _Said:
 
 def _number(value: Folded) -> float | Texture:
     if isinstance(value, Texture):
-        return replace(value, channel="r") if value.channel == "rgb" else value
+        return replace(value, channel=value.channel[0])
     return value[0]
 
 
