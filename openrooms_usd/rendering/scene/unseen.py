@@ -10,6 +10,7 @@ from openrooms_usd.usd import mapping
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.semantics import unread_labels
+from openrooms_usd.usd.shading.materials import broken_bindings
 
 _PURPOSE: Final = "its purpose is"
 _ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ")
@@ -101,6 +102,8 @@ def _losses(prim: Usd.Prim) -> Iterator[str]:
         if row is not None and row.is_told_here and _says_something(prim.GetAttribute(name)):
             yield f"{name}: {row.becomes}"
     yield from unread_labels(prim)
+    for target in broken_bindings(prim):
+        yield f"its material is missing: there is none at {target}"
     if prim.IsA(UsdGeom.Subset) and (lost := _colourless(UsdGeom.Subset(prim))):
         yield lost
     if prim.IsA(UsdShade.Material) and _moves(UsdShade.Material(prim)):
