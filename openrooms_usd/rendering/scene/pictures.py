@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.wrapping import framed
-from openrooms_usd.usd.shading.surfaces import Texture
-from openrooms_usd.usd.shading.textures import read_texture
+from openrooms_usd.usd.shading.surfaces import BLACK, Texture, chosen
+from openrooms_usd.usd.shading.textures import read_texture, told
 
 Array = NDArray[np.float64]
 Limits = tuple[float, float]
@@ -157,8 +157,8 @@ def load(
     try:
         stored = read_texture(texture.file)
     except InputError as error:
-        losses.append(f"{texture.file}: {error.message}; its fallback colour is used")
-        values = np.array(texture.fallback, dtype=np.float32).reshape(1, 1, 4)
+        losses.append(told(error))
+        values = np.array(texture.fallback or BLACK, dtype=np.float32).reshape(1, 1, 4)
     else:
         if max(stored.shape[:2]) > side:
             losses.append(made_smaller(texture.file, side))
@@ -235,11 +235,7 @@ def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _picked(rgba: NDArray[np.float32], channel: str, channels: int) -> NDArray[np.float32]:
-    if channel == "rgb":
-        # A single number that is fed by a colour takes its first channel, as Hydra does.
-        return rgba[..., :channels]
-    index = "rgba".index(channel)
-    return np.repeat(rgba[..., index : index + 1], channels, axis=2)
+    return rgba[..., list(chosen(channel, channels))]
 
 
 def made_smaller(file: str, side: int) -> str:

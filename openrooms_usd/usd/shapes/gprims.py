@@ -3,7 +3,7 @@
 What is drawn less well than it was meant, or not at all, comes with a reason.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -30,6 +30,14 @@ _UV_TYPES: Final = frozenset(
         Sdf.ValueTypeNames.Float2Array,
         Sdf.ValueTypeNames.Double2Array,
         Sdf.ValueTypeNames.Half2Array,
+    }
+)
+# Of these the third number is no coordinate of a picture.
+_UVW_TYPES: Final = frozenset(
+    {
+        Sdf.ValueTypeNames.TexCoord3fArray,
+        Sdf.ValueTypeNames.TexCoord3dArray,
+        Sdf.ValueTypeNames.TexCoord3hArray,
     }
 )
 
@@ -179,7 +187,7 @@ class _Polygons:
         if _left_handed(self._geometry.GetPrim()):
             corners = np.ascontiguousarray(corners[:, ::-1])
         normals = None if bare else self._normals(corners, faces)
-        uvs = {} if bare else _usual_first(self._sets(self._coordinates(), corners, faces))
+        uvs = {} if bare else self._flat(self._sets(self._coordinates(), corners, faces))
         colors = {} if bare else self._sets(_painting(self._geometry.GetPrim()), corners, faces)
         triangles = self._indices[corners]
         mesh = TriangleMesh(self._points, triangles, faces, normals, uvs, corners, colors)
@@ -210,7 +218,7 @@ class _Polygons:
         if unfit := fine.unfit():
             self._lose(f"a {fine.scheme} subdivision surface is drawn as its control cage: {unfit}")
             return None
-        uvs = {} if bare else _usual_first(self._carried(fine, self._coordinates()))
+        uvs = {} if bare else self._flat(self._carried(fine, self._coordinates()))
         colors = {} if bare else self._carried(fine, _painting(self._geometry.GetPrim()))
         left_handed = _left_handed(self._geometry.GetPrim())
         mesh = fine.mesh(uvs, colors, left_handed=left_handed, bare=bare)
@@ -283,9 +291,18 @@ class _Polygons:
         return sets
 
     def _coordinates(self) -> list[tuple[UsdGeom.Primvar, int]]:
-        """Primvars of texture coordinates."""
+        """Primvars of texture coordinates, and how many numbers each has."""
         found = UsdGeom.PrimvarsAPI(self._geometry).GetPrimvarsWithValues()
-        return [(one, 2) for one in found if one.GetTypeName() in _UV_TYPES]
+        widths = {**dict.fromkeys(_UV_TYPES, 2), **dict.fromkeys(_UVW_TYPES, 3)}
+        return [(one, widths[kind]) for one in found if (kind := one.GetTypeName()) in widths]
+
+    def _flat(self, sets: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+        """Texture coordinates without a third number, the usual ones first."""
+        for name, values in sets.items():
+            if values.shape[-1] == 3 and np.ptp(values[..., 2]):
+                self._lose(f"primvars:{name} have three numbers, of which two are read")
+        plane = {name: np.ascontiguousarray(values[..., :2]) for name, values in sets.items()}
+        return _usual_first(plane)
 
     def _rows(self, interpolation: str, corners: Ints, faces: Ints) -> NDArray[Any] | None:
         """(M, 3) the element of a primvar that each corner takes; None for an unknown word."""
