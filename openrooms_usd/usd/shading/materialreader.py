@@ -21,9 +21,13 @@ _PAINTED: Final = {
     "metallic": "metallic",
 }
 BARE: Final = PreviewSurface(
-    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity"))
+    base_color=(0.5, 0.5, 0.5),
+    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity")),
 )
-"""What meshes show whose material nobody can read, or that have none."""
+"""What meshes show whose material nobody can read, or that have none.
+
+Without colours of their own they are grey, as in Storm, hdEmbree and hdPrman.
+"""
 # The same surface, as USD and as MaterialX call it.
 _PREVIEWS: Final = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
 _MATERIALX: Final = "mtlx"

@@ -53,6 +53,8 @@ _COLOR_TYPES: Final = frozenset(
 
 
 _OPACITY: Final = "displayOpacity"
+# The cosine between a normal and its triangle's at which no smoothing can be the cause.
+_SURELY_BEHIND: Final = -0.5
 
 
 @dataclass(frozen=True)
@@ -148,6 +150,22 @@ def _reader(kind: str) -> Callable[[Usd.Prim], Drawn] | None:
             "TetMesh": patches.read_tetrahedra,
         }[kind]
     return None
+
+
+def _against(normals: NDArray[Any], flat: NDArray[Any]) -> NDArray[np.bool_]:
+    """(M, 3) which normals at corners have the wrong sign.
+
+    Those of smooth surfaces may lie a little below the horizon of their triangle, where the others
+    of it do not.
+
+    Args:
+        normals: (M, 3, 3) unit.
+        flat: (M, 3) unit, of the triangles' fronts.
+    """
+    facing = np.einsum("mki,mi->mk", normals, flat)
+    against = facing < _SURELY_BEHIND
+    below = np.where(against, -facing, facing).sum(axis=1) < 0.0
+    return np.asarray(against ^ below[:, None])
 
 
 def _left_handed(prim: Usd.Prim) -> bool:
@@ -263,16 +281,21 @@ class _Polygons:
         return None if unrolled is None else self._unit(unrolled, corners)
 
     def _unit(self, normals: NDArray[Any], corners: Ints) -> NDArray[np.float32]:
-        """Unit normals; the face's own where one is zero or not finite."""
+        """Unit normals on the front of their faces; the face's own where one is not usable."""
         with np.errstate(over="ignore", invalid="ignore"):
             lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
         usable = np.isfinite(lengths) & (lengths > 0)
         units = np.where(usable, normals, 0.0) / np.where(usable, lengths, 1.0)
-        if not usable.all():
-            a, b, c = np.moveaxis(self._points[self._indices[corners]], 1, 0)
-            flat = np.cross(b - a, c - a)
-            flat /= np.linalg.norm(flat, axis=1, keepdims=True)
-            units = np.where(usable, units, flat[:, None])
+        a, b, c = np.moveaxis(self._points[self._indices[corners]], 1, 0)
+        flat = np.cross(b - a, c - a)
+        flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+        units = np.where(usable, units, flat[:, None])
+        against = _against(units, flat)
+        if against.any():
+            units[against] *= -1.0
+            count = int(against.any(axis=1).sum())
+            of = "all" if count == len(corners) else f"{count} of {len(corners)}"
+            self._lose(f"normals stand against the winding of {of} triangles and are turned round")
         return units.astype(np.float32)
 
     def _sets(
