@@ -13,6 +13,10 @@ from openrooms_usd.geometry.polygons import CLEARANCE, counter_clockwise, defect
 TWIN_DISTANCE_M = 0.15
 # Gaps between walls up to this length are closed without a note, metres.
 MAX_GAP_M = 0.3
+# A wall's end nearer to the line across the gap beside it is no corner, metres.
+_STRAIGHT_M = 0.03
+# Of more pieces the nearest ends are joined without regard to others.
+_MOST_RUNS = 24
 
 
 def tidied(corners: Array, notes: list[str]) -> Array | None:
@@ -64,19 +68,25 @@ def chained(segments: Array, notes: list[str]) -> Array | None:
     if len(walls) < 3:
         return None
     chain = _linked(walls)
-    gaps = np.linalg.norm(np.roll(chain[:, 0], -1, axis=0) - chain[:, 1], axis=1)
-    corners = np.array(
-        [_corner(a, b) for a, b in zip(chain, np.roll(chain, -1, axis=0), strict=True)]
-    )
+    if _gaps(chain).max() > MAX_GAP_M and len(runs := _runs(walls)) <= _MOST_RUNS:
+        chain = _bridged(runs)
+    corners = _corners(chain)
     hull = shapely.get_coordinates(shapely.MultiPoint(walls.reshape(-1, 2)).convex_hull)[:-1]
     if len(hull) < 3:
         return None
     if defect(corners) is not None or abs(signed_area(corners)) < 0.5 * abs(signed_area(hull)):
         notes.append("the walls do not close: their convex hull was taken as the floor")
         return hull
-    if gaps.max() > MAX_GAP_M:
-        notes.append(f"the walls leave a gap of {gaps.max():.2f} m, which was closed")
+    if wide := [f"{gap:.2f} m" for gap in _gaps(chain) if gap > MAX_GAP_M]:
+        gaps = "a gap of" if len(wide) == 1 else "gaps of"
+        closed = "was" if len(wide) == 1 else "were"
+        notes.append(f"the walls leave {gaps} {', '.join(wide)}, which {closed} closed straight")
     return corners
+
+
+def _gaps(chain: Array) -> Array:
+    """(N,) from the end of each wall of a chain to the beginning of the next, metres."""
+    return np.asarray(np.linalg.norm(np.roll(chain[:, 0], -1, axis=0) - chain[:, 1], axis=1))
 
 
 def _without_twins(segments: Array) -> Array:
@@ -113,8 +123,92 @@ def _linked(walls: Array) -> Array:
     return np.array(chain)
 
 
-def _corner(a: Array, b: Array) -> Array:
-    """The corner of walls a and b: the intersection of their lines if near, else the midpoint."""
+def _bridged(runs: Sequence[Array]) -> Array:
+    """A ring of runs of walls that leave gaps: all are on it or in it, and the gaps are short.
+
+    The longest is closed; while others are outside, the one that lengthens the gaps least is put
+    into one of them.
+    """
+    import shapely
+
+    ring, *rest = runs
+    while rest:
+        corners = _corners(ring)
+        floor = shapely.Polygon(corners) if len(corners) > 2 else shapely.Polygon()
+        around = floor.buffer(MAX_GAP_M)
+        others = [r for r in rest if not around.contains(shapely.MultiPoint(r.reshape(-1, 2)))]
+        if not others and floor.is_valid and floor.area > 0.0:
+            break
+        tries = [
+            (*_inserted(ring, run[::way, ::way], gap), i)
+            for gap in np.flatnonzero(_gaps(ring) >= min(MAX_GAP_M, _gaps(ring).max()))
+            for i, run in enumerate(others or rest)
+            for way in (1, -1)
+        ]
+        _, ring, taken = min(tries, key=lambda one: one[0])
+        rest = [run for run in rest if run is not (others or rest)[taken]]
+    return ring
+
+
+def _inserted(ring: Array, run: Array, gap: int) -> tuple[float, Array]:
+    """A ring with a run in one of its gaps, and by how much its gaps become longer."""
+    rolled = np.roll(ring, -gap - 1, axis=0)
+    longer = np.concatenate([rolled, run])
+    return float(_gaps(longer).sum() - _gaps(ring).sum()), longer
+
+
+def _runs(walls: Array) -> list[Array]:
+    """Walls that meet, end to end, in chains that do not close; the longest first."""
+    from scipy.spatial import KDTree
+
+    ends = walls.reshape(-1, 2)  # rows 2 i and 2 i + 1 are of wall i
+    pairs = KDTree(ends).query_pairs(MAX_GAP_M, output_type="ndarray")
+    order = np.argsort(np.linalg.norm(ends[pairs[:, 0]] - ends[pairs[:, 1]], axis=1), kind="stable")
+    run, partner = np.arange(len(walls)), dict[int, int]()
+    for a, b in pairs[order].tolist():
+        if a not in partner and b not in partner and run[a // 2] != run[b // 2]:
+            partner |= {a: b, b: a}
+            run[run == run[b // 2]] = run[a // 2]
+    found, seen = [], set[int]()
+    for start in range(len(ends)):
+        if start in partner or start // 2 in seen:
+            continue
+        chain, end = [], start
+        while True:
+            wall = walls[end // 2]
+            chain.append(wall if end % 2 == 0 else wall[::-1])
+            seen.add(end // 2)
+            if (end ^ 1) not in partner:
+                break
+            end = partner[end ^ 1]
+        found.append(np.array(chain))
+    lengths = [np.linalg.norm(run[:, 1] - run[:, 0], axis=1).sum() for run in found]
+    return [found[i] for i in np.argsort(lengths, kind="stable")[::-1]]
+
+
+def _corners(chain: Array) -> Array:
+    """(N, 2) the corners of a chain of walls that is closed; a wide gap has one at each end."""
+    corners, ends_gap = list[Array](), list[bool]()
+    for a, b in zip(chain, np.roll(chain, -1, axis=0), strict=True):
+        corner = _corner(a, b)
+        met = [a[1], b[0]] if corner is None else [corner]
+        corners += met
+        ends_gap += [corner is None] * len(met)
+    # The end of a wall that goes on straight over the gap is no corner.
+    ring = np.array(corners)
+    before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+    along, aside = after - before, ring - before
+    cross = along[:, 0] * aside[:, 1] - along[:, 1] * aside[:, 0]
+    off = np.abs(cross) / np.maximum(np.linalg.norm(along, axis=1), CLEARANCE)
+    between = (along * aside).sum(axis=1) > 0.0
+    return np.asarray(ring[~(np.array(ends_gap) & (off < _STRAIGHT_M) & between)])
+
+
+def _corner(a: Array, b: Array) -> Array | None:
+    """The corner of walls a and b: where their lines meet if that is near, else between their ends.
+
+    None where these are far apart.
+    """
     middle = 0.5 * (a[1] + b[0])
     along_a, along_b = a[1] - a[0], b[1] - b[0]
     cross = along_a[0] * along_b[1] - along_a[1] * along_b[0]
@@ -124,7 +218,7 @@ def _corner(a: Array, b: Array) -> Array:
         crossing = a[0] + s * along_a
         if np.linalg.norm(crossing - middle) < MAX_GAP_M:
             return np.asarray(crossing)
-    return np.asarray(middle)
+    return None if np.linalg.norm(b[0] - a[1]) > MAX_GAP_M else np.asarray(middle)
 
 
 def bent(corners: Array, arcs: Sequence[Array]) -> Array:

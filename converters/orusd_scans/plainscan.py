@@ -22,10 +22,11 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import clean
 from openrooms_usd.scan.rooms.verticals import Vertical, verticals
 from openrooms_usd.scan.segmentation.naming import with_labels
+from orusd_scans.formats.arrays import read_npz
 from orusd_scans.formats.laser import read_e57, read_las
 from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply
-from orusd_scans.formats.pointtext import read_npz, read_text
+from orusd_scans.formats.pointtext import read_text
 from orusd_scans.frames import in_world, read_frames
 from orusd_scans.plan import Up
 from orusd_scans.records import read_json, text
@@ -279,7 +280,7 @@ def _standing(scanned: Scanned, options: Mapping[str, str], source: Path) -> Sta
     asked = Asked(
         direction(said or scanned.up, source),
         bool(said),
-        unit_named(options.get("unit", AUTO), source),
+        unit_named(options.get("unit", scanned.unit or AUTO), source),
     )
     cloud = scanned.cloud
     if scanned.faces is not None:

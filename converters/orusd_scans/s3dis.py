@@ -45,6 +45,9 @@ class S3disImporter:
         """
         files, notes = _files(source), list[str]()
         read = [read_text(path) for path in files]
+        notes += [
+            f"{path.name}: {t}" for path, one in zip(files, read, strict=True) for t in one.notes
+        ]
         counts = [len(one.cloud) for one in read]
         words = [re.sub(r"_\d+$", "", path.stem).replace("_", " ") for path in files]
         cloud = Cloud(

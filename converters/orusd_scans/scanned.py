@@ -1,7 +1,6 @@
 """What a reader of points or meshes hands over, and how it opens files that it cannot trust."""
 
 import os
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -42,6 +41,11 @@ _COLOR: Final = (
 _LABEL: Final = ("label", "labels", "semantic", "scalar_label", "scalar_labels")
 _INSTANCE: Final = ("instance", "instance_id", "object_id", "objectid", "scalar_instance")
 _CONFIDENCE: Final = ("confidence", "scalar_confidence")
+# Points are opaque, whatever is said.
+_OPAQUE: Final = ("alpha", "a")
+# Columns that a note names.
+_MOST_NAMED: Final = 6
+_GREY: Final = 128.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +57,14 @@ class Scanned:
         faces: (F, 3) triangles of points; None where there is no surface.
         up: The vertical axis where the format fixes it.
         notes: What was left out, one sentence each.
+        unit: Of the coordinates, where the file says it.
     """
 
     cloud: Cloud
     faces: NDArray[np.int64] | None = None
     up: Up = "Z"
     notes: tuple[str, ...] = ()
+    unit: str | None = None
 
 
 @contextmanager
@@ -128,32 +134,14 @@ def one_in(options: Mapping[str, str], usual: int, place: Path, what: str) -> in
     return int(text)
 
 
-def table(lines: Iterable[bytes], path: Path, most: int | None = None) -> Array:
-    """(N, C) the numbers of lines, between spaces; none without lines.
-
-    Args:
-        lines: As they are read from the file.
-        path: The file, for messages.
-        most: How many lines are read; all by default.
-
-    Raises:
-        InputError: A line holds something else, or another number of them.
-    """
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # that there are no lines: callers know their number
-            return np.loadtxt(lines, ndmin=2, comments=None, encoding="latin-1", max_rows=most)
-    except ValueError as error:
-        raise broken(path, f"a line is no row of numbers: {error}") from error
-
-
-def cloud_of(columns: Columns, path: Path, notes: list[str]) -> Cloud:
+def cloud_of(columns: Columns, path: Path, notes: list[str], others: Iterable[str] = ()) -> Cloud:
     """The cloud of named columns, each (N,).
 
     Args:
-        columns: By names in lower case; unknown ones are passed over.
+        columns: By names in lower case; notes name those that are not used.
         path: The file, for messages.
         notes: Receives sentences about what was left out.
+        others: Names of columns that hold no single numbers.
 
     Raises:
         InputError: There are no points or coordinates, or a label is no whole number.
@@ -164,10 +152,11 @@ def cloud_of(columns: Columns, path: Path, notes: list[str]) -> Cloud:
     if len(places[0]) == 0:
         raise broken(path, "it holds no points")
     normals, colors = _three(columns, _NORMAL), _three(columns, _COLOR)
+    _tell_unused([*columns, *sorted(others)], notes)
     return Cloud(
         points=_double(np.column_stack(places)),
         normals=None if normals is None else _single(np.column_stack(normals)),
-        colors=None if colors is None else np.column_stack([_byte(c, path) for c in colors]),
+        colors=None if colors is None else _colors(np.column_stack(colors), notes),
         label=_numbers(columns, _LABEL, path, notes, _NYU40),
         instance=_numbers(columns, _INSTANCE, path, notes),
         confidence=_confidence(columns, notes),
@@ -190,16 +179,28 @@ def _single(values: NDArray[Any]) -> NDArray[np.float32]:
         return values.astype(np.float32)
 
 
-def _byte(values: NDArray[Any], path: Path) -> NDArray[np.uint8]:
-    """Colours as bytes: fractions are scaled up, 16 bits down."""
+def _colors(values: NDArray[Any], notes: list[str]) -> NDArray[np.uint8]:
+    """Colours (N, 3) as bytes: fractions are scaled up, 16 bits down; grey for what is none."""
     if values.dtype == np.uint8:
         return values
-    if not np.isfinite(values).all():
-        raise broken(path, "a colour is no number")
-    top = float(values.max(initial=0.0))
+    sound = np.isfinite(values).all(axis=1)
+    if lost := int(np.count_nonzero(~sound)):
+        notes.append(f"{lost:,} colours are no numbers: these points are grey")
+    top = float(values[sound].max(initial=0.0))
     is_fraction = values.dtype.kind == "f" and top <= 1.0
     scale = 255.0 if is_fraction else 255.0 / 65535.0 if top > 255.0 else 1.0
-    return np.asarray(np.rint(values * scale).clip(0, 255), dtype=np.uint8)
+    scaled = np.where(sound[:, None], values * scale, _GREY)
+    return np.asarray(np.rint(scaled).clip(0, 255), dtype=np.uint8)
+
+
+def _tell_unused(names: Iterable[str], notes: list[str]) -> None:
+    given = list(names)
+    known = {*_LABEL, *_INSTANCE, *_CONFIDENCE, *_OPAQUE}
+    known.update(*(trio for trio in (*_PLACE, *_NORMAL, *_COLOR) if {*trio} <= {*given}))
+    unused = [name[:40] for name in given if name not in known]
+    if unused:
+        rest = f" and {len(unused) - _MOST_NAMED} more" if len(unused) > _MOST_NAMED else ""
+        notes.append(f"columns that are not used: {', '.join(unused[:_MOST_NAMED])}{rest}")
 
 
 def _numbers(

@@ -94,6 +94,7 @@ ALLOWED = {
     ): "wants a path; opened and checked before",
     ("converters/orusd_scans/formats/pcd.py", "np.fromfile"): "reads the stream of the door",
     ("converters/orusd_scans/formats/ply.py", "np.fromfile"): "reads the stream of the door",
+    ("converters/orusd_scans/formats/ply.py", "np.memmap"): "reads the stream of the door",
     ("converters/orusd_scans/sunrgbd/files.py", "np.fromfile"): "reads the stream of the door",
     ("converters/orusd_scans/sunrgbd/files.py", "loadmat"): "reads the stream of the door",
     ("converters/orusd_scans/sunrgbd/files.py", "whosmat"): "reads the stream of the door",

@@ -125,7 +125,9 @@ def test_every_cut_is_refused_and_no_byte_ends_in_a_traceback(tmp_path: Path) ->
     for form in ("ascii", "binary", "binary_compressed"):
         whole = written(tmp_path / "whole.pcd", form)
         size = whole.stat().st_size
-        cuts_are_refused(read_pcd, whole, [*range(0, size - 5, 5), size - 5])
+        # A last line that is cut costs its point alone.
+        least = 5 if form != "ascii" else len(whole.read_bytes().splitlines()[-1]) + 1
+        cuts_are_refused(read_pcd, whole, [*range(0, size - least, 5), size - least])
         hits_are_told(read_pcd, whole, rng, 120)
 
 

@@ -67,6 +67,115 @@ def test_all_forms_give_the_same(tmp_path: Path, form: str, polygons: list[list[
     assert fans == triangles
 
 
+FORMS = ("ascii", "binary_little_endian", "binary_big_endian")
+
+
+def made(path: Path, form: str, *elements: tuple[str, list[str], list[list[object]]]) -> Path:
+    """A file of elements: name, properties ``type name``, rows; a list in a row is one of PLY."""
+    lines, body = ["ply", f"format {form} 1.0"], b""
+    codes = {"uchar": "B", "int": "i", "uint": "I", "float": "f"}
+    for name, properties, values in elements:
+        lines.append(f"element {name} {len(values)}")
+        kinds = [text.rpartition(" ")[0] for text in properties]
+        lines += [f"property {text}" for text in properties]
+        for row in values:
+            flat: list[tuple[str, object]] = []
+            for kind, value in zip(kinds, row, strict=True):
+                if isinstance(value, list):
+                    _, length, item = kind.split()
+                    flat += [(codes[length], len(value)), *((codes[item], one) for one in value)]
+                else:
+                    flat.append((codes[kind], value))
+            numbers = [number for _, number in flat]
+            if form == "ascii":
+                body += " ".join(map(str, numbers)).encode() + b"\n"
+            else:
+                order = "<" if "little" in form else ">"
+                body += struct.pack(order + "".join(code for code, _ in flat), *numbers)
+    path.write_bytes("\n".join([*lines, "end_header", ""]).encode() + body)
+    return path
+
+
+PLACES = ["float x", "float y", "float z"]
+SIX = [[float(i % 2), float(i // 2), 0.0] for i in range(6)]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_lists_of_vertices_are_passed_over_and_named(tmp_path: Path, form: str) -> None:
+    # As openMVS writes them; values stand before, between and after the lists.
+    kinds = ["float x", "list uchar uint views", "float y", "list uchar float weights", "float z"]
+    rows = [
+        [x, [7] * (i % 3), y, [0.5] * ((i + 1) % 3), z, 10 * i] for i, (x, y, z) in enumerate(SIX)
+    ]
+    vertices = ("vertex", [*kinds, "uchar red"], rows)
+    faces = ("face", ["list uchar int vertex_index"], [[[0, 1, 3, 2]], [[2, 3, 5]]])
+    scanned = read_ply(made(tmp_path / "a.ply", form, vertices, faces))
+    assert scanned.cloud.points.tolist() == SIX
+    assert sorted(map(sorted, scanned.faces.tolist())) == [[0, 1, 3], [0, 2, 3], [2, 3, 5]]
+    assert scanned.notes == ("columns that are not used: red, views, weights",)
+
+
+# One strip over all vertices, and what two with a restart between leave.
+STRIP = [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5]]
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(
+    ("element", "kind", "lists", "triangles"),
+    [
+        ("tristrips", "int vertex_indices", [[0, 1, 2, 3, 4, 5]], STRIP),
+        ("tristrips", "int vertex_index", [[0, 1, 2, 3, -1, 2, 3, 4, 5]], STRIP),
+        ("tristrips", "uint vertex_indices", [[0, 1, 2, 3, 4294967295, 2, 3, 4]], STRIP[:3]),
+        ("strip", "int vertex_indices", [[0, 1, 2, 3, -1], [2, 3, 4, 5]], STRIP),
+        ("tristrips", "int vertex_indices", [[-1, 0, 1, 2, 2, 3, -1, -1, 4, 5]], [[0, 1, 2]]),
+        ("trilist", "int vertex_indices", [[0, 1, 2, 2, 1, 3]], STRIP[:2]),
+        ("triangles", "int vertex_index", [[0, 1, 2], [2, 1, 3]], STRIP[:2]),
+        ("polygon", "int Vertex_Indices", [[0, 1, 2], [2, 1, 3]], STRIP[:2]),
+    ],
+)
+def test_strips_and_lists_of_triangles(
+    tmp_path: Path,
+    form: str,
+    element: str,
+    kind: str,
+    lists: list[list[int]],
+    triangles: list[list[int]],
+) -> None:
+    vertices = ("vertex", PLACES, [list(row) for row in SIX])
+    faces = (element, [f"list int {kind}"], [[corners] for corners in lists])
+    scanned = read_ply(made(tmp_path / "a.ply", form, vertices, faces))
+    # All look the way of the first: along +Z.
+    turned = {tuple(np.roll(face, -int(np.argmin(face)))) for face in scanned.faces}
+    assert turned == {tuple(np.roll(face, -int(np.argmin(face)))) for face in triangles}
+    assert scanned.notes == ()
+
+
+def test_what_makes_no_surface_is_told(tmp_path: Path) -> None:
+    elements = (
+        ("vertex", PLACES, [list(row) for row in SIX]),
+        ("edge", ["int vertex1", "int vertex2"], [[0, 1], [1, 2]]),
+        ("polyline", ["list uchar int vertex_indices"], [[[0, 1, 2]]]),
+    )
+    scanned = read_ply(made(tmp_path / "a.ply", "ascii", *elements))
+    assert scanned.faces is None
+    assert scanned.notes == ("elements that are not used: 2 edge, 1 polyline",)
+
+
+def test_a_damaged_line_costs_a_vertex_or_a_face(tmp_path: Path) -> None:
+    vertices = ("vertex", PLACES, [list(row) for row in SIX])
+    faces = ("face", ["list uchar int vertex_index"], [[face] for face in STRIP])
+    file = made(tmp_path / "a.ply", "ascii", vertices, faces)
+    lines = file.read_text().split("\n")
+    lines[9], lines[-2] = "1.#QNAN 0 0", "3 4 3"
+    lines[10] = "0 1\x10 0"
+    file.write_text("\n".join(lines))
+    scanned = read_ply(file)
+    assert np.isnan(scanned.cloud.points).any(axis=1).tolist() == [True] * 2 + [False] * 4
+    assert len(scanned.faces) == 3
+    assert "line 11, '0 1\\x10 0'" in scanned.notes[0]
+    assert "line 19, '3 4 3'" in scanned.notes[1]
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "binary"])
 def test_what_trimesh_writes(tmp_path: Path, encoding: str) -> None:
     mesh = trimesh.Trimesh(VERTICES, FACES, process=False)
@@ -111,9 +220,12 @@ XYZ = ("property float x", "property float y", "property float z")
         (head("element vertex 99999999999", *XYZ), "no number of elements"),
         (head("element vertex -3", *XYZ), "no number of elements"),
         (head("element vertex 100000000", *XYZ) + b"0 0 0\n", "ends too early"),
-        (head("element vertex 2", *XYZ) + b"0 0 0\n0 zero 0\n", "no row of numbers"),
+        (
+            head("element vertex 2", *XYZ) + b"0 0 0\n0 zero 0\n",
+            "no row of 3 numbers: the first is line 9",
+        ),
         (head("element vertex 2", *XYZ) + b"0 0 0\n", "ends too early"),
-        (head("element vertex 2", *XYZ) + b"0 0 0 0\n0 0 0 0\n", "2 lines of 3 numbers"),
+        (head("element vertex 2", *XYZ) + b"0 0 0 0\n0 0 0 0\n", "no row of 3 numbers"),
         (head("element vertex 0", *XYZ), "no points"),
         (head("element vertex 1", *XYZ[:2]) + b"0 0\n", "no coordinates"),
         (head(*XYZ), "before the first element"),

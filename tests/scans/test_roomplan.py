@@ -84,12 +84,43 @@ def test_without_a_floor_the_walls_enclose_it(scanner, shuffle: int) -> None:
     assert capture.height == pytest.approx(HEIGHT)
 
 
-def test_walls_that_leave_a_gap_are_closed_with_a_note(scanner) -> None:
-    data = scanner.room(CORNERS, HEIGHT, floors=[])
-    data["walls"][0] = scanner.surface("wall", [0.8, 0], [5, 0], 0, HEIGHT)
+BOX = ((0, 0), (5, 0), (5, 4), (0, 4))
+ELL = ((0, 0), (5, 0), (5, 2), (2, 2), (2, 4), (0, 4))
+LINES = {ring: list(zip(ring, ring[1:] + ring[:1], strict=True)) for ring in (BOX, ELL)}
+SHORT = (((0, 4), (0, 2.6)), ((0, 1.4), (0, 0)), ((0, 3), (0, 1.6)), ((0.01, 4), (0.02, 2.6)))
+# Walls that leave gaps, and the ring around what they enclose.
+OPEN: dict[str, tuple[list, tuple]] = {
+    **{f"box without {i}": (LINES[BOX][:i] + LINES[BOX][i + 1 :], BOX) for i in range(4)},
+    **{
+        f"ell without {i} and {j}": (
+            [line for k, line in enumerate(LINES[ELL]) if k not in (i, j)],
+            (*ELL[:j], *ELL[j + 1 :]) if j - i == 1 else ELL,
+        )
+        for i in range(6)
+        for j in range(i, 6)
+        if (i, j) != (0, 5)  # what is left faces away from the corner that is missing
+    },
+    **{f"short wall {i}": ([*LINES[BOX][:3], wall], BOX) for i, wall in enumerate(SHORT)},
+    "a shelf inside": ([*LINES[BOX][:3], ((1, 1), (2, 1)), ((0, 3), (1.5, 3))], BOX),
+    "a gap in the middle": ([*LINES[BOX][1:], ((0, 0), (1, 0)), ((3.5, 0), (5, 0))], BOX),
+}
+
+
+@pytest.mark.parametrize("name", OPEN)
+def test_open_sides_are_closed_straight_with_a_note(scanner, name: str) -> None:
+    lines, ring = OPEN[name]
+    rng = np.random.default_rng(len(name))
+    ways = [line if rng.random() < 0.5 else line[::-1] for line in lines]
+    data = scanner.room(BOX, HEIGHT, floors=[])
+    data["walls"] = [
+        scanner.surface("wall", *ways[i], 0, HEIGHT) for i in rng.permutation(len(ways))
+    ]
     capture = read(scanner.write(data))
-    assert shapely.Polygon(capture.floor).area > 0.9 * shapely.Polygon(CORNERS).area
-    assert any("gap of 0.80 m" in note for note in capture.notes)
+    expected = shapely.Polygon(ring)
+    assert shapely.Polygon(capture.floor).area == pytest.approx(expected.area, rel=0.01)
+    assert len(capture.floor) == len(ring)
+    assert any("closed straight" in note for note in capture.notes)
+    assert not any("left out" in note for note in capture.notes)
 
 
 def test_walls_that_do_not_close_give_their_hull_with_a_note(scanner) -> None:

@@ -53,8 +53,23 @@ def test_another_folder_is_refused(tmp_path: Path) -> None:
         read(Path("a\0b"))
     folder = room(tmp_path / "a")
     (folder / "Annotations" / "chair_1.txt").write_text("1 2 3 4 5 6\n1 2 x 4 5 6\n")
-    with pytest.raises(InputError, match="row of numbers"):
+    with pytest.raises(InputError, match=r"1 of 2 lines are no row of 6 numbers.* line 2"):
         read(folder)
+
+
+@pytest.mark.parametrize(("column", "bad"), [(0, "3.1\x1042"), (5, "103.0\x100000"), (2, "-")])
+def test_a_damaged_line_costs_one_point(tmp_path: Path, column: int, bad: str) -> None:
+    file = room(tmp_path / "a") / "Annotations" / "chair_1.txt"
+    lines = file.read_text().splitlines()
+    words = lines[7].split()
+    words[column] = bad
+    file.write_text("\n".join([*lines[:7], " ".join(words), *lines[8:]]))
+    found = read(tmp_path / "a")
+    assert found.cloud is not None
+    assert len(found.cloud) == 40 * len(THINGS) - 1
+    said = "left out 1 of 40 lines, which are not 6 numbers each: the first is line 8"
+    no_number = "1 points without a finite place were dropped"
+    assert found.notes[0].startswith(no_number if bad == "-" else f"chair_1.txt: {said}")
 
 
 def test_a_copy_has_the_same_files(tmp_path: Path) -> None:

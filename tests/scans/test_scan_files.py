@@ -18,8 +18,8 @@ from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.importing import import_capture
 from openrooms_usd.importing.captures import check_scan
 from openrooms_usd.scan.rooms.levelling import level
+from orusd_scans.formats.arrays import read_npz
 from orusd_scans.formats.laser import read_e57, read_las
-from orusd_scans.formats.pointtext import read_npz, read_text
 from orusd_scans.plainscan import READERS, ScanImporter, read_mesh, read_scanned
 from tests.scan.scanned_rooms import RoomScan
 from tests.scans import test_arkitscenes, test_scannet_scene, test_sunrgbd
@@ -179,26 +179,6 @@ def test_packages_that_are_missing_are_named(
     with pytest.raises(MissingPackageError, match=f"{package} is not installed") as caught:
         read_scanned(tmp_path / f"a.{ending}")
     assert "openrooms_usd[scans]" in caught.value.remedy
-
-
-@pytest.mark.parametrize(
-    ("text", "names"),
-    [
-        ("1 2 3\n4 5 6\n", ""),
-        ("1,2,3,0.5\n4,5,6,0.5\n", ""),
-        ("1 2 3 255 0 10\n4 5 6 1 2 3\n", "colors"),
-        ("1 2 3 0 0 1\n4 5 6 0.6 0.8 0\n", "normals"),
-        ("2\n1 2 3 99 255 0 10\n4 5 6 99 1 2 3\n", "colors"),
-        ("//X;Y;Z;label;instance\n1;2;3;5;1\n4;5;6;5;2\n", "label instance"),
-        ('"x","y","z","nx","ny","nz"\n1,2,3,0,0,1\n4,5,6,0,0,1\n', "normals"),
-    ],
-)
-def test_texts(tmp_path: Path, text: str, names: str) -> None:
-    (tmp_path / "a.xyz").write_text(text)
-    cloud = read_text(tmp_path / "a.xyz").cloud
-    assert cloud.points.tolist() == [[1, 2, 3], [4, 5, 6]]
-    known = ("colors", "normals", "label", "instance")
-    assert [n for n in known if getattr(cloud, n) is not None] == names.split()
 
 
 def test_arrays(tmp_path: Path) -> None:

@@ -97,6 +97,23 @@ def test_a_scene(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(("wrong", "told"), [(1, "1 labels of"), (30, "an old release")])
+def test_numbers_that_are_no_classes(tmp_path: Path, wrong: int, told: str) -> None:
+    folder = scene(tmp_path / NAME)
+    (folder / f"{NAME}.aggregation.json").unlink()
+    file = folder / f"{NAME}_vh_clean_2.labels.ply"
+    data = bytearray(file.read_bytes())
+    for row in range(wrong):
+        data[-14 * row - 2 : len(data) - 14 * row] = struct.pack("<H", 1357)
+    file.write_bytes(data)
+    capture = read_capture("scannet", folder)
+    assert told in capture.notes[0]
+    if wrong == 1:
+        assert np.bincount(capture.cloud.label).tolist() == [1, 0, 9999]
+    else:
+        assert capture.cloud.label is None
+
+
 def test_classes_by_name_and_by_table(tmp_path: Path) -> None:
     folder = scene(tmp_path / NAME)
     (folder / f"{NAME}_vh_clean_2.labels.ply").unlink()

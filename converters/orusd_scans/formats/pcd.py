@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from orusd_scans.formats.rows import lines_before, read_rows
 from orusd_scans.scanned import (
     LONGEST_HEADER,
     Scanned,
@@ -17,7 +20,6 @@ from orusd_scans.scanned import (
     lines_of,
     opened,
     size_of,
-    table,
 )
 
 _KEYS: Final = (
@@ -101,12 +103,16 @@ def read_pcd(path: Path) -> Scanned:
         header = _header(stream, path)
         row, count = _row(header, path), _count(header, path)
         kind = " ".join(header["DATA"])
-        if kind not in _READERS:
+        if kind != "ascii" and kind not in _READERS:
             raise broken(path, f"data of the form {kind[:40]!r} is not known")
-        values = _READERS[kind](stream, row, count, path)
-    notes: list[str] = []
-    columns = {n: v for n, v in values.items() if v.ndim == 1 and not n.startswith("_")}
-    cloud = cloud_of(_with_colors(columns), path, notes)
+        notes: list[str] = []
+        if kind == "ascii":
+            values = _ascii(stream, row, count, path, notes)
+        else:
+            values = _READERS[kind](stream, row, count, path)
+    named = {n: v for n, v in values.items() if not n.startswith("_")}
+    columns = {n: v for n, v in named.items() if v.ndim == 1}
+    cloud = cloud_of(_with_colors(columns), path, notes, named.keys() - columns.keys())
     origin = _viewpoint(header, path)
     if origin.any():
         cloud = replace(cloud, sensor_origins=origin[None])
@@ -175,16 +181,18 @@ def _viewpoint(header: Mapping[str, list[str]], path: Path) -> NDArray[np.float6
     return origin
 
 
-def _ascii(stream: BinaryIO, row: np.dtype[Any], count: int, path: Path) -> Any:
+def _ascii(
+    stream: BinaryIO, row: np.dtype[Any], count: int, path: Path, notes: list[str]
+) -> dict[str, NDArray[Any]]:
     width = sum(int(np.prod(row[name].shape, dtype=int)) for name in row.names or ())
-    values = table(lines_of(stream), path, count)
-    if values.shape != (count, width):
-        raise broken(
-            path,
-            f"{count:,} lines of {width} numbers are announced, but {len(values):,} of "
-            f"{values.shape[1]} are there",
-        )
-    found, start = {}, 0
+    lines = map(partial(str, encoding="latin-1"), lines_of(stream))
+    first = lines_before(stream) + 1
+    rows = read_rows(islice(filter(str.strip, lines), count), width, path, first=first)
+    values = rows.values
+    notes += rows.told
+    if len(values) != count:
+        raise broken(path, f"{count:,} lines are announced, but {len(values):,} are there")
+    found, start = dict[str, NDArray[Any]](), 0
     for name in row.names or ():
         shape = row[name].shape
         size = int(np.prod(shape, dtype=int))
@@ -237,7 +245,8 @@ def _with_colors(columns: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]
         return dict(columns)
     bits = np.ascontiguousarray(packed).view(np.uint32)
     channels = {"red": 16, "green": 8, "blue": 0}
-    return dict(columns) | {n: (bits >> s & 255).astype(np.uint8) for n, s in channels.items()}
+    rest = {name: column for name, column in columns.items() if name not in _PACKED}
+    return rest | {n: (bits >> s & 255).astype(np.uint8) for n, s in channels.items()}
 
 
-_READERS: Final = {"ascii": _ascii, "binary": _binary, "binary_compressed": _compressed}
+_READERS: Final = {"binary": _binary, "binary_compressed": _compressed}

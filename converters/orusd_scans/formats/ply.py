@@ -4,8 +4,10 @@ The format is that of Greg Turk's "The PLY Polygon File Format" (1994): a header
 and their properties, then the elements' data in that order.
 """
 
-from collections.abc import Sequence
+import struct
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO, Final
@@ -13,18 +15,8 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from orusd_scans.scanned import (
-    LONGEST_HEADER,
-    MOST_POINTS,
-    Scanned,
-    broken,
-    cloud_of,
-    counted,
-    lines_of,
-    opened,
-    size_of,
-    table,
-)
+from orusd_scans.formats.rows import lines_before, read_rows
+from orusd_scans.scanned import LONGEST_HEADER, Scanned, broken, cloud_of, counted, opened, size_of
 
 _TYPES: Final = {
     "char": "i1",
@@ -44,9 +36,17 @@ _TYPES: Final = {
     "float32": "f4",
     "float64": "f8",
 }
+_CODES: Final = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I"}
 _ORDERS: Final = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
-_POLYGONS: Final = ("vertex_indices", "vertex_index")
-_MOST_CORNERS: Final = 1 << 16
+_CORNERS: Final = ("vertex_indices", "vertex_index")
+# Elements with lists of vertices that are no surfaces.
+_NO_SURFACES: Final = ("vertex", "line", "edge", "curve", "point")
+# Lists up to this length may be read as parts of a row.
+_MOST_IN_ROW: Final = 1 << 16
+# Of a line with a list, bytes: strips have all triangles of a mesh in one.
+_LONGEST_LIST: Final = 1 << 25
+_LARGEST_UINT: Final = (1 << 32) - 1
+_MOST_NAMED: Final = 6
 
 
 @dataclass(frozen=True)
@@ -64,33 +64,45 @@ class _Element:
     count: int
     properties: list[_Property]
 
+    @property
+    def corners(self) -> str | None:
+        """The list of vertices that makes triangles; None where there is none."""
+        if any(word in self.name.lower() for word in _NO_SURFACES):
+            return None
+        lists = (p.name for p in self.properties if p.length is not None)
+        return next((name for name in lists if name.lower() in _CORNERS), None)
+
 
 def read_ply(path: Path) -> Scanned:
-    """Read the points of a PLY file, and its triangles where it has faces.
+    """Read the points of a PLY file, and its triangles where it has faces, strips or lists of them.
 
     Raises:
         InputError: It is no PLY file, is cut off, or holds nonsense.
     """
+    notes: list[str] = []
     with opened(path) as stream:
         order, elements = _header(stream, path)
-        reader = _Ascii(stream, path) if order == "" else _Binary(stream, path, order)
-        notes: list[str] = []
-        cloud, faces = None, None
-        for element in elements:
+        reader = _Binary(stream, path, order) if order else _Ascii(stream, path, notes)
+        cloud, faces = None, [np.empty((0, 3), np.int64)]
+        used = [i for i, one in enumerate(elements) if one.name == "vertex" or one.corners]
+        for element in elements[: used[-1] + 1] if used else ():
             values = reader.read(element)
-            if element.name == "vertex":
-                columns = {n.lower(): v for n, v in values.items() if np.ndim(v) == 1}
-                cloud = cloud_of(columns, path, notes)
-            elif element.name == "face":
-                polygons = next((values[name] for name in _POLYGONS if name in values), None)
-                faces = _triangles(polygons, path) if polygons is not None else None
-            if cloud is not None and faces is not None:
-                break
+            if element.corners is not None:
+                faces.append(_triangles(element.name.lower(), values[element.corners], path))
+            elif element.name == "vertex":
+                single = {p.name: p.length is None for p in element.properties}
+                columns = {name.lower(): values[name] for name in single if single[name]}
+                lists = [name for name in single if not single[name]]
+                cloud = cloud_of(columns, path, notes, lists)
     if cloud is None:
         raise broken(path, "it has no vertices")
-    if faces is not None and len(faces) and not 0 <= faces.min() <= faces.max() < len(cloud):
+    unused = [f"{e.count:,} {e.name[:40]}" for i, e in enumerate(elements) if i not in used]
+    if unused:
+        notes.append(f"elements that are not used: {', '.join(unused[:_MOST_NAMED])}")
+    every = np.concatenate(faces)
+    if len(every) and not 0 <= every.min() <= every.max() < len(cloud):
         raise broken(path, "a face refers to a vertex that is not there")
-    return Scanned(cloud, faces if faces is not None and len(faces) else None, notes=tuple(notes))
+    return Scanned(cloud, every if len(every) else None, notes=tuple(notes))
 
 
 def _header(stream: BinaryIO, path: Path) -> tuple[str, list[_Element]]:
@@ -144,13 +156,20 @@ class _Binary:
         self._size = size_of(stream)
 
     def read(self, element: _Element) -> dict[str, Any]:
-        """The properties by name: arrays of values, and sequences of lists."""
+        """The properties by name: arrays of values, and sequences of lists.
+
+        Lists of vertices are passed over where they differ in length.
+        """
         if not element.properties or not element.count:
             return {p.name: np.empty(0) for p in element.properties}
+        least = sum(np.dtype(p.length or p.type).itemsize for p in element.properties)
         start = self._stream.tell()
+        if start + element.count * least > self._size:
+            told = f"{element.count:,} of {element.name!r} are announced"
+            raise broken(self._path, f"it ends too early: {told}")
         lengths = [self._first_length(p) for p in element.properties]
         self._stream.seek(start)
-        rows = self._rows(element, self._dtype(element, lengths), lengths)
+        rows = self._rows(element, lengths) if max(lengths) <= _MOST_IN_ROW else None
         if rows is not None:
             return {p.name: rows[f"v{i}"] for i, p in enumerate(element.properties)}
         self._stream.seek(start)
@@ -159,69 +178,76 @@ class _Binary:
     def _first_length(self, property_: _Property) -> int:
         """How long the list is in the first row; 1 for a value."""
         count = 1 if property_.length is None else int(self._values(property_.length, 1)[0])
-        if not 0 <= count <= _MOST_CORNERS:
-            raise broken(self._path, f"a list of {count:,} values makes no sense")
         self._values(property_.type, count)
         return count
 
     def _values(self, kind: str, count: int) -> NDArray[Any]:
-        dtype = np.dtype(kind).newbyteorder(self._order)  # type: ignore[arg-type]
-        data = self._stream.read(dtype.itemsize * count)
-        if len(data) < dtype.itemsize * count:
+        if count < 0:
+            raise broken(self._path, f"a list of {count:,} values makes no sense")
+        dtype = np.dtype(self._order + kind)
+        if dtype.itemsize * count > self._size - self._stream.tell():
             raise broken(self._path, "it ends too early")
-        return np.frombuffer(data, dtype)
+        return np.frombuffer(self._stream.read(dtype.itemsize * count), dtype)
 
-    def _dtype(self, element: _Element, lengths: Sequence[int]) -> np.dtype[Any]:
-        """A row, if all of them have lists of the same lengths."""
+    def _rows(self, element: _Element, lengths: Sequence[int]) -> NDArray[Any] | None:
+        """All rows at once; None where their lists differ in length."""
         fields: list[Any] = []
         for i, (p, count) in enumerate(zip(element.properties, lengths, strict=True)):
             if p.length is not None:
                 fields.append((f"n{i}", self._order + p.length))
             shape = () if p.length is None else (count,)
             fields.append((f"v{i}", self._order + p.type, shape))
-        return np.dtype(fields)
-
-    def _rows(
-        self, element: _Element, dtype: np.dtype[Any], lengths: Sequence[int]
-    ) -> NDArray[Any] | None:
-        """All rows at once; None where their lists differ in length."""
-        short = self._stream.tell() + element.count * dtype.itemsize > self._size
-        lists = [i for i, p in enumerate(element.properties) if p.length is not None]
-        if short and not lists:
-            raise broken(
-                self._path,
-                f"it ends too early: {element.count:,} of {element.name!r} are announced",
-            )
-        if short:
+        dtype = np.dtype(fields)
+        if self._stream.tell() + element.count * dtype.itemsize > self._size:
             return None
         rows = np.fromfile(self._stream, dtype, element.count)
-        same = all((rows[f"n{i}"] == lengths[i]).all() for i in lists)
-        return rows if same else None
+        lists = [i for i, p in enumerate(element.properties) if p.length is not None]
+        return rows if all((rows[f"n{i}"] == lengths[i]).all() for i in lists) else None
 
     def _uneven(self, element: _Element) -> dict[str, Any]:
-        """Row by row, where lists differ in length."""
-        least = sum(np.dtype(p.length or p.type).itemsize for p in element.properties)
-        if self._stream.tell() + element.count * least > self._size:
-            raise broken(self._path, f"it ends too early: {element.count:,} lists are announced")
-        found: dict[str, list[NDArray[Any]]] = {p.name: [] for p in element.properties}
-        for _ in range(element.count):
-            for p in element.properties:
-                count = 1 if p.length is None else int(self._values(p.length, 1)[0])
-                if not 0 <= count <= _MOST_CORNERS:
-                    raise broken(self._path, f"a list of {count:,} values makes no sense")
-                found[p.name].append(self._values(p.type, count))
-        return {
-            p.name: found[p.name] if p.length is not None else np.concatenate(found[p.name])
-            for p in element.properties
-        }
+        """Row by row, where lists differ in length: where each property is, then its values."""
+        at, places, lists = self._stream.tell(), list[int](), list[tuple[str, str, int, int]]()
+        data = np.memmap(self._stream, np.uint8, "r")
+        kept, ordered = element.corners, element.properties
+        lengths = [p.length and struct.Struct(self._order + _CODES[p.length]) for p in ordered]
+        steps = [(p, np.dtype(p.type).itemsize, n) for p, n in zip(ordered, lengths, strict=True)]
+        try:
+            for _ in range(element.count):
+                for p, size, length in steps:
+                    if not length:
+                        places.append(at)
+                        at += size
+                        continue
+                    (count,) = length.unpack_from(data, at)
+                    at += length.size
+                    if p.name == kept:
+                        lists.append((p.name, self._order + p.type, count, at))
+                    if count < 0:
+                        raise broken(self._path, f"a list of {count:,} values makes no sense")
+                    at += count * size
+        except struct.error as error:
+            raise broken(self._path, "it ends too early") from error
+        if at > self._size:
+            raise broken(self._path, "it ends too early")
+        self._stream.seek(at)
+        single = [p for p in element.properties if p.length is None]
+        starts = np.array(places, np.int64).reshape(element.count, len(single))
+        found: dict[str, Any] = {p.name: [] for p in element.properties}
+        for p, column in zip(single, starts.T, strict=True):
+            dtype = np.dtype(self._order + p.type)
+            values = data[column[:, None] + np.arange(dtype.itemsize)]
+            found[p.name] = np.ascontiguousarray(values).view(dtype)[:, 0]
+        for name, kind, count, place in lists:
+            found[name].append(np.frombuffer(data, kind, count, place))
+        return found
 
 
 class _Ascii:
     """Elements as lines of text."""
 
-    def __init__(self, stream: BinaryIO, path: Path) -> None:
-        self._stream, self._path = stream, path
-        self._size = size_of(stream)
+    def __init__(self, stream: BinaryIO, path: Path, notes: list[str]) -> None:
+        self._stream, self._path, self._notes = stream, path, notes
+        self._size, self._line = size_of(stream), lines_before(stream) + 1
 
     def read(self, element: _Element) -> dict[str, Any]:
         """The properties by name: arrays of values, and sequences of lists."""
@@ -229,62 +255,109 @@ class _Ascii:
         least = 2 * max(len(element.properties), 1) * element.count - 1
         if self._stream.tell() + least > self._size:
             raise broken(self._path, f"it ends too early: {element.count:,} lines are announced")
+        decoded = map(partial(str, encoding="latin-1"), self._lines())
+        lines = islice(filter(str.strip, decoded), element.count)
         if any(p.length is not None for p in element.properties):
-            return self._lists(element)
-        values = self._table(element)
-        return {p.name: values[:, i] for i, p in enumerate(element.properties)}
+            found, count = self._lists(element, lines)
+        else:
+            width = len(element.properties)
+            rows = read_rows(lines, width, self._path, first=self._line)
+            self._notes += rows.told
+            found = {p.name: rows.values[:, i] for i, p in enumerate(element.properties)}
+            count = len(rows.values)
+        self._line += element.count
+        if count < element.count and element.properties:
+            told = f"{element.count:,} lines are announced for {element.name!r}"
+            raise broken(self._path, f"{told}, but {count:,} are there: it ends too early")
+        return found
 
-    def _table(self, element: _Element) -> NDArray[np.float64]:
-        width = len(element.properties)
-        if not element.count or not width:
-            return np.empty((0, width))
-        values = table(islice(lines_of(self._stream), element.count), self._path)
-        if values.shape != (element.count, width):
-            raise broken(
-                self._path,
-                f"{element.count:,} lines of {width} numbers are announced for {element.name!r}, "
-                f"but {len(values):,} of {values.shape[1]} are there",
-            )
-        return values
+    def _lines(self) -> Iterator[bytes]:
+        return iter(partial(self._stream.readline, _LONGEST_LIST), b"")
 
-    def _lists(self, element: _Element) -> dict[str, Any]:
-        found: dict[str, list[NDArray[Any]]] = {p.name: [] for p in element.properties}
-        for line in islice(lines_of(self._stream), element.count):
-            words = iter(line.split())
+    def _lists(self, element: _Element, lines: Iterable[str]) -> tuple[dict[str, Any], int]:
+        """The properties of lines with lists, and how many lines there are."""
+        found: dict[str, Any] = {p.name: [] for p in element.properties}
+        count, lost, said = 0, 0, ""
+        for count, line in enumerate(lines, 1):
             try:
-                for p in element.properties:
-                    count = 1 if p.length is None else int(next(words))
-                    numbers = [float(next(words)) for _ in range(min(count, _MOST_CORNERS))]
-                    found[p.name].append(np.array(numbers))
-            except (ValueError, RuntimeError, StopIteration) as error:
-                raise broken(self._path, f"no {element.name}: {line[:60]!r}") from error
-        if len(found[element.properties[0].name]) < element.count:
-            raise broken(self._path, "it ends too early")
-        return dict(found)
+                row = _row(element, line)
+            except (ValueError, IndexError, OverflowError):
+                row = {p.name: np.empty(0) if p.length else np.nan for p in element.properties}
+                said = said or f"the first is line {self._line + count - 1}, {line.strip()[:60]!r}"
+                lost += 1
+            for name, value in row.items():
+                found[name].append(value)
+        told = f"{lost:,} of {count:,} lines are no {element.name[:40]}"
+        if lost and 2 * lost >= count:
+            raise broken(self._path, f"{told}: {said}")
+        if lost:
+            self._notes.append(f"{told} and left out: {said}")
+        single = {p.name: np.array(found[p.name]) for p in element.properties if p.length is None}
+        return found | single, count
 
 
-def _triangles(polygons: Any, path: Path) -> NDArray[np.int64]:
-    """(F, 3) fans of the polygons; those of two corners or fewer are left out."""
-    if not len(polygons):
-        return np.empty((0, 3), np.int64)
-    if isinstance(polygons, np.ndarray):
-        if polygons.ndim != 2:
-            raise broken(path, "its faces are no lists of vertices")
-        return _fans(polygons, path)
-    by_size: dict[int, list[NDArray[Any]]] = {}
-    for polygon in polygons:
-        by_size.setdefault(len(polygon), []).append(polygon)
-    return np.concatenate([_fans(np.array(by_size[size]), path) for size in sorted(by_size)])
+def _row(element: _Element, line: str) -> dict[str, Any]:
+    """The values and lists of a line of text.
+
+    Raises:
+        ValueError: A number is none, or a list is cut.
+        IndexError: The line is cut.
+        OverflowError: A length is endless.
+    """
+    numbers, at, row = [float(word) for word in line.split()], 0, dict[str, Any]()
+    for p in element.properties:
+        if p.length is None:
+            row[p.name], at = numbers[at], at + 1
+            continue
+        start, end = at + 1, at + 1 + int(numbers[at])
+        if not start <= end <= len(numbers):
+            raise ValueError(line)
+        row[p.name], at = np.array(numbers[start:end]), end
+    return row
+
+
+def _triangles(element: str, lists: Any, path: Path) -> NDArray[np.int64]:
+    """(F, 3) the triangles of an element's lists: of strips, of three corners each, or fans."""
+    is_list = element.startswith("tri")  # of triangles, or of strips
+    if isinstance(lists, np.ndarray) and lists.ndim == 2 and not is_list and "strip" not in element:
+        return _fans(_whole_corners(lists, path))
+    whole = [_whole_corners(corners, path) for corners in lists]
+    if "strip" in element:
+        return np.concatenate([np.empty((0, 3), np.int64), *map(_strips, whole)])
+    by_size: dict[int, list[NDArray[np.int64]]] = {}
+    for corners in whole:
+        if is_list and len(corners) % 3 == 0:
+            by_size.setdefault(3, []).extend(corners.reshape(-1, 3))
+        else:
+            by_size.setdefault(len(corners), []).append(corners)
+    fans = [_fans(np.array(by_size[size])) for size in sorted(by_size)]
+    return np.concatenate([np.empty((0, 3), np.int64), *fans])
+
+
+def _strips(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(F, 3) the triangles of strips, which a negative number ends: every other one is turned."""
+    number = np.arange(len(corners))
+    is_end = (corners < 0) | (corners >= _LARGEST_UINT)
+    begin = np.maximum.accumulate(np.where(is_end, number + 1, 0))[:-2]
+    a, b, c = corners[:-2], corners[1:-1], corners[2:]
+    odd = (number[:-2] - begin) % 2 == 1
+    found = np.column_stack([np.where(odd, b, a), np.where(odd, a, b), c])
+    sound = ~(is_end[:-2] | is_end[1:-1] | is_end[2:]) & (a != b) & (b != c) & (a != c)
+    return found[sound]
 
 
 def _are_whole(numbers: NDArray[Any]) -> bool:
     with np.errstate(invalid="ignore"):
-        return bool(((numbers % 1 == 0) & (np.abs(numbers) <= MOST_POINTS)).all())
+        return bool(((numbers % 1 == 0) & (np.abs(numbers) <= _LARGEST_UINT)).all())
 
 
-def _fans(polygons: NDArray[Any], path: Path) -> NDArray[np.int64]:
-    if polygons.dtype.kind == "f" and not _are_whole(polygons):
+def _whole_corners(corners: NDArray[Any], path: Path) -> NDArray[np.int64]:
+    if corners.dtype.kind == "f" and not _are_whole(corners):
         raise broken(path, "a face refers to vertices by numbers that are not whole")
-    corners = polygons.astype(np.int64)
+    return corners.astype(np.int64)
+
+
+def _fans(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(F, 3) fans of polygons; those of two corners or fewer are left out."""
     fans = [corners[:, [0, i, i + 1]] for i in range(1, corners.shape[1] - 1)]
     return np.concatenate(fans) if fans else np.empty((0, 3), np.int64)

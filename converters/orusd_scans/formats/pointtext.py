@@ -1,118 +1,115 @@
-"""Points as text (XYZ, PTS, CSV), and as the arrays of an NPZ file."""
+"""Points as text: XYZ, PTS, CSV and what else has one point a line.
 
-import re
-from collections.abc import Mapping
-from dataclasses import replace
+Files differ in their marks of order (UTF-8 or UTF-16), separators, decimal commas, quotes, comments
+and lines before the first point. What a file does is seen from its first lines.
+"""
+
+import codecs
+import io
+from collections import Counter
+from collections.abc import Iterator
+from functools import partial
+from itertools import chain, islice
 from pathlib import Path
-from typing import Any, Final
+from typing import BinaryIO, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.unpickling.arrays import read_arrays
-from orusd_scans.scanned import Scanned, broken, cloud_of, lines_of, opened, table
+from openrooms_usd.arrays import Array
+from orusd_scans.formats.columns import guessed, heading_of
+from orusd_scans.formats.rows import ANY, Layout, read_rows
+from orusd_scans.scanned import Scanned, broken, cloud_of, opened
 
-# What columns without a header mean, by their number; more are passed over.
-_BY_WIDTH: Final[dict[int, tuple[str, ...]]] = {
-    3: ("x", "y", "z"),
-    4: ("x", "y", "z", "intensity"),
-    6: ("x", "y", "z", "red", "green", "blue"),
-    7: ("x", "y", "z", "intensity", "red", "green", "blue"),
-}
-_NORMALS: Final = ("x", "y", "z", "nx", "ny", "nz")
-_LONGEST_LINE: Final = 1 << 16
-_UNIT_NORMAL_TOLERANCE: Final = 1e-2
-# Arrays of an NPZ file that are (N, 3), and what their columns are.
-_TRIPLES: Final = {
-    "points": ("x", "y", "z"),
-    "xyz": ("x", "y", "z"),
-    "pc": ("x", "y", "z"),
-    "normals": ("nx", "ny", "nz"),
-    "colors": ("red", "green", "blue"),
-}
-_SINGLES: Final = ("label", "instance", "confidence")
-# Where the sensor stood; the second name is an earlier one.
-_ORIGINS: Final = ("sensor_origins", "eyes")
+_COMMENTS: Final = ("#", "%", "//", "!")
+_LONGEST_LINE: Final = 1 << 20
+# Rows that show how a file is written, and lines among which they are looked for.
+_SAMPLE: Final = 100
+_MOST_HEADING: Final = 1000
+_LAYOUTS: Final = (
+    *(Layout(separator) for separator in ("\t", ",", ";", "")),
+    *(Layout(separator, decimal_comma=True) for separator in (";", "\t", "", ",")),
+    Layout(ANY),
+)
+_REMEDY: Final = "give a table with x, y and z in each line, and best a first line of names"
 
 
 def read_text(path: Path) -> Scanned:
-    """Read one point a line: numbers between spaces, commas or semicolons.
+    """Read one point a line.
 
-    A first line of words names the columns. Without one, three columns are x, y and z, four have an
-    intensity, and six a colour, or a normal where those numbers have unit length; a first line with
-    a single number is the count of points that PTS files begin with.
+    A line of words, which may be a comment, names the columns and their unit. Without one, three
+    columns are x, y and z; what others are is told by their values. Lines of a single whole number
+    are counts of points, and passed over.
 
     Raises:
-        InputError: It is no such table.
+        InputError: It is no such table; half of its lines are damaged, or more.
     """
     with opened(path) as stream:
-        first = stream.readline(_LONGEST_LINE).decode("latin-1").strip().lstrip("#/ ")
-        words = re.split(r"[\s,;]+", first)
-        named = not _is_number(words[0])
-        if not named and len(words) > 1:
-            stream.seek(0)
-        values = table((re.sub(rb"[,;]", b" ", line) for line in lines_of(stream)), path)
-    if len(values) == 0:
-        raise broken(path, "it holds no points")
-    names = tuple(word.strip('"').lower() for word in words) if named else _names(values, path)
-    if len(names) > values.shape[1]:
-        raise broken(path, f"{len(names)} columns are named, but {values.shape[1]} are there")
-    notes: list[str] = []
-    columns = {name: values[:, i] for i, name in enumerate(names)}
-    return Scanned(cloud_of(columns, path, notes), notes=tuple(notes))
+        lines = _lines(stream)
+        start = list(islice(lines, _MOST_HEADING))
+        layout, first, width = _seen(start, path)
+        before = start[:first]
+        heading = heading_of(before, layout, width, path)
+        if heading is not None and heading.more:
+            width = len(heading.names)
+        rows = read_rows(
+            chain(start[first:], lines),
+            width,
+            path,
+            layout=layout,
+            first=first + 1,
+            more=heading is not None and heading.more,
+            is_row=_is_row,
+        )
+    values, notes = rows.values[~rows.lost], list(rows.told)
+    if heading is None:
+        # PTS files begin with the number of points.
+        is_pts = path.suffix.lower() == ".pts" or any(line.strip().isdecimal() for line in before)
+        heading = guessed(values, notes, intensity_first=is_pts)
+    columns: dict[str, Array] = {}
+    for name, column in zip(heading.names, values.T, strict=True):
+        columns.setdefault(name, column)
+    return Scanned(cloud_of(columns, path, notes), notes=tuple(notes), unit=heading.unit)
 
 
-def _is_number(word: str) -> bool:
+def _lines(stream: BinaryIO) -> Iterator[str]:
+    """The lines of a file; of those that no point needs, the beginning."""
+    mark = stream.read(3)
+    stream.seek(0)
+    wide = mark[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+    decoded = io.TextIOWrapper(stream, "utf-16" if wide else "utf-8-sig", errors="replace")
     try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+        for line in iter(partial(decoded.readline, _LONGEST_LINE), ""):
+            yield line
+            while len(line) == _LONGEST_LINE and not line.endswith("\n"):
+                line = decoded.readline(_LONGEST_LINE)
+    finally:
+        decoded.detach()
 
 
-def _names(values: NDArray[np.float64], path: Path) -> tuple[str, ...]:
-    width = values.shape[1]
-    if width < 3:
-        raise broken(path, f"{width} columns are no points", "give x, y and z in each line")
-    names = _BY_WIDTH.get(width, _BY_WIDTH[3])
-    if (
-        width == 6
-        and (np.abs(np.linalg.norm(values[:, 3:], axis=1) - 1.0) < _UNIT_NORMAL_TOLERANCE).all()
-    ):
-        return _NORMALS
-    return names
+def _is_row(line: str) -> bool:
+    """Whether a line is neither empty, nor a comment or a count."""
+    text = line.strip()
+    return bool(text) and not text.startswith(_COMMENTS) and not text.isdecimal()
 
 
-def read_npz(path: Path) -> Scanned:
-    """Read the arrays ``points``, ``normals``, ``colors`` (N, 3), ``label`` and ``instance`` (N,).
-
-    ``sensor_origins`` (V, 3), or ``eyes``, may say where the points were seen from.
+def _seen(start: list[str], path: Path) -> tuple[Layout, int, int]:
+    """How a file is written, the index of its first row, and how many numbers that has.
 
     Raises:
-        InputError: It is no NPZ file, holds objects, or its arrays do not fit each other.
+        InputError: No line is a row.
     """
-    found = read_arrays(path, (*_TRIPLES, *_SINGLES, *_ORIGINS), "points")
-    given = {name: found.pop(name) for name in _ORIGINS if name in found}
-    notes: list[str] = []
-    cloud = cloud_of(_columns(found, path), path, notes)
-    for name, origins in given.items():
-        if origins.dtype.kind != "f" or origins.ndim != 2 or origins.shape[1] != 3:
-            raise broken(path, f"{name!r} has the shape {origins.shape}")
-        finite = origins[np.isfinite(origins).all(axis=1)]
-        cloud = replace(cloud, sensor_origins=finite.astype(np.float64))
-    return Scanned(cloud, notes=tuple(notes))
-
-
-def _columns(arrays: Mapping[str, NDArray[Any]], path: Path) -> dict[str, NDArray[Any]]:
-    columns: dict[str, NDArray[Any]] = {}
-    for name, values in arrays.items():
-        wide = name in _TRIPLES
-        if values.ndim != 1 + wide or (wide and values.shape[1] < 3):
-            raise broken(path, f"{name!r} has the shape {values.shape}")
-        for i, column in enumerate(_TRIPLES.get(name, ())):
-            columns[column] = values[:, i]
-        if not wide:
-            columns[name] = values
-    if len({len(values) for values in columns.values()}) > 1:
-        raise broken(path, "its arrays differ in length")
-    return columns
+    lines = [(index, line) for index, line in enumerate(start) if _is_row(line)]
+    best: tuple[int, Layout, int, int] | None = None
+    for layout in _LAYOUTS:
+        rows = [
+            (index, len(numbers))
+            for index, line in lines[: 2 * _SAMPLE]
+            if len(numbers := layout.numbers(line) or []) >= 3 and not np.isnan(numbers).all()
+        ]
+        if rows and (best is None or len(rows) > best[0]):
+            usual = Counter(width for _, width in rows).most_common(1)[0][0]
+            best = len(rows), layout, rows[0][0], usual
+    if best is None:
+        shown = next((line.strip()[:60] for _, line in lines), "")
+        raise broken(path, f"no line is a row of three numbers or more; one is {shown!r}", _REMEDY)
+    return best[1:]

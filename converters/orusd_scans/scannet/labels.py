@@ -18,6 +18,8 @@ _RAW: Final = ("raw_category", "category")
 # Columns of the WordNet synset's key, such as ashcan.n.01, and of the class in words.
 _SYNSET: Final = "wnsynsetkey"
 _CLASS: Final = "nyu40class"
+# More numbers beyond the classes are those of an old release, and no damage.
+_MOST_WRONG_SHARE: Final = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +61,7 @@ def read_annotation(
     Raises:
         InputError: A file holds nonsense, or does not belong to the mesh.
     """
-    label, old = _labelled(labelled, count) if labelled is not None else (None, False)
-    if old and table is None:
-        notes.append("the labelled mesh has the numbers of an old release: it was left out")
+    label = None if labelled is None else _labelled(labelled, count, table is not None, notes)
     if segments is None or aggregation is None:
         if label is None:
             notes.append("the scene has no segments and no labels: its points have no classes")
@@ -104,8 +104,10 @@ class _Object:
     segments: NDArray[np.int64]
 
 
-def _labelled(path: Path, count: int) -> tuple[NDArray[np.int32] | None, bool]:
-    """The classes of the labelled mesh, or whether it has other numbers, as old releases wrote."""
+def _labelled(
+    path: Path, count: int, has_table: bool, notes: list[str]
+) -> NDArray[np.int32] | None:
+    """The classes of the labelled mesh; None where it has other numbers, as old releases wrote."""
     scanned = read_ply(path)
     label = scanned.cloud.label
     if label is None or len(label) != count:
@@ -114,9 +116,15 @@ def _labelled(path: Path, count: int) -> tuple[NDArray[np.int32] | None, bool]:
             place=path,
             remedy="take both meshes from one release",
         )
-    if int(label.max(initial=0)) >= len(NYU40):
-        return None, True
-    return label, False
+    others = label >= len(NYU40)
+    if not others.any():
+        return label
+    if others.mean() <= _MOST_WRONG_SHARE:
+        notes.append(f"{others.sum():,} labels of {path.name} are no classes: left out")
+        return np.where(others, 0, label).astype(np.int32)
+    if not has_table:
+        notes.append("the labelled mesh has the numbers of an old release: it was left out")
+    return None
 
 
 def _segments(path: Path, count: int) -> NDArray[np.int64]:
