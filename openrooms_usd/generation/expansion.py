@@ -45,7 +45,10 @@ def expanded(room: Room) -> Room:
     if isinstance(layout, GeneratedLayout):
         clutter = room.clutter if wants_objects else 0
         is_seen = "environment" not in room.lights.model_fields_set
-        made = generate(room.room, room.seed, layout.area, room.style, clutter, seen=is_seen)
+        made = generate(
+            room.room, room.seed, layout.area, room.style, clutter,
+            seen=is_seen, thickness=layout.wall_thickness,
+        )  # fmt: skip
     elif isinstance(layout, PolygonLayout):
         shell = finished(shell_of(layout), layout)
         style = room.style or style_of(room.room, room.seed)
