@@ -59,8 +59,8 @@ class Room(CheckedModel):
     style: InteriorStyle | None = None
     """What furniture, materials and colours go together; by default each is drawn by itself."""
     clutter: int = Field(default=0, ge=0, le=3)
-    """How much lies about in a room that is drawn or generated: 0 nothing but what is listed,
-    1 tidy, 2 lived in, 3 messy."""
+    """How much lies about on the furniture of a room that is drawn or generated, listed furniture
+    too: 0 nothing but what is listed, 1 tidy, 2 lived in, 3 messy."""
     layout: Layout = Field(default_factory=PolygonLayout)
     """The room's shell."""
     alignment: Alignment = Field(default_factory=ObjectList)
@@ -127,6 +127,7 @@ class Room(CheckedModel):
         Captured and generated objects have other names, so only listed objects are checked.
         """
         yield from _cameras_of_nothing(given)
+        yield from _drawn_into_captures(given)
         alignment = peek(given, "alignment")
         generated = alignment is None and _source(peek(given, "layout")) == "generate"
         if generated or (_source(alignment) or "objects") != "objects":
@@ -169,6 +170,26 @@ def room_of(data: Mapping[str, Any]) -> Room:
 
 def _source(section: Any) -> Any:
     return peek(section, "from") or peek(section, "source")
+
+
+def _drawn_into_captures(given: Any) -> Iterator[Found]:
+    """Furniture and small things that are to be drawn for a room that was captured."""
+    layout, alignment = (_source(peek(given, key)) for key in ("layout", "alignment"))
+    captured = layout not in (None, "polygon", "generate")
+    if captured and alignment == "generate":
+        yield Found(
+            ("alignment", "from"),
+            "furniture is generated for rooms that are drawn or generated, not for captured ones; "
+            "give the polygon of the room in layout, or list the objects",
+        )
+    if peek(given, "clutter") in (1, 2, 3) and (
+        captured or alignment not in (None, "objects", "generate")
+    ):
+        yield Found(
+            ("clutter",),
+            "things lie about in rooms that are drawn or generated, not in captured ones; "
+            "leave clutter out, or list the objects",
+        )
 
 
 def _cameras_of_nothing(given: Any) -> Iterator[Found]:
