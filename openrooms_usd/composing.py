@@ -16,6 +16,7 @@ from openrooms_usd.edits.foreign import refuse_foreign
 from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, OutputError, StageError, printable
 from openrooms_usd.progress import Progress, nested, silent
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.draft import Draft, drafting
 from openrooms_usd.stages.reports import gather
@@ -194,7 +195,10 @@ def _chosen(only: str | None) -> list[base.Stage]:
     chosen = [stage for stage in stages if stage.name == only]
     if not chosen:
         known = ", ".join(stage.name for stage in stages)
-        raise InputError(f"no stage is named {only!r}", remedy=f"stages: {known}")
+        raise InputError(
+            f"no stage is named {only!r}{did_you_mean(only, names.STAGES)}",
+            remedy=f"stages: {known}",
+        )
     return chosen
 
 

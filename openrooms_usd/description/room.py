@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, ValidationError
 
@@ -11,10 +11,10 @@ from openrooms_usd.description.cameras import AnyCameras, Cameras
 from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.lights import Lights
 from openrooms_usd.description.materials import Materials
-from openrooms_usd.description.model import CheckedModel, Found, PrimName, Whole, peek, peek_list
-from openrooms_usd.description.naming import did_you_mean
+from openrooms_usd.description.model import CheckedModel, Found, Whole, peek, peek_list
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.styles import InteriorStyle
+from openrooms_usd.spelling import did_you_mean
 
 RoomType = Literal[
     "apartment",
@@ -50,8 +50,8 @@ RoomType = Literal[
 class Room(CheckedModel):
     """A room, as room.yaml describes it."""
 
-    name: PrimName = "room"
-    """The room's name, for people."""
+    name: Annotated[str, Field(min_length=1, max_length=128)] = "room"
+    """The room's name, for people: any text."""
     room: RoomType = "misc"
     """The room type; chooses defaults."""
     seed: Whole = Field(default=0, ge=0, lt=2**63)

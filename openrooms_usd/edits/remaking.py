@@ -26,6 +26,7 @@ from openrooms_usd.furniture import CATEGORIES, category, styles
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.assets import Asset, publish
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.placement import FLOOR, SURFACE, Placement, Stand, Supports
 from openrooms_usd.stages.alignment.poses import author_described
@@ -74,7 +75,8 @@ def remake(
         known = category(wanted)
         if style not in known.styles:
             raise InputError(
-                f"no {wanted} has the style {style!r}", remedy=f"known: {', '.join(known.styles)}"
+                f"no {wanted} has the style {style!r}{did_you_mean(style, known.styles)}",
+                remedy=f"known: {', '.join(known.styles)}",
             )
         usual = known.styles[style].size or known.size
         width, depth, height = standing(prim).size if keep_size else usual

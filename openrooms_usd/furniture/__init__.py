@@ -9,11 +9,11 @@ and a seed.
 """
 
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from typing import Final
 
 import numpy as np
 
+from openrooms_usd.description.categories import other_words
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.joinery.boards import (
     NOTHING_ORDERED,
@@ -28,6 +28,7 @@ from openrooms_usd.furniture.joinery.boards import (
 from openrooms_usd.furniture.placements import Place
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.registry import BUILT, built, module_of
+from openrooms_usd.spelling import did_you_mean
 
 __all__ = [
     "CATEGORIES",
@@ -136,6 +137,8 @@ def make(
 
 
 def _unknown(what: str, name: str, known: tuple[str, ...]) -> InputError:
-    near = get_close_matches(name, known, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    return InputError(f"no {what} is named {name!r}", remedy=f"{hint}known: {', '.join(known)}")
+    also = other_words() if known is BUILT else None
+    return InputError(
+        f"no {what} is named {name!r}{did_you_mean(name, known, also)}",
+        remedy="`orusd library list` has all" if known is BUILT else f"known: {', '.join(known)}",
+    )

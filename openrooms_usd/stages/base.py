@@ -14,12 +14,12 @@ import numpy as np
 
 from openrooms_usd import adapters, names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.scanned import CapturedSection
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.progress import Progress, silent
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.untrusted import check_path, kind_of
 
 if TYPE_CHECKING:

@@ -10,7 +10,6 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.materials import Look
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import DescriptionError
@@ -28,6 +27,7 @@ from openrooms_usd.library.styles.finishes import (
     suite_of,
 )
 from openrooms_usd.library.styles.interiors import INTERIORS
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.looks import Dressed, Part, parts_of
 from openrooms_usd.stages.materials.palette import Swatch

@@ -14,13 +14,13 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.description.materials import Look
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library.ownmaterials import files_of as material_files
 from openrooms_usd.library.styles.assignment.annotations import files_of as annotation_files
 from openrooms_usd.library.styles.assignment.rooms import Place, families_of
 from openrooms_usd.library.styles.finishes import UNKNOWN, furniture_families
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.dressing import Chooser, Dresser, check_names, read_annotations
 from openrooms_usd.stages.materials.looks import (
