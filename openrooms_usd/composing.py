@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from openrooms_usd import claims, names
-from openrooms_usd.description import load_room
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
+from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.room import Room
 from openrooms_usd.edits.fitting import misfits_of
 from openrooms_usd.edits.foreign import refuse_foreign
@@ -17,7 +17,7 @@ from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, OutputError, StageError, printable
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.spelling import did_you_mean
-from openrooms_usd.stages import base, runner
+from openrooms_usd.stages import base, checks, runner
 from openrooms_usd.stages.draft import Draft, drafting
 from openrooms_usd.stages.reports import gather
 
@@ -87,8 +87,7 @@ def compose_room(
 
     Stages whose inputs have not changed since their layer was written are skipped.
     """
-    described = description if isinstance(description, Room) else load_room(description)
-    source = base or described.folder or Path()
+    described, source = checks.checked(description, base)
     room, about_clutter = _explicit(described.located(source))
     chosen = _chosen(only)
     if printable(out.absolute(), lines=False) != str(out.absolute()):
@@ -106,7 +105,10 @@ def compose_room(
             for index, stage in enumerate(chosen):
                 begin, end = index / len(chosen), (index + 1) / len(chosen)
                 share = nested(progress, stage.name, begin, end)
-                summaries.append(_run(stage, room, source, draft, workers, share))
+                try:
+                    summaries.append(_run(stage, room, source, draft, workers, share))
+                except FieldsError as error:
+                    raise described.refused(error.found) from None
             noted = None
             if any(summary.state == "written" for summary in summaries):
                 from openrooms_usd.validation.model import Subject

@@ -1,4 +1,4 @@
-"""What somebody may have meant by a number or a text: centimetres, or a colour as screens have it."""
+"""What may have been meant by a number or a text: centimetres, or a colour as screens have it."""
 
 import re
 from typing import Any, Final

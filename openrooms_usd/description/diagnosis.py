@@ -1,7 +1,7 @@
 """From what pydantic found to mistakes with a place, a path and words for people."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import UnionType
 from typing import Annotated, Any, Final, Union, get_args, get_origin
@@ -72,6 +72,13 @@ def diagnose(
         if too_short and len(found) >= row["ctx"]["min_length"]:
             continue  # only because of faulty entries, which have their own rows
         yield Mistake(place, path, _text(row, spot, found))
+
+
+def located(data: reading.Mapping, found: Iterable[tuple[Steps, str]]) -> Iterator[Mistake]:
+    """Mistakes with their places, of paths in a description and what is wrong there."""
+    for steps, text in found:
+        path, place, _ = _look_up(data, steps, MISTAKE)
+        yield Mistake(place, path, text)
 
 
 def _blamed(kind: str, path: Steps) -> Steps:

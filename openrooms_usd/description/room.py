@@ -1,16 +1,19 @@
 """The whole description: a name, a room type, a seed, and one section a stage."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, ValidationError
 
+from openrooms_usd.description import reading
 from openrooms_usd.description.alignment import Alignment, ObjectList, object_names
 from openrooms_usd.description.cameras import AnyCameras, Cameras
 from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.lights import Lights
 from openrooms_usd.description.materials import Materials
+from openrooms_usd.description.mistakes import MistakesError, Steps
 from openrooms_usd.description.model import CheckedModel, Found, Whole, peek, peek_list
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.styles import InteriorStyle
@@ -47,6 +50,19 @@ RoomType = Literal[
 ]
 
 
+@dataclass(frozen=True)
+class _Text:
+    """Where a room was read from, which makes it no other room.
+
+    Attributes:
+        name: Of the file.
+        data: Its data, with their places; None for a room that stands in no file.
+    """
+
+    name: str = field(compare=False)
+    data: reading.Mapping | None = field(default=None, compare=False)
+
+
 class Room(CheckedModel):
     """A room, as room.yaml describes it."""
 
@@ -75,6 +91,7 @@ class Room(CheckedModel):
     """How things weigh, collide and move."""
 
     _folder: Path | None = PrivateAttr(default=None)
+    _text: _Text = PrivateAttr(default_factory=lambda: _Text("the room"))
 
     if not TYPE_CHECKING:  # Type checkers see the fields instead.
 
@@ -104,6 +121,24 @@ class Room(CheckedModel):
         room = self.model_copy()
         room._folder = folder
         return room
+
+    def of_text(self, name: str, data: reading.Mapping) -> Self:
+        """The same room, which knows the name and the data of the file that it was read from."""
+        room = self.model_copy()
+        room._text = _Text(name, data)
+        return room
+
+    def refused(self, found: Iterable[tuple[Steps, str]]) -> MistakesError:
+        """What to raise where fields ask for what cannot be made.
+
+        Args:
+            found: The path of each, and what is wrong there.
+        """
+        from openrooms_usd.description.data import placed
+        from openrooms_usd.description.diagnosis import located
+
+        data = self._text.data or placed(self.as_dict())
+        return MistakesError(self._text.name, located(data, found))
 
     def as_dict(self) -> dict[str, Any]:
         """What was given of it, as plain data that makes the same room again."""

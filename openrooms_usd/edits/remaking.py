@@ -22,11 +22,10 @@ from openrooms_usd.edits.assigning import context_of
 from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture import CATEGORIES, category, styles
+from openrooms_usd.furniture import CATEGORIES, category, check, styles
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.assets import Asset, publish
-from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.placement import FLOOR, SURFACE, Placement, Stand, Supports
 from openrooms_usd.stages.alignment.poses import author_described
@@ -73,11 +72,7 @@ def remake(
         prim = furniture(stage, name)
         wanted = kind or read_label(prim, names.CATEGORY) or ""
         known = category(wanted)
-        if style not in known.styles:
-            raise InputError(
-                f"no {wanted} has the style {style!r}{did_you_mean(style, known.styles)}",
-                remedy=f"known: {', '.join(known.styles)}",
-            )
+        check(wanted, known.size, style)
         usual = known.styles[style].size or known.size
         width, depth, height = standing(prim).size if keep_size else usual
         size = (round(width, _DIGITS), round(depth, _DIGITS), round(height, _DIGITS))
