@@ -8,6 +8,7 @@ from pxr import Sdf, Usd, UsdLux
 
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.usd.light.inputs import light_input, old_names
 from orusd_usdz.profiles import DEFAULT, PROFILES, Profile
 
@@ -61,7 +62,8 @@ def _profile(options: Mapping[str, Any]) -> Profile:
             raise InputError(f"the USDZ exporter has no option {name!r}", remedy="use profile")
     name = options.get("profile", DEFAULT)
     if name not in PROFILES:
-        raise InputError(f"no profile is named {name!r}", remedy=f"use {', '.join(PROFILES)}")
+        hint = did_you_mean(name, PROFILES)
+        raise InputError(f"no profile is named {name!r}{hint}", remedy=f"use {', '.join(PROFILES)}")
     return PROFILES[name]
 
 

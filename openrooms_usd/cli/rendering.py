@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import Choice, echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.cli.settings import RENDERER, settings_options
 from openrooms_usd.description.rendering import RenderSettings, flag_of
@@ -86,7 +86,7 @@ _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name no
 @click.option(
     "--dataset-layout",
     "layout",
-    type=click.Choice(["split", "merged"]),
+    type=Choice(["split", "merged"]),
     default="split",
     show_default=True,
     help="With --dataset: a tree for each channel as released, or one folder, which is what the "

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import Choice, echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
     from openrooms_usd.engines import Friction
@@ -31,7 +31,7 @@ _SHOWN = 12
 )
 @click.option(
     "--friction",
-    type=click.Choice(["static", "dynamic"]),
+    type=Choice(["static", "dynamic"]),
     default="static",
     show_default=True,
     help="Which coefficient of each surface counts.",

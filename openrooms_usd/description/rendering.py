@@ -22,8 +22,8 @@ from openrooms_usd.description.model import (
     Whole,
     peek,
 )
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.errors import InputError
+from openrooms_usd.spelling import did_you_mean
 
 Method = Literal["cache", "reference"]
 METHODS: Final[tuple[Method, ...]] = get_args(Method)

@@ -28,6 +28,7 @@ from openrooms_usd.generation.shell import WALL_THICKNESS, Shell
 from openrooms_usd.generation.walls import ceiling_lamps, hang
 from openrooms_usd.library.styles.assignment.weights import drawn
 from openrooms_usd.library.styles.interiors import INTERIORS, Interior
+from openrooms_usd.spelling import did_you_mean
 
 # What is screwed on through tiles is flush to the wall, and may sink in by so much.
 _THICK_M: Final = 0.004
@@ -153,7 +154,8 @@ def program_of(room_type: str) -> Program:
     """
     if room_type not in PROGRAMS:
         raise InputError(
-            f"no room type is named {room_type!r}", remedy=f"known: {', '.join(PROGRAMS)}"
+            f"no room type is named {room_type!r}{did_you_mean(room_type, PROGRAMS)}",
+            remedy=f"known: {', '.join(PROGRAMS)}",
         )
     return PROGRAMS[room_type]
 
@@ -192,7 +194,10 @@ def generate(
     """
     style = style or style_of(room_type, seed)
     if style not in INTERIORS:
-        raise InputError(f"no style is named {style!r}", remedy=f"known: {', '.join(INTERIORS)}")
+        raise InputError(
+            f"no style is named {style!r}{did_you_mean(style, INTERIORS)}",
+            remedy=f"known: {', '.join(INTERIORS)}",
+        )
     best: tuple[Generated, Arrangement] | None = None
     shapes = shapes or Shapes(seed)
     closed = seen and closes(room_type, seed)
