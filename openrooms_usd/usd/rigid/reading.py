@@ -32,9 +32,9 @@ from openrooms_usd.usd.rigid.joints import (
     joint_of,
     limits_of,
     pose,
-    read_mass,
     trees,
 )
+from openrooms_usd.usd.rigid.masses import read_mass
 from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader, safe
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import read_meshes
@@ -247,7 +247,8 @@ class _Reading:
         link, content, back = self.links[path], self.content[path], inverse(at)
         mass = None
         if link.moves and not held:
-            mass = read_mass(self.frames, path, content.solids).transformed(back)
+            drawn = [visual.mesh for visual in content.visuals]
+            mass = read_mass(self.reader, path, content.solids, drawn).transformed(back)
         return WorldLink(
             name,
             str(path),
