@@ -2,6 +2,8 @@
 
 - `shapes`: where bodies stand, what collides and what is seen;
 - `masses`: what bodies weigh;
-- `joints`: what joins them, as trees;
-- `reading`: the whole neutral world, and what passes through each other.
+- `joints`: the directions that joints leave free, and what drives them;
+- `trees`: what joints make of links, and where they close loops;
+- `filters`: what passes through each other;
+- `reading`: the whole neutral world.
 """
