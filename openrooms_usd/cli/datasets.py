@@ -58,13 +58,15 @@ def dataset() -> None:
 )
 def plan(file: Path, out: Path | None) -> None:
     """Print what a dataset.yaml stands for: a line of JSON for each view of each room."""
+    from openrooms_usd import claims
     from openrooms_usd.dataset.plan import lines, plan_jobs
     from openrooms_usd.dataset.store import write_lines
     from openrooms_usd.description import load_dataset
 
     rows = lines(plan_jobs(load_dataset(file)))
     if out is not None:
-        echo(f"wrote {out}: {write_lines(out, rows)} views")
+        with claims.output(out):
+            echo(f"wrote {out}: {write_lines(out, rows)} views")
         return
     for row in rows:
         echo(row)
@@ -77,6 +79,7 @@ def plan(file: Path, out: Path | None) -> None:
     "--out",
     type=_root,
     required=True,
+    metavar="DIR|URL",
     help="The dataset's folder, or a URL such as s3://bucket/name.",
 )
 @click.option(
