@@ -33,7 +33,7 @@ def import_() -> None:
 def _command(kind: str) -> click.Command:
     importer: Importer = load(IMPORTERS, kind)
 
-    @click.command(name=kind, short_help=f"Import a capture: {kind}.")
+    @click.command(name=kind, short_help=_about(importer) or kind)
     @click.argument("source", type=click.Path(path_type=Path))
     @click.option(
         "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder to write to."
@@ -60,6 +60,12 @@ def _command(kind: str) -> click.Command:
         flag = click.Option([f"--{name}", _field(name)], metavar=metavar, help=text)
         command.params.append(flag)
     return command
+
+
+def _about(importer: Importer) -> str:
+    """What an importer reads, in its own words."""
+    sentence = (type(importer).__doc__ or "").strip().partition("\n")[0].replace("``", "")
+    return sentence.replace("Reads ", "Read ", 1)
 
 
 def _field(name: str) -> str:
