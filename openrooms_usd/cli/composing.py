@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from openrooms_usd import names
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import (
+    command_line,
+    echo,
+    echo_notes,
+    json_option,
+    print_json,
+    progress_bar,
+)
 
 if TYPE_CHECKING:
     from openrooms_usd.composing import ComposeSummary
@@ -61,10 +68,8 @@ def compose(
         return
     for row in summary.stages:
         echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
-        for note in row.notes:
-            echo(f"           note: {note}")
-    for note in summary.notes:
-        echo(f"note: {note}")
+        echo_notes(row.notes, indent=" " * 11)
+    echo_notes(summary.notes)
     for orphan in summary.orphans[:_SHOWN]:
         echo(f"edits: {orphan}")
     if len(summary.orphans) > _SHOWN:

@@ -4,6 +4,7 @@ import json
 import shlex
 import sys
 import threading
+from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -31,6 +32,12 @@ def json_option(command: Command) -> Command:
 def echo(text: object = "", *, err: bool = False, nl: bool = True) -> None:
     """Print for people: names from files cannot move the cursor or forge what stands there."""
     click.echo(printable(text), err=err, nl=nl)
+
+
+def echo_notes(notes: Iterable[str], indent: str = "") -> None:
+    """Print notes, each once."""
+    for note, count in Counter(notes).items():
+        echo(f"{indent}note: {note}{f' ({count} times)' if count > 1 else ''}")
 
 
 def gathered(rows: Iterable[tuple[Said, str]]) -> Iterator[tuple[Said, list[str]]]:

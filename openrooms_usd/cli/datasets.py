@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import (
+    command_line,
+    echo,
+    echo_notes,
+    json_option,
+    print_json,
+    progress_bar,
+)
 from openrooms_usd.cli.settings import pairs_of
 
 if TYPE_CHECKING:
@@ -133,8 +140,7 @@ def run(
     if as_json:
         print_json(done.as_dict())
     else:
-        for note in done.notes:
-            echo(f"note: {note}")
+        echo_notes(done.notes)
         for unit, reason in list(done.failed.items())[:_MOST_SHOWN]:
             echo(f"failed: {unit}: {reason}")
         echo(f"wrote {out}: {done.made} views, {done.kept} were there, {len(done.failed)} failed")
@@ -355,7 +361,6 @@ def print_dataset(summary: "DatasetSummary") -> None:
     """Say what a dataset has received."""
     for name, reason in sorted(summary.missing.items()):
         echo(f"no {name}: {reason}")
-    for note in summary.notes:
-        echo(f"note: {note}")
+    echo_notes(summary.notes)
     views = sum(map(len, summary.frames.values()))
     echo(f"wrote {summary.root}: {summary.files} files of {views} views")

@@ -6,7 +6,7 @@ import click
 
 from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.capture import Importer, option_paths
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json
+from openrooms_usd.cli.console import command_line, echo, echo_notes, json_option, print_json
 
 
 class ImporterGroup(click.Group):
@@ -50,8 +50,7 @@ def _command(kind: str) -> click.Command:
             return
         for what, count in imported.counts.items():
             echo(f"{what:<9} {count}")
-        for note in imported.notes:
-            echo(f"note: {note}")
+        echo_notes(imported.notes)
         following = command_line("orusd", "compose", imported.file, "-o", "OUT")
         echo(f"wrote {imported.file}; next: {following}")
 

@@ -10,7 +10,9 @@ import pytest
 from openrooms_usd import cli
 from openrooms_usd.cli import console
 from openrooms_usd.cli.console import echo
+from openrooms_usd.cli.validating import _print_findings
 from openrooms_usd.errors import InputError, OrusdError, printable
+from openrooms_usd.validation.model import Finding
 from tests.commands import run
 
 HOSTILE = [
@@ -114,3 +116,17 @@ def test_every_importer_says_what_it_reads() -> None:
 def test_help_names_room_types_and_no_functions_of_ours() -> None:
     assert "living_room" in run("generate", "--help").output
     assert "-o, --out DIR|URL" in run("dataset", "run", "--help").output
+
+
+def test_notes_and_findings_that_say_the_same_are_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    console.echo_notes(["a door moved", "no roof", "a door moved"])
+    findings = [Finding("error", "rule", f"/World/Thing_{n}", "has no material") for n in range(7)]
+    _print_findings(Path("room.usda"), findings)
+    notes, findings_text = capsys.readouterr().out.split("room.usda")
+    assert notes.splitlines() == ["note: a door moved (2 times)", "note: no roof"]
+    assert ": 7 errors" in findings_text
+    assert "7 x: /World/Thing_0, /World/Thing_1, /World/Thing_2 and 4 more" in findings_text
+    assert findings_text.count("has no material") == 1
