@@ -1,9 +1,11 @@
 """Files and folders appear whole or not at all: write beside the target, then rename.
 
-Where a command keeps a ledger of its folder, what appears there is noted in it.
+Where a command keeps a ledger of its folder, what appears there is noted in it, and only what an
+earlier run wrote and nobody changed since gives way.
 """
 
-from collections.abc import Iterator
+import filecmp
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -72,16 +74,26 @@ def replacing(target: Path) -> Iterator[Path]:
         The path to write to.
 
     Raises:
-        OutputError: The file cannot be written, or the target is a device, a pipe or a folder.
+        OutputError: The file cannot be written, the target is a device, a pipe or a folder, or a
+            file would give way that is not ours.
     """
     check_replaceable(target)
     beside = unfinished.beside(target)
     with writing(target), making(target.parent), naming(target, beside):
         try:
             yield beside
-            appear(beside, target)
+            if not _is_same(beside, target):
+                check_free([target])
+                appear(beside, target)
         finally:
             removal.remove_file(beside)
+
+
+def _is_same(new: Path, target: Path) -> bool:
+    """Whether somebody else's file says the same: it stays theirs."""
+    return not ledger.may_replace(target) and (
+        target.is_file() and not target.is_symlink() and filecmp.cmp(new, target, shallow=False)
+    )
 
 
 def write_text(target: Path, text: str) -> None:
@@ -112,12 +124,35 @@ def check_replaceable(target: Path) -> None:
         )
 
 
+def check_free(targets: Iterable[Path]) -> None:
+    """See that nothing of anybody else's would give way; a folder may hold what is ours alone.
+
+    Nothing is refused where no ledger is kept.
+
+    Raises:
+        OutputError: Something would; it is named.
+    """
+    lost = []
+    for target in targets:
+        if target.is_dir() and not target.is_symlink():
+            check_own(target)
+        elif not ledger.may_replace(target):
+            lost.append(target)
+    if lost:
+        more = f" (and {len(lost) - 1} more)" if len(lost) > 1 else ""
+        raise OutputError(
+            f"this would be replaced{more}, and no earlier run wrote it as it is now",
+            place=lost[0],
+            remedy="move it away, or choose another output",
+        )
+
+
 @contextmanager
 def filling(folder: Path) -> Iterator[Path]:
     """Give an empty folder to write files to, and move them all into ``folder`` on success.
 
-    Files of the same names are replaced, others stay. When the block raises, what was written is
-    removed and ``folder`` is as it was.
+    Files of the same names are replaced where they are ours, others stay. When the block raises,
+    what was written is removed and ``folder`` is as it was.
 
     Args:
         folder: Where the files shall appear. It is made when it is missing.
@@ -126,7 +161,7 @@ def filling(folder: Path) -> Iterator[Path]:
         The folder to write to.
 
     Raises:
-        OutputError: A file cannot be written.
+        OutputError: A file cannot be written, or one that is not ours would give way.
     """
     beside = unfinished.beside(folder / "new")
     with writing(folder), making(folder), naming(folder, beside):
@@ -136,6 +171,8 @@ def filling(folder: Path) -> Iterator[Path]:
             files = [path.relative_to(beside) for path in beside.rglob("*") if path.is_file()]
             for file in files:
                 check_replaceable(folder / file)
+            files = [file for file in files if not _is_same(beside / file, folder / file)]
+            check_free(folder / file for file in files)
             # Files in subfolders first: those at the top refer to them.
             for file in sorted(files, key=lambda path: (-len(path.parts), path)):
                 (folder / file).parent.mkdir(parents=True, exist_ok=True)

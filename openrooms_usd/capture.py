@@ -218,6 +218,8 @@ class Packed:
 class Importer(Protocol):
     """Reads foreign files; registered as an entry point ``openrooms_usd.importers``.
 
+    The first line of its class's docstring says in ``orusd import --help`` what it reads.
+
     It may also have ``paths``, the set of those options that name files or folders: they reach it
     as paths that can be opened from anywhere. And it may have a method ``pack`` with the arguments
     of ``read`` that returns a `Packed`, where a room needs more, or less, than the one file.

@@ -9,10 +9,11 @@ import re
 import stat
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd import atomic, ledger, removal, unfinished, untrusted
 from openrooms_usd.errors import InputError, OutputError, writing
@@ -22,18 +23,21 @@ if TYPE_CHECKING:
     from filelock import BaseFileLock
 
 FILE: Final = ".orusd.lock"
+# Held for the moment in which a single file appears: who wants it too waits.
+_SINGLE_FILE: Final = ".orusd.files.lock"
+_PATIENCE_SECONDS: Final = 60.0
 
 _LONGEST_HOLDER: Final = 120  # characters
 # What stands in a lock file; nothing where its process was killed before it said who it is.
 _HOLDER: Final = re.compile(r"(?:process \d+ \(|\Z)")
-# What this process holds: folders, each with the thread that claimed it.
+# What this process holds: lock files, each with the thread that claimed it.
 _HELD: Final[set[tuple[Path, int]]] = set()
-# Those of them that were not there before.
+# Their folders that were not there before.
 _MADE: Final[set[Path]] = set()
 
 
 @contextmanager
-def claimed(folder: Path, file: str = ledger.FILE) -> Iterator[ledger.Ledger]:
+def claimed(folder: Path, file: str = ledger.FILE, **how: Any) -> Iterator[ledger.Ledger]:
     """Have a folder to oneself, with a ledger of what is written to it.
 
     What killed processes have left there is swept. A claim within a claim of the same folder is
@@ -43,6 +47,7 @@ def claimed(folder: Path, file: str = ledger.FILE) -> Iterator[ledger.Ledger]:
         folder: The folder; it is made when it is missing, and goes again when the block raises and
             it is empty.
         file: The name of the ledger in it.
+        how: What else `ledger.kept` takes.
 
     Yields:
         The folder's ledger.
@@ -50,36 +55,119 @@ def claimed(folder: Path, file: str = ledger.FILE) -> Iterator[ledger.Ledger]:
     Raises:
         OutputError: Another process writes to the folder, or it cannot be written.
     """
-    with locked(folder) as was_killed, ledger.kept(folder, file) as kept:
+    with locked(folder) as was_killed, ledger.kept(folder, file, **how) as kept:
         if was_killed:
             kept.tidy()
         yield kept
 
 
+@dataclass
+class Refill:
+    """The files of a folder that are written anew.
+
+    Attributes:
+        folder: Where they are written.
+        written: Where they lie at the end, absolute paths.
+        stay: Files of an earlier run that are none now, and that somebody has changed.
+    """
+
+    folder: Path
+    written: frozenset[Path] = frozenset()
+    stay: Sequence[Path] = ()
+
+
 @contextmanager
-def locked(folder: Path) -> Iterator[bool]:
+def refilling(folder: Path, file: str) -> Iterator[Refill]:
+    """Write all files of a folder, as `atomic.filling`; those of an earlier run give way.
+
+    Args:
+        folder: The folder; what is not noted in the ledger stays.
+        file: The name of the ledger in it.
+
+    Raises:
+        OutputError: Another process writes to the folder, it cannot be written, or a file that is
+            not ours would give way.
+    """
+    with claimed(folder, file) as kept:
+        with atomic.filling(folder) as beside:
+            refill = Refill(beside)
+            yield refill
+            inner = [path.relative_to(beside) for path in beside.rglob("*") if path.is_file()]
+        refill.written = frozenset(folder.absolute() / path for path in inner)
+        with writing(folder):
+            refill.stay = kept.remove(p for p in kept.below(folder) if p not in refill.written)
+
+
+def check_refill(folder: Path, file: str, names: Iterable[str]) -> None:
+    """See before long work that `refilling` may write files, and folders that are ours alone.
+
+    Args:
+        folder: The folder.
+        file: The name of the ledger in it.
+        names: What will be written, relative to the folder.
+
+    Raises:
+        OutputError: Something that is not ours would give way.
+    """
+    with ledger.kept(folder, file):
+        atomic.check_free(folder / name for name in names)
+
+
+@contextmanager
+def output(target: Path) -> Iterator[None]:
+    """Write a single file that a person named inside the block; see `check_output`.
+
+    Raises:
+        OutputError: It cannot be written, or is there and not ours.
+    """
+    folder = target.parent
+    with (
+        locked(folder, _SINGLE_FILE, _PATIENCE_SECONDS),
+        ledger.kept(folder, ledger.SINGLE_FILE, deep=False),
+    ):
+        yield
+
+
+def check_output(target: Path) -> None:
+    """See before long work that `output` may write a file.
+
+    Raises:
+        OutputError: What is there is not what an earlier run wrote so, or is no file.
+    """
+    atomic.check_replaceable(target)
+    with ledger.kept(target.parent, ledger.SINGLE_FILE, deep=False):
+        atomic.check_free([target])
+
+
+@contextmanager
+def locked(folder: Path, file: str = FILE, patience: float = 0.0) -> Iterator[bool]:
     """Have a folder to oneself, and swept, without a ledger.
+
+    Args:
+        folder: The folder.
+        file: The lock file in it: who has another one does not matter.
+        patience: How many seconds to wait for another process.
 
     Yields:
         Whether the process that had it last was killed.
     """
-    key = (folder.absolute(), threading.get_ident())
+    key = (folder.absolute() / file, threading.get_ident())
     if key in _HELD:
         yield False
         return
     with writing(folder):
         is_new = not folder.exists()
-    with atomic.making(folder), _exclusively(folder) as was_killed:
+    with atomic.making(folder), _exclusively(folder / file, patience) as was_killed:
         _HELD.add(key)
         if is_new:
-            _MADE.add(key[0])
+            _MADE.add(folder.absolute())
         try:
             for inner in _to_sweep(folder) if was_killed else [folder]:
                 unfinished.sweep(inner)
             yield was_killed
         finally:
             _HELD.remove(key)
-            _MADE.discard(key[0])
+            _MADE.discard(folder.absolute())
 
 
 def abandon() -> None:
@@ -88,13 +176,13 @@ def abandon() -> None:
     For a process that is about to end while its main thread cannot be stopped: what it has not
     finished is removed, and so are its lock files.
     """
-    for folder, _ in list(_HELD):
-        for inner in list(_to_sweep(folder)):
+    for lock, _ in list(_HELD):
+        for inner in list(_to_sweep(lock.parent)):
             unfinished.sweep(inner, own=True)
         with suppress(OSError):
-            removal.remove_file(folder / FILE)
-        if folder in _MADE:
-            removal.remove_if_empty(folder)
+            removal.remove_file(lock)
+        if lock.parent in _MADE:
+            removal.remove_if_empty(lock.parent)
 
 
 def _to_sweep(folder: Path) -> Iterator[Path]:
@@ -106,14 +194,14 @@ def _to_sweep(folder: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def _exclusively(folder: Path) -> Iterator[bool]:
+def _exclusively(path: Path, patience: float) -> Iterator[bool]:
     """Hold the lock of a folder; whether the process that had it last was killed."""
     from filelock import FileLock, Timeout
 
-    path = folder / FILE
+    folder = path.parent
     was_killed = os.path.lexists(path)
     _check_lock(path)
-    lock = FileLock(path, timeout=0)
+    lock = FileLock(path, timeout=patience)
     with writing(folder):
         try:
             lock.acquire()

@@ -2,12 +2,12 @@
 
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from openrooms_usd import claims, names
+from openrooms_usd import atomic, claims, names
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
 from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.room import Room
@@ -23,6 +23,8 @@ from openrooms_usd.stages.reports import gather
 
 State = Literal["written", "unchanged"]
 
+_FLAT: Final = ".usdc"
+_PACKED: Final = ".usdz"
 # What decides where things come to rest.
 _SETTLING: Final = ("layout", "alignment", "physics")
 
@@ -98,6 +100,7 @@ def compose_room(
         )
     with claims.claimed(out):
         refuse_foreign(out / names.SCENE)
+        atomic.check_free(_extra_files(out / names.SCENE, flatten, usdz))
         with drafting(out) as draft:
             _check_complete(draft, chosen)
             runner.create_edits(draft)
@@ -217,16 +220,16 @@ def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
             )
 
 
+def _extra_files(scene: Path, flatten: bool, usdz: bool) -> tuple[Path, ...]:
+    asked = {_FLAT: flatten, _PACKED: usdz}
+    return tuple(scene.with_suffix(suffix) for suffix in asked if asked[suffix])
+
+
 def _extras(scene: Path, flatten: bool, usdz: bool, include_outside: bool) -> tuple[Path, ...]:
     from openrooms_usd import package
 
-    wanted: Mapping[str, tuple[bool, Callable[..., None]]] = {
-        ".usdc": (flatten, package.flatten),
-        ".usdz": (usdz, package.package),
-    }
-    files = []
-    for suffix, (asked, write) in wanted.items():
-        if asked:
-            write(scene, scene.with_suffix(suffix), include_outside=include_outside)
-            files.append(scene.with_suffix(suffix))
-    return tuple(files)
+    files = _extra_files(scene, flatten, usdz)
+    for file in files:
+        write = package.flatten if file.suffix == _FLAT else package.package
+        write(scene, file, include_outside=include_outside)
+    return files

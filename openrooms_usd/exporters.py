@@ -1,5 +1,6 @@
 """The contract of exporters, and the report of what became of every prim."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,9 +18,10 @@ Outcome = Literal["translated", "approximated", "skipped"]
 Rows = tuple[tuple[float, ...], ...]
 _SAME: Final[Rows] = tuple(tuple(float(row == column) for column in range(4)) for row in range(4))
 
-# What a file is by its ending, where nobody says; all else is written as Mitsuba's.
-_BY_ENDING: Final = {".glb": "gltf", ".usdz": "usdz"}
-_USUAL: Final = "mitsuba"
+# What a file is by its ending, where nobody says, and a folder.
+_BY_ENDING: Final = {".glb": "gltf", ".usdz": "usdz", ".xml": "mitsuba", "": "mitsuba"}
+# Of files: a folder may be called room_1.5.
+_ENDING: Final = re.compile(r"\.[a-z][a-z0-9]*")
 
 
 @dataclass
@@ -102,7 +104,9 @@ class Report:
 class Exporter(Protocol):
     """Writes a stage in a foreign form; an entry point ``openrooms_usd.exporters``.
 
-    One that copies layers as they are has an attribute ``keeps_layers``, which is true.
+    One that copies layers as they are has an attribute ``keeps_layers``, which is true. One that
+    says in an attribute ``writes`` how its destinations end, such as ``(".glb",)``, gets no others;
+    a folder ends in nothing.
     """
 
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
@@ -134,6 +138,7 @@ def convert_stage(
 
     kind = to or exporter_of(destination)
     exporter: Exporter = adapters.load(adapters.EXPORTERS, kind)
+    _check_ending(exporter, kind, destination)
     keeps_layers = getattr(exporter, "keeps_layers", False)
     if keeps_layers and time_code is not None:
         raise InputError(
@@ -170,7 +175,7 @@ def write_stage(
         What became of every prim.
 
     Raises:
-        InputError: No exporter has that name.
+        InputError: No exporter has that name, or the destination has another ending.
         StageError: It is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
@@ -178,6 +183,7 @@ def write_stage(
     from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
+    _check_ending(exporter, to, destination)
     lost: dict[str, str] = {}
     if not getattr(exporter, "keeps_layers", False):
         read_mtlx_layers(stage)
@@ -189,8 +195,37 @@ def write_stage(
 
 
 def exporter_of(destination: Path) -> str:
-    """The exporter that a destination asks for by its ending."""
-    return _BY_ENDING.get(destination.suffix.lower(), _USUAL)
+    """The exporter that a destination asks for by its ending.
+
+    Raises:
+        InputError: No file ends so.
+    """
+    ending = _ending(destination)
+    if ending not in _BY_ENDING:
+        raise InputError(
+            f"no exporter writes {ending} files",
+            place=destination,
+            remedy=f"end it in {', '.join(filter(None, _BY_ENDING))}, or name a folder and say "
+            f"--to: {', '.join(adapters.available(adapters.EXPORTERS))}",
+        )
+    return _BY_ENDING[ending]
+
+
+def _ending(destination: Path) -> str:
+    """How the name of a file ends; empty of a folder."""
+    ending = destination.suffix.lower()
+    return "" if destination.is_dir() or not _ENDING.fullmatch(ending) else ending
+
+
+def _check_ending(exporter: Exporter, kind: str, destination: Path) -> None:
+    """Refuse a file where a folder is written, and the other way round."""
+    wanted = getattr(exporter, "writes", None)
+    if wanted is None or _ending(destination) in wanted:
+        return
+    what = " or ".join(f"a file that ends in {one}" if one else "a folder" for one in wanted)
+    raise InputError(
+        f"the exporter {kind} writes {what}", place=destination, remedy="give another name"
+    )
 
 
 def conclude(report: Report, stage: "Usd.Stage") -> None:

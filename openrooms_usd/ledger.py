@@ -3,9 +3,8 @@
 The ledger is a file of the folder, ``.orusd.sha256``, in the format of ``sha256sum``: a line has
 the digest of a file and its path. A line is written before the file gets its name, so that also
 what a killed process has left is known. A file is removed only where a line names it, where its
-bytes are still those of the line, and where no link lies on the way.
-
-Files at the top of the folder have fixed names: they are replaced and never removed, and not noted.
+bytes are still those of the line, and where no link lies on the way. Nor does a file give way to
+a new one without that proof.
 """
 
 import errno
@@ -21,12 +20,19 @@ from typing import Final
 
 from openrooms_usd import removal, unfinished, untrusted
 from openrooms_usd.errors import InputError, writing
+from openrooms_usd.names import EDITS, LAYERS
 
 FILE: Final = ".orusd.sha256"
 # Renders keep one of their own: a room may lie in the same folder.
 RENDER_FILE: Final = ".orusd.render.sha256"
+# Of single files that a person named, whatever wrote them.
+SINGLE_FILE: Final = ".orusd.files.sha256"
+# The layer of a room that people write as well: who replaces it has read it.
+_PEOPLES: Final = f"{LAYERS}/{EDITS}.usda"
 
 _LINE: Final = re.compile(r"(?P<digest>[0-9a-f]{64})  (?P<path>.+)")
+# What differs from run to run is not noted: it belongs to who the manifest beside it belongs to.
+_TIMING: Final = re.compile(r"(?:(?P<of>[^/]+)_)?timing\.json")
 # Names with line ends would break the format: such files are never removed.
 _UNWRITABLE: Final = re.compile(r"[\n\r\0\\]")
 
@@ -37,10 +43,20 @@ class Ledger:
     Args:
         folder: The folder; what lies below it is noted.
         file: The ledger's name in the folder.
+        shared: Files that others write as well, relative to the folder.
+        deep: Whether files in its subfolders are noted too.
     """
 
-    def __init__(self, folder: Path, file: str = FILE) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        file: str = FILE,
+        shared: Iterable[str] = (_PEOPLES,),
+        *,
+        deep: bool = True,
+    ) -> None:
         self.folder = folder.absolute()
+        self._shared, self._deep = frozenset(shared), deep
         self._file = self.folder / file
         self._digests: dict[str, set[str]] = {}
         self._by_us: dict[str, str] = {}
@@ -68,6 +84,13 @@ class Ledger:
             removal.copy_file(self._file, beside)
             removal.rename(beside, self._file)
 
+    def keeps(self, path: Path) -> bool:
+        """Whether a file at an absolute path is one of those that are noted."""
+        if not path.is_relative_to(self.folder):
+            return False
+        inner = path.relative_to(self.folder)
+        return (self._deep or len(inner.parts) == 1) and not _is_passing(inner)
+
     def is_of(self, folder: Path, file: str) -> bool:
         """Whether this is the ledger of a folder under a name."""
         return self._file == folder.absolute() / file
@@ -90,7 +113,7 @@ class Ledger:
 
     def _note(self, source: Path, target: Path) -> None:
         name = self._name(target)
-        if "/" not in name or _UNWRITABLE.search(name):
+        if _UNWRITABLE.search(name) or _TIMING.fullmatch(name):
             return
         with source.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
@@ -126,9 +149,14 @@ class Ledger:
             return False
         return _digest(path) in known
 
-    def is_changed(self, path: Path) -> bool:
-        """Whether a file was written here, is there, and is not as it was written."""
-        return self._name(path) in self._digests and path.exists() and not self.is_own(path)
+    def may_replace(self, path: Path) -> bool:
+        """Whether nothing of anybody's is lost where a file gives way to a new one."""
+        name = self._name(path)
+        if not os.path.lexists(path) or name in self._shared:
+            return True
+        if found := _TIMING.fullmatch(name):
+            return self.is_own(self.folder / f"{found['of'] or 'manifest'}.json")
+        return self.is_own(path) or (path.is_file() and not path.lstat().st_size)
 
     def wrote(self, path: Path) -> bool:
         """Whether this very process wrote a file as it is now."""
@@ -243,12 +271,16 @@ _OPEN: Final[list[Ledger]] = []
 
 
 @contextmanager
-def kept(folder: Path, file: str = FILE) -> Iterator[Ledger]:
+def kept(
+    folder: Path, file: str = FILE, shared: Iterable[str] = (_PEOPLES,), *, deep: bool = True
+) -> Iterator[Ledger]:
     """Keep a ledger of what is written below a folder inside the block; blocks may be nested.
 
     Args:
-        folder: A folder that is there, and that no other process writes to (see `claims`).
+        folder: A folder that no other process writes to (see `claims`).
         file: The ledger's name in the folder.
+        shared: Files that others write as well, relative to the folder.
+        deep: Whether files in its subfolders are noted too.
 
     Raises:
         OutputError: The ledger cannot be written.
@@ -258,7 +290,7 @@ def kept(folder: Path, file: str = FILE) -> Iterator[Ledger]:
         yield known
         return
     with writing(folder):
-        ledger = Ledger(folder, file)
+        ledger = Ledger(folder, file, shared, deep=deep)
         _OPEN.append(ledger)
         try:
             yield ledger
@@ -273,18 +305,26 @@ def note(source: Path, target: Path) -> None:
     Raises:
         OSError: The bytes cannot be read, or the ledger cannot be written.
     """
+    if ledger := _keeping(target):
+        ledger.note(source, target)
+
+
+def may_replace(target: Path) -> bool:
+    """Whether a file may give way to a new one, as far as the innermost open ledger knows."""
+    ledger = _keeping(target)
+    return ledger is None or ledger.may_replace(target)
+
+
+def _keeping(target: Path) -> Ledger | None:
+    """The innermost open ledger that a file is noted in."""
     target = target.absolute()
-    for ledger in reversed(_OPEN):
-        if target.is_relative_to(ledger.folder):
-            inner = target.relative_to(ledger.folder)
-            if not (unfinished.is_unfinished(inner) or _is_cached(inner)):
-                ledger.note(source, target)
-            return
+    return next((one for one in reversed(_OPEN) if one.keeps(target)), None)
 
 
-def _is_cached(path: Path) -> bool:
-    """Whether a path lies in a folder that any process writes to: who does proves nothing."""
-    return any(part.startswith(".orusd.") for part in path.parts[:-1])
+def _is_passing(path: Path) -> bool:
+    """Whether a path is unfinished, or in a cache: who writes there proves nothing."""
+    is_cached = any(part.startswith(".orusd.") for part in path.parts[:-1])
+    return is_cached or unfinished.is_unfinished(path)
 
 
 def wrote(path: Path) -> bool:

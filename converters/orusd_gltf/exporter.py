@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from openrooms_usd.errors import InputError
 from openrooms_usd.exporters import Report
 from orusd_gltf.options import parsed
 
@@ -14,6 +13,8 @@ if TYPE_CHECKING:
 
 class GltfExporter:
     """Writes a stage as one GLB file."""
+
+    writes = (".glb",)
 
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` to the file ``destination``.
@@ -27,18 +28,15 @@ class GltfExporter:
             What became of every prim.
 
         Raises:
-            InputError: An option is not known, or the destination is no GLB file.
+            InputError: An option is not known.
             MissingPackageError: A compression needs a package that is not installed.
             OutputError: The file cannot be written, or would be larger than GLB allows.
         """
         asked = parsed(options)
-        if destination.suffix.lower() != ".glb":
-            raise InputError(
-                "the glTF exporter writes one file", place=destination, remedy="end it in .glb"
-            )
-        from openrooms_usd import atomic
+        from openrooms_usd import atomic, claims
         from orusd_gltf.scene import translate
 
         data, report = translate(stage, asked)
-        atomic.write_bytes(destination, data)
+        with claims.output(destination):
+            atomic.write_bytes(destination, data)
         return report

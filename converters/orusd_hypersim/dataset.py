@@ -7,15 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd import atomic
+from openrooms_usd import claims
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.rendering.datasets import (
-    DatasetOptions,
-    DatasetSummary,
-    FinishedRoom,
-    replacing_all,
-)
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary, FinishedRoom
 from openrooms_usd.rendering.reading import RenderedScene
 from orusd_hypersim import tables
 from orusd_hypersim.cameras import orientations, positions
@@ -47,24 +42,19 @@ class HypersimDataset:
         lenses: list[tuple[object, ...]] = []
         frames: dict[str, list[int]] = {}
         missing: dict[str, str] = {}
-        with replacing_all(root, _LEDGER) as written:
+        with claims.refilling(root, _LEDGER) as refill:
+            folder = refill.folder
             for room in rooms:
                 progress(room.name, 0.5)
                 for variant, render in sorted(room.renders.items()):
                     scene = scene_name(room.number, variant)
-                    with atomic.filling(root / "scenes" / scene) as beside:
-                        frames[scene] = _write_scene(beside, render, missing)
-                        # Frames of an earlier writing that are none now go.
-                        files = (path for path in beside.rglob("*") if path.is_file())
-                        home = (root / "scenes" / scene).absolute()
-                        written |= {home / path.relative_to(beside) for path in files}
+                    frames[scene] = _write_scene(folder / "scenes" / scene, render, missing)
                     part = (True, "", room.split)
                     splits += [(scene, tables.CAMERA, frame, *part) for frame in frames[scene]]
                     lenses.append(tables.camera_row(scene, next(iter(render.views.values()))))
-            tables.write_table(root / tables.SPLIT_FILE, tables.SPLIT_HEADS, splits)
-            tables.write_table(root / tables.CAMERAS_FILE, tables.CAMERA_HEADS, lenses)
-            written.add((root / tables.SPLIT_FILE).absolute())
-        return DatasetSummary(root, frames, len(written) + 1, missing)
+            tables.write_table(folder / tables.SPLIT_FILE, tables.SPLIT_HEADS, splits)
+            tables.write_table(folder / tables.CAMERAS_FILE, tables.CAMERA_HEADS, lenses)
+        return DatasetSummary(root, frames, len(refill.written), missing)
 
 
 def scene_name(number: int, variant: str) -> str:

@@ -59,6 +59,8 @@ class MitsubaRenderer:
 class MitsubaExporter:
     """Writes a stage as a Mitsuba XML scene with its meshes and textures beside it."""
 
+    writes = ("", ".xml")
+
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` to ``destination``.
 

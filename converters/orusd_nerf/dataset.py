@@ -1,7 +1,6 @@
 """Writes a finished render for radiance fields and photogrammetry."""
 
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -12,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims
-from openrooms_usd.errors import InputError, OutputError, writing
+from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import pixel_directions
-from openrooms_usd.ledger import Ledger
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.rendering.exr import Pixels
@@ -165,16 +163,10 @@ class NerfDataset:
             OutputError: A file cannot be written, or another's would be replaced.
         """
         render = _check(renders, options)
-        with claims.claimed(root, _LEDGER) as kept:
-            _refuse_to_replace(root, kept)
-            with atomic.filling(root) as beside:
-                missing, far = _write(beside, render, progress)
-                files = [path for path in beside.rglob("*") if path.is_file()]
-                written = {root.absolute() / path.relative_to(beside) for path in files}
-            with writing(root):
-                stay = kept.remove(path for path in kept.below(root) if path not in written)
-        frames = {"all": list(range(1, len(render.views) + 1))}
-        return DatasetSummary(root, frames, len(written), missing, tuple(_notes(far, stay)))
+        with claims.refilling(root, _LEDGER) as refill:
+            missing, far = _write(refill.folder, render, progress)
+        frames, count = {"all": list(range(1, len(render.views) + 1))}, len(refill.written)
+        return DatasetSummary(root, frames, count, missing, tuple(_notes(far, refill.stay)))
 
 
 def _write(folder: Path, render: RenderedScene, progress: Progress) -> tuple[dict[str, str], int]:
@@ -215,22 +207,6 @@ def _check(renders: Sequence[RenderedScene], options: DatasetOptions) -> Rendere
             remedy="leave them out",
         )
     return renders[0]
-
-
-def _refuse_to_replace(root: Path, kept: Ledger) -> None:
-    """See that only what an earlier run wrote gives way.
-
-    Raises:
-        OutputError: The folder is somebody else's.
-    """
-    names = (TRANSFORMS, IMAGES, DEPTHS, MODEL)
-    foreign = [root / name for name in names if os.path.lexists(root / name)]
-    if foreign and not kept.below(root):
-        raise OutputError(
-            "it is not of an earlier run, and would be replaced or mixed with this one",
-            place=foreign[0],
-            remedy="choose another folder, or move it away",
-        )
 
 
 def _notes(far: int, stay: Sequence[Path]) -> Iterator[str]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims, ledger
-from openrooms_usd.errors import InputError, OrusdError, OutputError, writing
+from openrooms_usd.errors import InputError, OrusdError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.rendering.manifest import write_json
@@ -22,7 +22,7 @@ from orusd_openrooms import cameras, layout, readers
 from orusd_openrooms.crowding import CROWDED, too_many_of, without
 from orusd_openrooms.frame import Frame
 from orusd_openrooms.framefiles import write_frame
-from orusd_openrooms.layout import SHARED, SHARED_INTRINSICS, SPLITS, SUBSETS, Place
+from orusd_openrooms.layout import SHARED_INTRINSICS, SPLITS, SUBSETS, Place
 from orusd_openrooms.lights import lights_of
 from orusd_openrooms.pickles import write_pickled
 
@@ -74,7 +74,8 @@ class OpenRoomsDataset:
         def finished(view: str) -> None:
             progress(view, next(done) / total)
 
-        with claims.claimed(root, f".orusd.{options.scene}.sha256") as kept:
+        lists = [f"{name}.txt" for name in SUBSETS]
+        with claims.claimed(root, f".orusd.{options.scene}.sha256", shared=lists) as kept:
             with atomic.filling(root) as beside:
                 for split, render, least in zip(options.splits, renders, crowded, strict=True):
                     place = Place(beside, options.scene, split, options.layout)
@@ -84,7 +85,6 @@ class OpenRoomsDataset:
                 _write_lists(beside, root, options)
                 files = (path for path in beside.rglob("*") if path.is_file())
                 written = {path.relative_to(beside) for path in files}
-                _refuse_to_replace(root, written, kept)
             stay = _remove_stale(root, written, kept)
         notes = (*cautions(renders, root, options, crowded), *stay)
         return DatasetSummary(root, frames, len(written), missing, notes)
@@ -132,24 +132,6 @@ def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
         if name == options.subset:
             scenes.add(own)
         atomic.write_bytes(beside / path.name, b"".join(scene + b"\n" for scene in sorted(scenes)))
-
-
-def _refuse_to_replace(root: Path, written: Iterable[Path], known: ledger.Ledger) -> None:
-    """See that only files of an earlier run give way; lists of scenes are written by all.
-
-    Raises:
-        OutputError: There are others.
-    """
-    inner = sorted(path for path in written if len(path.parts) > 1 and path.parts[0] != SHARED)
-    there = (root / path for path in inner if os.path.lexists(root / path))
-    foreign = [path for path in there if not known.is_own(path)]
-    if foreign:
-        more = f" (and {len(foreign) - 1} more)" if len(foreign) > 1 else ""
-        raise OutputError(
-            f"this would be replaced{more}, and no earlier run wrote it as it is now",
-            place=foreign[0],
-            remedy="give another --scene or --first, another folder, or move the files away",
-        )
 
 
 def _remove_stale(root: Path, written: Iterable[Path], known: ledger.Ledger) -> list[str]:

@@ -75,7 +75,7 @@ class _List:
 
 
 class BoxesImporter:
-    """Reads lists of boxes: CSV with a header, or JSON."""
+    """Reads labelled boxes: CSV with a header, or JSON."""
 
     options: Mapping[str, str] = {
         "up": "The source's up axis: Y or Z (default Z).",

@@ -168,7 +168,7 @@ def _as_said(cloud: Cloud, up: Array) -> Vertical:
 
 
 class ScanImporter:
-    """Reads point clouds and meshes by the ending of their names."""
+    """Reads a point cloud or a mesh: PLY, PCD, LAS, E57, OBJ, GLB, text and others."""
 
     options: Mapping[str, str] = {
         "unit": "The unit of the coordinates: m, dm, cm, mm, in, ft, metres for one unit, or auto"

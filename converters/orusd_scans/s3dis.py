@@ -29,7 +29,7 @@ _MOST_THINGS: Final = 10_000
 
 
 class S3disImporter:
-    """Reads the folder of a room."""
+    """Reads a room of Stanford's S3DIS, a folder."""
 
     options: Mapping[str, str] = {}
 

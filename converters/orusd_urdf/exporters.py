@@ -29,6 +29,8 @@ _PACKAGE: Final[_Rule] = (
 class UrdfExporter:
     """Writes a stage as a URDF for every object and one for the room, with a file of places."""
 
+    writes = ("",)
+
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` into the folder ``destination``.
 
@@ -58,6 +60,8 @@ class UrdfExporter:
 
 class MjcfExporter:
     """Writes a stage as one MJCF scene with its meshes and textures."""
+
+    writes = ("",)
 
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` as ``scene.xml`` into the folder ``destination``.
@@ -91,6 +95,8 @@ class MjcfExporter:
 
 class UsdPhysicsExporter:
     """Writes a stage as one flat USD file with its textures, for Isaac Sim and Newton."""
+
+    writes = ("",)
 
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` as ``scene.usdc`` into the folder ``destination``.

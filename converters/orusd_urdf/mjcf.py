@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, claims
 from openrooms_usd.engines import DEFAULT_FRICTION, DEFAULT_TIMESTEP, Friction
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import World
@@ -197,11 +197,11 @@ def write_mjcf(
         OutputError: A file cannot be written.
     """
     check_world(world)
-    with atomic.filling(folder) as beside:
-        tree = Tree(Assets(beside), looks, friction)
-        which = _write_scene(world, tree, beside, pairs=pairs)
+    with claims.refilling(folder, ".orusd.mjcf.sha256") as refill:
+        tree = Tree(Assets(refill.folder), looks, friction)
+        which = _write_scene(world, tree, refill.folder, pairs=pairs)
         found = json.dumps(tree.prims, indent=1, ensure_ascii=False)
-        atomic.write_text(beside / NAMES, f"{found}\n")
+        atomic.write_text(refill.folder / NAMES, f"{found}\n")
     losses = [*tree.assets.losses, *tree.losses, *_restitution(world), *_moving_at_first(world)]
     return [*losses, *_left_out(which, pairs)]
 

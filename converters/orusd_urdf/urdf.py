@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from openrooms_usd import atomic, names
+from openrooms_usd import atomic, claims, names
 from openrooms_usd.engines import DEFAULT_FRICTION, Friction
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.world import Body, World
@@ -50,8 +50,8 @@ def write_urdf(
         OutputError: A file cannot be written.
     """
     check_world(world)
-    with atomic.filling(folder) as beside:
-        writer = _Writer(Assets(beside), looks, friction, package)
+    with claims.refilling(folder, ".orusd.urdf.sha256") as refill:
+        writer = _Writer(Assets(refill.folder), looks, friction, package)
         files = writer.write(world)
         scene = {
             "format": 1,
@@ -60,7 +60,9 @@ def write_urdf(
             "bodies": [_entry(body, files[body.name]) for body in world.bodies],
             "apart": [[(body, safe(link)) for body, link in ends] for ends in world.apart],
         }
-        atomic.write_text(beside / SCENE, json.dumps(scene, indent=1, ensure_ascii=False) + "\n")
+        atomic.write_text(
+            refill.folder / SCENE, json.dumps(scene, indent=1, ensure_ascii=False) + "\n"
+        )
     return [*writer.assets.losses, *_lost(world)]
 
 

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from pxr import Ar, Sdf, Usd, UsdPhysics
 
-from openrooms_usd import atomic, names
+from openrooms_usd import atomic, claims, names
 from openrooms_usd.errors import InputError
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import Body, World
@@ -251,9 +251,9 @@ def write_usdphysics(
     _say_friction_of_joints(flat)
     if roots:
         _take_roots(flat)
-    with atomic.filling(folder) as beside:
-        losses += gather_files(flat, beside)
-        layers.export(ordered(flat), beside / SCENE)
+    with claims.refilling(folder, ".orusd.usdphysics.sha256") as refill:
+        losses += gather_files(flat, refill.folder)
+        layers.export(ordered(flat), refill.folder / SCENE)
     return losses
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from pxr import Sdf, Usd, UsdLux
 
+from openrooms_usd import claims
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.spelling import did_you_mean
@@ -20,6 +21,7 @@ class UsdzExporter:
     """Writes a stage as one USDZ file."""
 
     keeps_layers = True
+    writes = (".usdz",)
 
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` to the file ``destination``.
@@ -33,27 +35,24 @@ class UsdzExporter:
             What became of every prim.
 
         Raises:
-            InputError: An option is not known, or the destination is no USDZ file.
+            InputError: An option is not known.
             StageError: The stage needs what may not be in a USDZ file.
             OutputError: The file cannot be written.
         """
         profile = _profile(options)
-        if destination.suffix.lower() != ".usdz":
-            raise InputError(
-                "the USDZ exporter writes one file", place=destination, remedy="end it in .usdz"
-            )
         scene = stage.GetRootLayer().realPath
         if not scene:
             raise StageError("the stage lies in no file", remedy="save it first")
-        if profile.is_plain:
-            from orusd_usdz.adapting import write_plain
+        with claims.output(destination):
+            if profile.is_plain:
+                from orusd_usdz.adapting import write_plain
 
-            return write_plain(stage, destination, profile)
-        from openrooms_usd.package import package
+                return write_plain(stage, destination, profile)
+            from openrooms_usd.package import package
 
-        report, edit = leave_out(stage, profile)
-        package(Path(scene), destination, include_outside=True, edit=edit)
-        return report
+            report, edit = leave_out(stage, profile)
+            package(Path(scene), destination, include_outside=True, edit=edit)
+            return report
 
 
 def _profile(options: Mapping[str, Any]) -> Profile:

@@ -12,15 +12,10 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import Any, Final
 
-from openrooms_usd import atomic, untrusted
+from openrooms_usd import atomic, claims, untrusted
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.rendering.datasets import (
-    DatasetOptions,
-    DatasetSummary,
-    FinishedRoom,
-    replacing_all,
-)
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary, FinishedRoom
 from openrooms_usd.rendering.folder import load_manifest
 from openrooms_usd.rendering.reading import RenderedView
 from openrooms_usd.untrusted import is_plain_name
@@ -135,25 +130,21 @@ class WebDataset:
 
         Of the options it knows ``shard_mb`` and ``files``.
         """
-        with replacing_all(root, _LEDGER) as written:
+        with claims.refilling(root, _LEDGER) as refill:
             with ExitStack() as opened:
-                shards = _Shards(root, options.shard_mb * _MEGABYTE, opened)
+                shards = _Shards(refill.folder, options.shard_mb * _MEGABYTE, opened)
                 for room in rooms:
                     progress(room.name, 0.5)
                     for sample in samples(room, options.files):
                         shards.of(room.split).add(sample)
             listed = shards.listed
-            atomic.write_text(root / INDEX, json.dumps(listed, indent=1, sort_keys=True) + "\n")
-            written |= {root.absolute() / name for name in (*_names(listed), INDEX)}
+            text = json.dumps(listed, indent=1, sort_keys=True)
+            atomic.write_text(refill.folder / INDEX, f"{text}\n")
         counts = {
             split: list(range(sum(row["samples"] for row in rows)))
             for split, rows in listed.items()
         }
-        return DatasetSummary(root, counts, len(written), {})
-
-
-def _names(listed: Mapping[str, list[dict[str, Any]]]) -> Iterator[str]:
-    return (row["file"] for rows in listed.values() for row in rows)
+        return DatasetSummary(root, counts, len(refill.written), {})
 
 
 class _Shards:

@@ -32,7 +32,7 @@ def render(
     Args:
         scene: A composed room or any USD file.
         out: The folder to write; by default ``render`` beside the scene.
-        cameras: Names or prim paths; all cameras by default.
+        cameras: Names or prim paths; all cameras but spare ones by default.
         settings: What is asked for, in one record.
         progress: Called with the view's name and the finished fraction of the whole.
         **fields: The same, by name:

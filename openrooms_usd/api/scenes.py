@@ -151,7 +151,8 @@ def convert(
         scene: A composed room or any USD file.
         out: The file or folder to write.
         to: ``mitsuba``, ``gltf``, ``usdz``, ``urdf``, ``mjcf``, ``usdphysics``, or another
-            installed exporter; None for what ``out`` ends in (.glb, .usdz), else ``mitsuba``.
+            installed exporter; None for what ``out`` ends in: .glb, .usdz, or ``mitsuba`` for .xml
+            and folders.
         options: What is asked of the exporter.
         include_outside: Whether pictures outside the scene's folder may be copied.
         time_code: The moment to write of a scene that moves; None for the first sample of
@@ -161,9 +162,10 @@ def convert(
         What became of every prim; ``.losses()`` are those that were not translated whole.
 
     Raises:
-        InputError: The file is no USD, no exporter has that name, or this one writes no moment.
+        InputError: The file is no USD, no exporter has that name or writes files that end so, or
+            this one writes no moment.
         StageError: It needs pictures outside its folder, or is not what the exporter needs.
-        OutputError: The destination cannot be written.
+        OutputError: The destination cannot be written, or what lies there is not ours.
     """
     from openrooms_usd.exporters import convert_stage
     from openrooms_usd.usd.files.diagnostics import quiet

@@ -13,6 +13,7 @@ from openrooms_usd.cli.console import (
     Choice,
     command_line,
     echo,
+    echo_notes,
     json_option,
     print_json,
     progress_bar,
@@ -68,10 +69,8 @@ def compose(
         return
     for row in summary.stages:
         echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
-        for note in row.notes:
-            echo(f"           note: {note}")
-    for note in summary.notes:
-        echo(f"note: {note}")
+        echo_notes(row.notes, indent=" " * 11)
+    echo_notes(summary.notes)
     for orphan in summary.orphans[:_SHOWN]:
         echo(f"edits: {orphan}")
     if len(summary.orphans) > _SHOWN:

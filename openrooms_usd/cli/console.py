@@ -3,10 +3,12 @@
 import json
 import shlex
 import sys
-from collections.abc import Callable, Iterator
+import threading
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import click
 
@@ -15,6 +17,10 @@ from openrooms_usd.progress import Progress, silent
 from openrooms_usd.spelling import did_you_mean
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+Said = TypeVar("Said", bound=Hashable)
+_LINE_SECONDS: Final = 10.0
+# How many of those are named of which the same is said.
+_NAMED: Final = 3
 
 
 class Choice(click.Choice[str]):
@@ -58,6 +64,32 @@ def echo(text: object = "", *, err: bool = False, nl: bool = True) -> None:
     click.echo(printable(text), err=err, nl=nl)
 
 
+def echo_notes(notes: Iterable[str], indent: str = "") -> None:
+    """Print notes, each once."""
+    for note, count in Counter(notes).items():
+        echo(f"{indent}note: {note}{f' ({count} times)' if count > 1 else ''}")
+
+
+def gathered(rows: Iterable[tuple[Said, str]]) -> Iterator[tuple[Said, list[str]]]:
+    """What is said of many names, once each in the order in which it was said first.
+
+    Args:
+        rows: What is said, and of whom.
+    """
+    names: dict[Said, list[str]] = {}
+    for said, name in rows:
+        names.setdefault(said, []).append(name)
+    yield from names.items()
+
+
+def named(names: Sequence[str]) -> str:
+    """A name, or the first of several and how many there are."""
+    if len(names) == 1:
+        return names[0]
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"{len(names)} x: {', '.join(names[:_NAMED])}{more}"
+
+
 def command_line(*words: str | Path) -> str:
     """A command that can be pasted into a shell, whatever its paths are called."""
     return shlex.join(str(word) for word in words)
@@ -70,14 +102,18 @@ def print_json(data: object) -> None:
 
 @contextmanager
 def progress_bar(*, hidden: bool, first: str = "") -> Iterator[Progress]:
-    """A bar on standard error where that is a terminal, else nothing.
+    """A bar on standard error where that is a terminal, else a plain line every some seconds.
 
     Args:
         hidden: Whether there shall be none.
         first: What is worked on at first.
     """
-    if hidden or not sys.stderr.isatty():
+    if hidden:
         yield silent
+        return
+    if not sys.stderr.isatty():
+        with _lines(first) as told:
+            yield told
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
@@ -86,3 +122,27 @@ def progress_bar(*, hidden: bool, first: str = "") -> Iterator[Progress]:
     with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
         task = bar.add_task(first, total=1.0)
         yield lambda text, fraction: bar.update(task, description=text, completed=fraction)
+
+
+@contextmanager
+def _lines(first: str) -> Iterator[Progress]:
+    """Progress as lines, for logs: the latest, where there is something new to say."""
+    latest, ended = [(first, 0.0)], threading.Event()
+
+    def tell() -> None:
+        said = None
+        while not ended.wait(_LINE_SECONDS):
+            if latest[0] != said:
+                said = latest[0]
+                echo(f"{said[1]:4.0%} {said[0]}", err=True)
+
+    def take(what: str, fraction: float) -> None:
+        latest[0] = what, fraction
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield take
+    finally:
+        ended.set()
+        thread.join()

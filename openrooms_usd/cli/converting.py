@@ -6,7 +6,7 @@ from typing import Final
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo, gathered, json_option, named, print_json
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 
 _FLAGS: Final = {"true": True, "false": False}
@@ -47,7 +47,7 @@ def convert(
     """Write a USD stage in a foreign form to OUT, a file or a folder.
 
     KIND is mitsuba, gltf, usdz, urdf, mjcf, usdphysics, openrooms-xml, or what another installed
-    exporter is called; without it .glb is gltf, .usdz usdz, and all else mitsuba. --profile is
+    exporter is called; without it .glb is gltf, .usdz usdz, .xml and folders mitsuba. --profile is
     short for --option profile=NAME. What could not be translated whole is listed with the reason;
     nothing is lost in silence.
     """
@@ -65,8 +65,10 @@ def convert(
     if as_json:
         print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
         return
-    for prim, outcome, reason in report.losses():
-        echo(f"{outcome:<12} {prim}: {reason}")
+    for (outcome, reason), prims in gathered(
+        ((outcome, reason), prim) for prim, outcome, reason in report.losses()
+    ):
+        echo(f"{outcome:<12} {named(prims)}: {reason}")
     counts = (f"{report.count(kind)} {kind}" for kind in ("translated", "approximated", "skipped"))
     echo(f"wrote {out}: {', '.join(counts)}")
 

@@ -11,6 +11,7 @@ from openrooms_usd.cli.console import (
     Group,
     command_line,
     echo,
+    echo_notes,
     json_option,
     print_json,
     progress_bar,
@@ -66,13 +67,15 @@ def dataset() -> None:
 )
 def plan(file: Path, out: Path | None) -> None:
     """Print what a dataset.yaml stands for: a line of JSON for each view of each room."""
+    from openrooms_usd import claims
     from openrooms_usd.dataset.plan import lines, plan_jobs
     from openrooms_usd.dataset.store import write_lines
     from openrooms_usd.description import load_dataset
 
     rows = lines(plan_jobs(load_dataset(file)))
     if out is not None:
-        echo(f"wrote {out}: {write_lines(out, rows)} views")
+        with claims.output(out):
+            echo(f"wrote {out}: {write_lines(out, rows)} views")
         return
     for row in rows:
         echo(row)
@@ -85,6 +88,7 @@ def plan(file: Path, out: Path | None) -> None:
     "--out",
     type=_root,
     required=True,
+    metavar="DIR|URL",
     help="The dataset's folder, or a URL such as s3://bucket/name.",
 )
 @click.option(
@@ -138,8 +142,7 @@ def run(
     if as_json:
         print_json(done.as_dict())
     else:
-        for note in done.notes:
-            echo(f"note: {note}")
+        echo_notes(done.notes)
         for unit, reason in list(done.failed.items())[:_MOST_SHOWN]:
             echo(f"failed: {unit}: {reason}")
         echo(f"wrote {out}: {done.made} views, {done.kept} were there, {len(done.failed)} failed")
@@ -358,7 +361,6 @@ def print_dataset(summary: "DatasetSummary") -> None:
     """Say what a dataset has received."""
     for name, reason in sorted(summary.missing.items()):
         echo(f"no {name}: {reason}")
-    for note in summary.notes:
-        echo(f"note: {note}")
+    echo_notes(summary.notes)
     views = sum(map(len, summary.frames.values()))
     echo(f"wrote {summary.root}: {summary.files} files of {views} views")

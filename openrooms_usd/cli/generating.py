@@ -19,7 +19,7 @@ _MOST: Final = 100_000
     type=Choice(get_args(RoomType)),
     required=True,
     metavar="TYPE",
-    help="The kind of room, such as living_room.",
+    help=f"The kind of room: {', '.join(get_args(RoomType))}.",
 )
 @click.option(
     "--seed",

@@ -6,7 +6,7 @@ import click
 
 from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.capture import Importer, option_paths
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json
+from openrooms_usd.cli.console import command_line, echo, echo_notes, json_option, print_json
 
 
 class ImporterGroup(click.Group):
@@ -33,7 +33,7 @@ def import_() -> None:
 def _command(kind: str) -> click.Command:
     importer: Importer = load(IMPORTERS, kind)
 
-    @click.command(name=kind, short_help=f"Import a capture: {kind}.")
+    @click.command(name=kind, short_help=_about(importer) or kind)
     @click.argument("source", type=click.Path(path_type=Path))
     @click.option(
         "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder to write to."
@@ -50,8 +50,7 @@ def _command(kind: str) -> click.Command:
             return
         for what, count in imported.counts.items():
             echo(f"{what:<9} {count}")
-        for note in imported.notes:
-            echo(f"note: {note}")
+        echo_notes(imported.notes)
         following = command_line("orusd", "compose", imported.file, "-o", "OUT")
         echo(f"wrote {imported.file}; next: {following}")
 
@@ -60,6 +59,12 @@ def _command(kind: str) -> click.Command:
         flag = click.Option([f"--{name}", _field(name)], metavar=metavar, help=text)
         command.params.append(flag)
     return command
+
+
+def _about(importer: Importer) -> str:
+    """What an importer reads, in its own words."""
+    sentence = (type(importer).__doc__ or "").strip().partition("\n")[0].replace("``", "")
+    return sentence.replace("Reads ", "Read ", 1)
 
 
 def _field(name: str) -> str:

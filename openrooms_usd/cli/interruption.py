@@ -20,6 +20,7 @@ from openrooms_usd.cli.console import echo
 
 EXIT_CODE: Final = 130
 _SAID: Final = "interrupted: what was finished is whole"
+_IMPORTING: Final = "<frozen importlib._bootstrap>"
 _SHOW_CURSOR: Final = "\x1b[?25h"
 # How long the main thread has to answer; and then, to leave as it likes.
 _ANSWER_SECONDS: Final = 1.0
@@ -38,8 +39,12 @@ def prompt_interrupts() -> Iterator[None]:
         return
     answered = threading.Event()
 
-    def answer(number: int, frame: FrameType | None) -> NoReturn:
+    def answer(number: int, frame: FrameType | None) -> None:
+        if answered.is_set():  # it is leaving: a second signal would stop it from tidying up
+            return
         answered.set()
+        if _is_importing(frame):
+            _abandon()
         raise KeyboardInterrupt
 
     woken, waker = socket.socketpair()
@@ -67,12 +72,26 @@ def _watch(woken: socket.socket, answered: threading.Event) -> None:
                 break
         else:
             return
-    if answered.wait(_ANSWER_SECONDS):
-        # It is leaving; it may still wait for threads of its own.
-        threading.Event().wait(_LEAVE_SECONDS)
-    from openrooms_usd import claims
+        # Open until the end: further signals are written to it.
+        if answered.wait(_ANSWER_SECONDS):
+            # It is leaving; it may still wait for threads of its own.
+            threading.Event().wait(_LEAVE_SECONDS)
+        _abandon()
 
-    claims.abandon()
+
+def _is_importing(frame: FrameType | None) -> bool:
+    """Whether a module is being loaded: libraries take what is raised there for errors of it."""
+    while frame is not None:
+        if frame.f_code.co_filename == _IMPORTING:
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _abandon() -> NoReturn:
+    # What was not loaded yet holds nothing.
+    if abandon := getattr(sys.modules.get("openrooms_usd.claims"), "abandon", None):
+        abandon()
     leave()
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import Choice, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import Choice, echo, json_option, named, print_json, progress_bar
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.cli.settings import RENDERER, settings_options
 from openrooms_usd.description.rendering import RenderSettings, flag_of
@@ -244,6 +244,9 @@ def _print_summary(summary: "RenderSummary") -> None:
         for alarm in _alarms(summary.manifest["report"]):
             echo(f"warning: {alarm}", err=True)
     echo(f"rendered with {summary.manifest['renderer']['backend']}")
+    if summary.spares:
+        spares = named([path.rpartition("/")[2] for path in summary.spares])
+        echo(f"not drawn, since they are spare cameras: {spares}; --camera NAME draws one")
     for path in summary.stay:
         said = f"{path} stays: it is no view of this run, and holds what no run wrote"
         echo(said, err=True)

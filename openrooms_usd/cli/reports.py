@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, claims
 from openrooms_usd.errors import OutputError
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def check_report(file: Path | None, stage: Path, out: Path) -> None:
         raise _refused(file, "the report would take the place of the stage")
     if out.resolve() in (place, *place.parents):
         raise _refused(file, "the report would be part of the output")
-    atomic.check_replaceable(file)
+    claims.check_output(file)
     check_writable(file.parent)
 
 
@@ -51,7 +51,9 @@ def write_report(file: Path | None, report: "Report") -> None:
     Raises:
         OutputError: It cannot be written.
     """
-    if file is not None:
+    if file is None:
+        return
+    with claims.output(file):
         atomic.write_text(file, json.dumps(report.whole(), indent=2) + "\n")
 
 

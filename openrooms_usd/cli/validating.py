@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import echo, gathered, json_option, named, print_json
 from openrooms_usd.errors import printable
 
 if TYPE_CHECKING:
@@ -68,13 +68,13 @@ def _print_findings(stage: Path, findings: "list[Finding]") -> None:
     table = Table("", "rule", "where", "what")
     for column in table.columns:
         column.overflow = "fold"
-    shown: dict[str, int] = {}
-    for finding in findings:
-        shown[finding.code] = shown.get(finding.code, 0) + 1
-        if shown[finding.code] <= _ROWS:
+    shown: Counter[str] = Counter()
+    said = gathered(((f.severity, f.code, f.message), f.place) for f in findings)
+    for (severity, code, message), places in said:
+        shown[code] += 1
+        if shown[code] <= _ROWS:
             # Which of USD's plugins it comes from, before the colon, tells a person nothing.
-            code = finding.code.rpartition(":")[2]
-            cells = (finding.severity, code, finding.place, finding.message)
+            cells = (severity, code.rpartition(":")[2], named(places), message)
             table.add_row(*map(Text, map(printable, cells)))
     Console().print(table)
     for code, count in shown.items():

@@ -160,31 +160,29 @@ def compare_stage(
     check_settings(settings)
     taken = read_photographs(open_stage(path), path, description, pictures)
     chosen = chosen_frames(taken.frames, frames, count)
-    with claims.claimed(out, _LEDGER) as kept:
+    names = (*(f"{_FRAMES}/{_plain(frame.id)}.png" for frame in chosen), _SHEET, _RESULT)
+    claims.check_refill(out, _LEDGER, names)
+    with claims.refilling(out, _LEDGER) as refill:
         context = open_for_rendering(path, settings)
         scan = spacing(taken.points) if taken.points is not None and len(taken.points) else None
         done: list[ComparedFrame] = []
         rows: list[list[Tile]] = []
         missing: list[str] = []
-        with atomic.filling(out) as beside:
-            (beside / _FRAMES).mkdir()
-            for index, frame in enumerate(chosen):
-                share = part(progress, frame.id, index, len(chosen))
-                found, tiles = _compared(frame, taken, scan, context, width)
-                if frame.picture and found.picture is None:
-                    missing.append(frame.picture)
-                write_sheet(beside / _FRAMES / f"{_plain(frame.id)}.png", [tiles[:2], tiles[2:]])
-                done.append(found)
-                rows.append(reduced(tiles))
-                share(1.0)
-            result = Comparison(out, tuple(done), tuple(missing))
-            write_sheet(beside / _SHEET, rows[:MOST_VIEWS])
-            text = json.dumps(result.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
-            atomic.write_text(beside / _RESULT, text + "\n")
-        stale = set(kept.below(out / _FRAMES)) - {
-            out.absolute() / _FRAMES / f"{_plain(frame.id)}.png" for frame in chosen
-        }
-        kept.remove(sorted(stale))
+        beside = refill.folder
+        (beside / _FRAMES).mkdir()
+        for index, frame in enumerate(chosen):
+            share = part(progress, frame.id, index, len(chosen))
+            found, tiles = _compared(frame, taken, scan, context, width)
+            if frame.picture and found.picture is None:
+                missing.append(frame.picture)
+            write_sheet(beside / _FRAMES / f"{_plain(frame.id)}.png", [tiles[:2], tiles[2:]])
+            done.append(found)
+            rows.append(reduced(tiles))
+            share(1.0)
+        result = Comparison(out, tuple(done), tuple(missing))
+        write_sheet(beside / _SHEET, rows[:MOST_VIEWS])
+        text = json.dumps(result.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
+        atomic.write_text(beside / _RESULT, text + "\n")
     return result
 
 

@@ -36,6 +36,7 @@ Root = Path | str
 """Where a dataset lies: a folder, or a URL."""
 _PREFIX: Final = "orusd.scratch."
 _LOCK: Final = ".orusd.lock"
+_LEDGER: Final = ".orusd.dataset.sha256"
 
 
 def root_of(text: str | os.PathLike[str]) -> Root:
@@ -150,7 +151,8 @@ def to_oneself(root: Root) -> Iterator[tuple[Store, Callable[[], None]]]:
     with store_at(root) as store:
         if store.remote is None:
             check_writable(store.root)
-            with claims.locked(store.root):
+            # What lies deeper is written by workers, and known by its records.
+            with claims.claimed(store.root, _LEDGER, deep=False):
                 yield store, lambda: None
         else:
             with leased(store.remote) as lease:

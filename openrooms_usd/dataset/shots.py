@@ -11,7 +11,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd import names
 from openrooms_usd.dataset.quality import JUDGED, camera_faults
 from openrooms_usd.description.dataset import DatasetViews
 from openrooms_usd.errors import RenderError
@@ -20,6 +19,7 @@ from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.paths.camera_path import CameraPath, frame_times
 from openrooms_usd.rendering.paths.choosing import stage_walk
+from openrooms_usd.rendering.plan import is_spare
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PINHOLE, PinholeCamera
 
 DEFAULT_RATE: Final = 4
@@ -182,7 +182,7 @@ def _listed(opened: RenderContext) -> list[str]:
 
     def rank(name: str) -> tuple[bool, int]:
         place = places.get(opened.views[name] or "", len(places))
-        return name.startswith(f"{names.SPARE_CAMERA}_"), place
+        return is_spare(opened.views[name] or ""), place
 
     return sorted(opened.views, key=rank)
 

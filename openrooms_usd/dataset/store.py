@@ -20,7 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from openrooms_usd import atomic, removal
+from openrooms_usd import atomic, ledger, removal
 from openrooms_usd.dataset.plan import Job, jobs_of, lines, view_name
 from openrooms_usd.dataset.records import (
     SCENE,
@@ -266,7 +266,8 @@ def _write_where_other(path: Path, text: str) -> None:
     with suppress(InputError):
         if os.path.lexists(path) and read_text(path, "annotations") == text:
             return
-    atomic.write_text(path, text)
+    with ledger.kept(path.parent, ledger.RENDER_FILE):
+        atomic.write_text(path, text)
 
 
 def _text(data: Mapping[str, Any]) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, claims
 from openrooms_usd.errors import InputError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary, FinishedRoom
@@ -38,6 +38,7 @@ class ParquetIndex:
         rows, counts = _rows(rooms, progress), dict[str, list[int]]()
         schema = _schema()
         with (
+            claims.output(root / FILE),
             atomic.replacing(root / FILE) as beside,
             writing(root / FILE),
             pyarrow.parquet.ParquetWriter(beside, schema, compression="zstd") as file,

@@ -150,6 +150,7 @@ class _OpenRoom:
             made.scene,
             dataset.settings(job.seed),
             views=dataset.views.units,
+            spares=True,
             flow=dataset.has_flow,
         )
         # Lights are worked out when they are first asked for; all views share them, too.

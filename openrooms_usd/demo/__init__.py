@@ -1,12 +1,13 @@
 """Rooms to begin with: the bundled example with its sky, and a small one to be changed."""
 
 import os
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 
-from openrooms_usd.atomic import filling, write_text
+from openrooms_usd.atomic import filling, write_bytes
 from openrooms_usd.description import schema
-from openrooms_usd.errors import OutputError
+from openrooms_usd.errors import OutputError, writing
 
 
 def copy_example(folder: str | os.PathLike[str]) -> Path:
@@ -19,17 +20,14 @@ def copy_example(folder: str | os.PathLike[str]) -> Path:
         Its ``room.yaml``.
 
     Raises:
-        OutputError: The folder cannot be written.
+        OutputError: The folder cannot be written, or holds another file of one of these names.
     """
     folder = Path(folder)
-    if (folder / "room.yaml").is_file():
-        return folder / "room.yaml"
-    bundled = resources.files(__name__)
-    with filling(folder) as beside:
-        for name in ("room.yaml", "sky.exr"):
-            (beside / name).write_bytes((bundled / name).read_bytes())
+    if not (folder / "room.yaml").is_file():
+        bundled = resources.files(__name__)
+        files = {name: (bundled / name).read_bytes() for name in ("room.yaml", "sky.exr")}
         # The description's first line points editors to it.
-        (beside / schema.FILE).write_text(schema.schema_text(), encoding="utf-8")
+        _write(folder, {**files, schema.FILE: schema.schema_text().encode()})
     return folder / "room.yaml"
 
 
@@ -43,21 +41,27 @@ def write_starter(folder: Path) -> tuple[Path, Path]:
         The ``room.yaml`` and the schema.
 
     Raises:
-        OutputError: The folder cannot be written, or one of them is there already.
+        OutputError: The folder cannot be written, or holds another file of one of these names.
     """
     starter = resources.files("openrooms_usd.description").joinpath("starter.yaml")
-    texts = {
-        schema.FILE: schema.schema_text(),
-        "room.yaml": f"{schema.HINT}\n{starter.read_text(encoding='utf-8')}",
-    }
-    for name in texts:
-        if (folder / name).exists():
+    text = f"{schema.HINT}\n{starter.read_text(encoding='utf-8')}"
+    texts = {schema.FILE: schema.schema_text(), "room.yaml": text}
+    _write(folder, {name: text.encode() for name, text in texts.items()})
+    return folder / "room.yaml", folder / schema.FILE
+
+
+def _write(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Write files to begin with: people change them, so that none gives way."""
+    for name, data in files.items():
+        path = folder / name
+        with writing(path):
+            is_same = path.is_file() and path.read_bytes() == data
+        if os.path.lexists(path) and not is_same:
             raise OutputError(
                 "this file exists already",
-                place=folder / name,
+                place=path,
                 remedy="choose another folder, or move the file away",
             )
     with filling(folder) as beside:
-        for name, text in texts.items():
-            write_text(beside / name, text)
-    return folder / "room.yaml", folder / schema.FILE
+        for name, data in files.items():
+            write_bytes(beside / name, data)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pxr import Ar, Sdf
 
-from openrooms_usd import names
+from openrooms_usd import atomic, names
 from openrooms_usd.errors import StageError
 from openrooms_usd.usd.files import preflight
 from openrooms_usd.usd.files.diagnostics import UNREADABLE
@@ -88,6 +88,7 @@ def refuse_foreign(scene: Path) -> None:
 
     Raises:
         InputError: It, or a layer beside it, is not fit to be opened (`usd.preflight`).
+        OutputError: It is no layer, and not ours.
         StageError: It holds more than compose writes.
     """
     for path in (scene.parent / names.LAYERS, scene, *own_layers(scene.parent)):
@@ -103,7 +104,8 @@ def refuse_foreign(scene: Path) -> None:
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(scene)) if scene.is_file() else None
     except UNREADABLE:
-        # What is no layer holds no opinions.
+        # What is no layer holds no opinions, but may be somebody's.
+        atomic.check_free([scene])
         return
     foreign = layer and foreign_to(_read_again(scene, layer), scene.parent)
     if foreign:

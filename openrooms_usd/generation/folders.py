@@ -1,11 +1,12 @@
 """Generated rooms as files: a folder for each, with a room.yaml in it."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from openrooms_usd.atomic import filling, write_text
+from openrooms_usd.atomic import write_text
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.errors import OutputError, writing
 from openrooms_usd.generation.rooms import USUAL_CLUTTER, Generated, generate
@@ -70,20 +71,29 @@ def generate_rooms(
     Raises:
         OutputError: A folder cannot be written, or holds another room.
     """
-    for number in range(seed, seed + (count or 1)):
-        folder = out if count is None else out / f"{room_type}_{number}"
-        made = generate(room_type, number, area, style, clutter)
-        _write(folder, write(made))
-        yield GeneratedFile(folder / ROOM, made)
+    numbers = range(seed, seed + (count or 1))
+    names = ("" if count is None else f"{room_type}_{number}" for number in numbers)
+    files = {number: out / name / ROOM for number, name in zip(numbers, names, strict=True)}
+
+    def made(number: int) -> Generated:
+        return generate(room_type, number, area, style, clutter)
+
+    # Nothing is written where a later room could not be.
+    for number, file in files.items():
+        if os.path.lexists(file):
+            _check_same(file, write(made(number)))
+    for number, file in files.items():
+        room = made(number)
+        write_text(file, write(room))
+        yield GeneratedFile(file, room)
 
 
-def _write(folder: Path, text: str) -> None:
-    path = folder / ROOM
+def _check_same(path: Path, text: str) -> None:
     with writing(path):
-        if path.exists() and path.read_text(encoding="utf-8") != text:
-            raise OutputError(
-                "there is another room already", place=path,
-                remedy="choose another folder, or move the file away",
-            )  # fmt: skip
-    with filling(folder) as inside:
-        write_text(inside / ROOM, text)
+        is_same = path.is_file() and path.read_bytes() == text.encode()
+    if not is_same:
+        raise OutputError(
+            "there is another room already",
+            place=path,
+            remedy="choose another folder, or move the file away",
+        )

@@ -93,7 +93,7 @@ def import_capture(
     room = parse_room(text, str(out / ROOM), folder=out)
     with locked(out):
         with writing(out):
-            _refuse_to_replace(out, packed.contents)
+            _refuse_to_replace(out, {**packed.contents, ROOM: text.encode()})
         with filling(out) as folder:
             for name, content in packed.contents.items():
                 if not os.path.lexists(out / name):
@@ -200,11 +200,10 @@ def _unreadable(path: Path, error: OSError) -> InputError:
 
 def _refuse_to_replace(out: Path, contents: Mapping[str, bytes | Path]) -> None:
     remedy = "choose another folder, or move the file away"
-    if os.path.lexists(out / ROOM):
-        raise OutputError("there is a room already", place=out / ROOM, remedy=remedy)
     for name, content in contents.items():
         if os.path.lexists(out / name) and not _equal(content, out / name):
-            raise OutputError("another capture has that name", place=out / name, remedy=remedy)
+            said = "there is a room already" if name == ROOM else "another capture has that name"
+            raise OutputError(said, place=out / name, remedy=remedy)
 
 
 def _equal(content: bytes | Path, target: Path) -> bool:

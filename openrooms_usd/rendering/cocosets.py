@@ -6,15 +6,10 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, claims
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.coco import Annotations
-from openrooms_usd.rendering.datasets import (
-    DatasetOptions,
-    DatasetSummary,
-    FinishedRoom,
-    replacing_all,
-)
+from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary, FinishedRoom
 
 _LEDGER: Final = ".orusd.coco.sha256"
 
@@ -42,11 +37,9 @@ class CocoDataset:
             for variant, render in sorted(room.renders.items()):
                 place = f"renders/{room.name}/{variant}" if room.rows else room.name
                 splits[room.split].add(render, f"{place}/")
-        with replacing_all(root, _LEDGER) as written:
+        with claims.refilling(root, _LEDGER) as refill:
             for split, found in sorted(splits.items()):
-                path = root / "annotations" / f"{split}.json"
                 text = json.dumps(found.whole(), sort_keys=True, ensure_ascii=False)
-                atomic.write_text(path, text + "\n")
-                written.add(path.absolute())
+                atomic.write_text(refill.folder / "annotations" / f"{split}.json", text + "\n")
         frames = {split: list(range(found.views)) for split, found in splits.items()}
         return DatasetSummary(root, frames, len(splits), {})

@@ -5,14 +5,13 @@ A form is written of one render, of the variants of one room, or of all rooms at
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from openrooms_usd import adapters, claims
-from openrooms_usd.errors import InputError, MissingPackageError, writing
+from openrooms_usd import adapters
+from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.reading import RenderedScene, read_render
 
@@ -163,27 +162,6 @@ class RoomsWriter(Form, Protocol):
             OutputError: A file cannot be written.
         """
         ...
-
-
-@contextmanager
-def replacing_all(root: Path, ledger: str) -> Iterator[set[Path]]:
-    """Have a folder to oneself; what an earlier writing left there and this one did not, goes.
-
-    Args:
-        root: The folder; what lies in its subfolders is noted.
-        ledger: The name of the ledger in it.
-
-    Yields:
-        What takes the absolute paths of all that is written.
-
-    Raises:
-        OutputError: Another process writes to the folder, or it cannot be written.
-    """
-    with claims.claimed(root, ledger) as kept:
-        written: set[Path] = set()
-        yield written
-        with writing(root):
-            kept.remove(path for path in kept.below(root) if path not in written)
 
 
 def check_needs(kind: str) -> None:

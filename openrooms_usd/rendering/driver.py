@@ -16,6 +16,7 @@ from openrooms_usd.exporters import Report
 from openrooms_usd.progress import Progress, part, silent
 from openrooms_usd.rendering import folder, manifest
 from openrooms_usd.rendering.contract import View, ViewProgress
+from openrooms_usd.rendering.plan import is_spare
 from openrooms_usd.rendering.run import Run, raw_bytes
 
 if TYPE_CHECKING:
@@ -119,6 +120,7 @@ class RenderSummary:
         timing: What stands in ``timing.json``.
         stay: Views of an earlier run that are not described any more, and not ours to remove.
         report: What became of every prim.
+        spares: Cameras that are no views, since the room keeps them in case.
     """
 
     out: Path
@@ -126,6 +128,7 @@ class RenderSummary:
     timing: Mapping[str, Any]
     stay: tuple[Path, ...] = ()
     report: Report = field(default_factory=Report)
+    spares: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """The summary as plain data."""
@@ -151,8 +154,8 @@ def render_stage(
         path: The USD file.
         out: The folder to write.
         settings: What is asked for.
-        cameras: Names or prim paths; all cameras where empty, and a framing camera where the stage
-            has none.
+        cameras: Names or prim paths; all cameras but spare ones where empty, and a framing camera
+            where the stage has none.
         progress: Called with the view's name and the finished fraction of the whole run.
 
     Returns:
@@ -175,7 +178,10 @@ def render_stage(
         context = open_for_rendering(path, settings, cameras=cameras)
         # 3. Render view by view.
         views = {name: partial(context.view, name) for name in context.views}
-        return write_views(context, out, kept, views, progress)
+        summary = write_views(context, out, kept, views, progress)
+    drawn = context.views.values()
+    spares = [path for path in context.cameras if is_spare(path) and path not in drawn]
+    return summary if cameras else replace(summary, spares=tuple(spares))
 
 
 def write_views(

@@ -119,34 +119,13 @@ def check_replaceable(out: Path, views: Iterable[str]) -> None:
         views: The names of the views to be.
 
     Raises:
-        OutputError: What has the name of a view was not written by an earlier run, or there is a
-            manifest of something else.
+        OutputError: What has the name of a view, or of a list beside them, was not written so by
+            an earlier run.
     """
     check_view_names(out, views)
-    if not os.path.lexists(out / MANIFEST):
-        _check_none(out)
     for name in _TOP_FILES:
         atomic.check_replaceable(out / name)
-    if os.path.lexists(out / MANIFEST) and not is_render_manifest(out):
-        raise OutputError(
-            "this is not the manifest of a render, and will not be replaced",
-            place=out / MANIFEST,
-            remedy="choose another output folder, or remove it yourself",
-        )
-    for name in (*views, OPENINGS_FOLDER):
-        if os.path.lexists(out / name):
-            atomic.check_own(out / name)
-
-
-def _check_none(out: Path) -> None:
-    """See that nobody else's files have the names of those that stand beside a manifest."""
-    for name in _TOP_FILES:
-        if os.path.lexists(out / name):
-            raise OutputError(
-                "there is no render here, and this would be replaced",
-                place=out / name,
-                remedy="choose another output folder, or move it away",
-            )
+    atomic.check_free(out / name for name in (*_TOP_FILES, *views, OPENINGS_FOLDER))
 
 
 # At least one of them is in every view.
@@ -204,14 +183,6 @@ def is_render_manifest(folder: Path) -> bool:
     except InputError:
         return False
     return True
-
-
-def is_relit_manifest(folder: Path) -> bool:
-    """Whether the manifest in a folder is that of a relit picture."""
-    try:
-        return "view" in _load(folder)[1]
-    except InputError:
-        return False
 
 
 def listed_views(out: Path) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from openrooms_usd import claims
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.boxes import boxes
 from openrooms_usd.rendering.coco import coco
@@ -50,15 +51,17 @@ def write_labels(
     Raises:
         InputError: One is no render or lacks a channel, or the stage is missing, or boxes are asked
             of several.
-        OutputError: The file cannot be written.
+        OutputError: The file cannot be written, or is there and not ours.
     """
+    claims.check_output(out)
     if form == "coco":
         found = coco(renders, taxonomy)
         views, count = len(found["images"]), len(found["annotations"])
     else:
         found = _boxes(renders, stage)
         views, count = len(found["views"]), sum(len(v["objects"]) for v in found["views"].values())
-    write_json(out, found)
+    with claims.output(out):
+        write_json(out, found)
     return LabelSummary(out, views, count)
 
 

@@ -52,6 +52,7 @@ def open_for_rendering(
     *,
     cameras: Sequence[str] = (),
     views: int | None = None,
+    spares: bool = False,
     flow: bool = False,
     renderer: Renderer | None = None,
 ) -> RenderContext:
@@ -66,8 +67,10 @@ def open_for_rendering(
             files stay as they are.
         settings: What is asked for.
         cameras: Names or prim paths of the views; where empty those that the stage's render
-            products name, else all cameras, and a framing camera where the stage has none.
+            products name, else all cameras but spare ones, and a framing camera where the stage has
+            none.
         views: For how many views a method is chosen; by default as many as there are.
+        spares: Whether cameras that a room keeps in case are views too.
         flow: Whether views are frames of a path, which have the optical flow to the next one.
         renderer: One that need not be registered, in place of the settings' own.
 
@@ -96,6 +99,7 @@ def open_for_rendering(
         context.report.lose(lost)
         conclude(context.report, opened)
     context.translation = time.perf_counter() - began
-    context.views = choose_cameras(cameras or asked_cameras(opened), context.cameras)
+    asked = cameras or asked_cameras(opened)
+    context.views = choose_cameras(asked, context.cameras, spares=spares)
     context.method = context.choose_method(views=views)
     return context

@@ -1,6 +1,7 @@
 """What a run shall render: which channels, which cameras, and about how many paths that takes."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -8,6 +9,7 @@ from openrooms_usd.channels import CHANNELS, FLOWS
 from openrooms_usd.description.rendering import ALL, DEFAULT_SAMPLES, USUAL
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE
+from openrooms_usd.names import CAMERAS, SPARE_CAMERA
 from openrooms_usd.rendering.contract import RenderRequest
 from openrooms_usd.rendering.denoise import DENOISED
 from openrooms_usd.rendering.given import remedy_for
@@ -15,6 +17,7 @@ from openrooms_usd.spelling import did_you_mean
 
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
+_SPARE: Final = re.compile(rf"{CAMERAS}/{SPARE_CAMERA}_\d+")
 # What is never asked for by its channel's name, and what to do instead.
 _MADE: Final = {
     DENOISED: "add --denoise instead",
@@ -99,12 +102,20 @@ def view_names(cameras: Sequence[str]) -> dict[str, str]:
     }
 
 
-def choose_cameras(asked: Sequence[str], cameras: Sequence[str]) -> dict[str, str | None]:
+def is_spare(camera: str) -> bool:
+    """Whether a camera, by its prim path, is one that a room keeps in case another is of no use."""
+    return _SPARE.fullmatch(camera) is not None
+
+
+def choose_cameras(
+    asked: Sequence[str], cameras: Sequence[str], *, spares: bool = False
+) -> dict[str, str | None]:
     """The views to render, in the order asked for.
 
     Args:
-        asked: Names or prim paths; all cameras where empty.
+        asked: Names or prim paths; all cameras where empty, but for the spare ones.
         cameras: The stage's cameras, as prim paths.
+        spares: Whether spare cameras are among all.
 
     Returns:
         Prim path by view name; the framing camera, without a path, where the stage has none.
@@ -115,7 +126,8 @@ def choose_cameras(asked: Sequence[str], cameras: Sequence[str]) -> dict[str, st
     names = view_names(cameras)
     if not cameras and not asked:
         return {FRAMING: None}
-    chosen = [_find(text, names) for text in asked] if asked else cameras
+    usual = [path for path in cameras if spares or not is_spare(path)] or cameras
+    chosen = [_find(text, names) for text in asked] if asked else usual
     return {names[path]: path for path in chosen}
 
 

@@ -9,7 +9,7 @@ from typing import Any, Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from openrooms_usd import atomic, names
+from openrooms_usd import claims, names
 from openrooms_usd.description.rendering import DEFAULT_BOUNCES, DEFAULT_SAMPLES, RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics
@@ -24,6 +24,7 @@ from openrooms_usd.version import __version__
 
 RESOLUTION: Final = (256, 128)
 FILE: Final = "probes.json"
+_LEDGER: Final = ".orusd.probes.sha256"
 ORDER: Final = 2
 _MAX_CELLS: Final = 1 << 26
 _AXES: Final = {
@@ -159,6 +160,8 @@ def probe_stage(
             place=path,
             remedy="give --at x,y,z" if at_openings else "give --at x,y,z or --openings",
         )
+    files = [f"{place.name}{suffix}" for place in places for suffix in (".exr", ".png")]
+    claims.check_refill(out, _LEDGER, (FILE, *files))
     session = context.session
     if not isinstance(session, Prober):
         raise RenderError(
@@ -179,8 +182,8 @@ def probe_stage(
 def _write(
     out: Path, stage: Path, request: ProbeRequest, places: Sequence[Place], images: Sequence[Image]
 ) -> dict[str, Any]:
-    with atomic.filling(out) as beside:
-        probes = []
+    with claims.refilling(out, _LEDGER) as refill:
+        beside, probes = refill.folder, []
         for place, image in zip(places, images, strict=True):
             exr.write_rgb(beside / f"{place.name}.exr", image.pixels)
             write_png(

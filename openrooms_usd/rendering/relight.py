@@ -13,11 +13,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic, names
-from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd import claims, names
+from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.rendering import exr
-from openrooms_usd.rendering.folder import CHANNELS_FILE, LIGHTS_FILE, MANIFEST, is_relit_manifest
+from openrooms_usd.rendering.folder import LIGHTS_FILE, MANIFEST
 from openrooms_usd.rendering.manifest import write_json
 from openrooms_usd.rendering.previews import preview
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
@@ -83,7 +83,6 @@ def relight(view: Path, out: Path, relighting: Relighting) -> dict[str, Any]:
         InputError: It is no view, has no light channels, or a light cannot be as wanted.
         OutputError: The folder cannot be written, or a render lies there.
     """
-    _check_out(out)
     return write_relit(out, relit_view(view, relighting))
 
 
@@ -116,14 +115,13 @@ def write_relit(out: Path, picture: Relit) -> dict[str, Any]:
     Raises:
         OutputError: The folder cannot be written, or a render lies there.
     """
-    _check_out(out)
     with np.errstate(over="ignore", invalid="ignore"):
         shown = preview("radiance", picture.radiance, picture.exposure)
     entry = picture.manifest | {"preview_shows": shown.shows}
-    with atomic.filling(out) as beside:
-        exr.write_rgb(beside / FILES["radiance"], picture.radiance)
-        write_png(beside / FILES["preview"], shown.pixels)
-        write_json(beside / MANIFEST, entry)
+    with claims.refilling(out, ".orusd.relight.sha256") as refill:
+        exr.write_rgb(refill.folder / FILES["radiance"], picture.radiance)
+        write_png(refill.folder / FILES["preview"], shown.pixels)
+        write_json(refill.folder / MANIFEST, entry)
     return entry
 
 
@@ -224,17 +222,6 @@ def _tint(light: LightRecord, wanted: float | None, place: Path) -> NDArray[np.f
             remedy="render again with the other colour temperature",
         )
     return np.divide(after, before, out=np.zeros(3), where=before > 0.0)
-
-
-def _check_out(out: Path) -> None:
-    foreign = os.path.lexists(out / MANIFEST) and not is_relit_manifest(out)
-    rendered = any(os.path.lexists(out / name) for name in (CHANNELS_FILE, LIGHTS_FILE))
-    if rendered or foreign:
-        raise OutputError(
-            "what lies here is no earlier relit picture and would be lost",
-            place=out,
-            remedy="choose another output folder",
-        )
 
 
 def _open(view: Path) -> tuple[RenderedScene, RenderedView]:

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
-from openrooms_usd import names
+from openrooms_usd import claims, names
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.pinhole import look_at
@@ -92,9 +92,12 @@ def draw_material_sheets(
     check_settings(settings)
     check_writable(folder)
     chosen = list(dict.fromkeys(substances)) or list(FAMILIES)
-    total, done, files = sum(len(FAMILIES[kind]) for kind in chosen), 0, []
+    files = [folder / f"{kind}.png" for kind in chosen]
+    for file in files:
+        claims.check_output(file)
+    total, done = sum(len(FAMILIES[kind]) for kind in chosen), 0
     texels = min(_MOST_TEXELS, _TEXELS_PER_PIXEL * size)
-    for kind in chosen:
+    for kind, file in zip(chosen, files, strict=True):
         tiles: list[Tile] = []
         with tempfile.TemporaryDirectory(prefix="orusd-") as scratch:
             shown = [Sample(name, number) for name in FAMILIES[kind]]
@@ -106,8 +109,8 @@ def draw_material_sheets(
                 done += 1
                 progress(sample.name, done / total)
         rows = [tiles[i : i + _COLUMNS] for i in range(0, len(tiles), _COLUMNS)]
-        files.append(folder / f"{kind}.png")
-        write_sheet(files[-1], rows, below=True)
+        with claims.output(file):
+            write_sheet(file, rows, below=True)
     return files
 
 

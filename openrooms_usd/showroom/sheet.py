@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
+from openrooms_usd import claims
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.contract import NO_OPTIONS
@@ -61,6 +62,7 @@ def draw_sheet(
     )
     check_settings(settings)
     check_writable(path.parent)
+    claims.check_output(path)
     tiles: dict[str, Tile] = {}
     # Lamps have a studio of their own: each light that is not seen costs samples of those that are.
     for lamps in (False, True):
@@ -70,7 +72,8 @@ def draw_sheet(
             progress(item.name, len(tiles) / len(exhibits))
     ordered = [tiles[item.name] for item in exhibits]
     rows = [ordered[i : i + _COLUMNS] for i in range(0, len(ordered), _COLUMNS)]
-    write_sheet(path, rows, below=True, widest=widest)
+    with claims.output(path):
+        write_sheet(path, rows, below=True, widest=widest)
 
 
 def _hall(exhibits: Sequence[Exhibit], settings: RenderSettings) -> Iterator[tuple[Exhibit, Tile]]:

@@ -38,11 +38,13 @@ class SettledRoom:
             OutputError: It cannot be written.
         """
         if self.composed is None:
-            layers.export(self.layer, self.target)
+            with claims.output(self.target):
+                layers.export(self.layer, self.target)
             return
         from openrooms_usd.stages import draft, runner
 
         with draft.drafting(self.composed) as room:
+            room.check_unchanged(names.SETTLED)
             room.export(self.layer, names.SETTLED)
             runner.write_scene(room)
 

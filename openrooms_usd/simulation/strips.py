@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from openrooms_usd import claims
 from openrooms_usd.rendering.contract import View
 from openrooms_usd.rendering.denoise import DENOISED
 from openrooms_usd.rendering.previews import preview
@@ -35,6 +36,7 @@ def write_strip(path: Path, rows: Sequence[Sequence[Tile]]) -> None:
     """Write moments below each other as a PNG.
 
     Raises:
-        OutputError: It cannot be written.
+        OutputError: It cannot be written, or is there and not ours.
     """
-    write_sheet(path, rows)
+    with claims.output(path):
+        write_sheet(path, rows)

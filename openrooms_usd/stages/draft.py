@@ -82,14 +82,14 @@ class Draft:
             self.keep(name, kept)
 
     def check_unchanged(self, name: str) -> None:
-        """See that nobody has changed the layer of a stage since it was written.
+        """See that nobody has written or changed a layer that is about to be written.
 
         Raises:
             StageError: Somebody has, and writing it anew would lose that.
         """
-        if self.ledger.is_changed(self._place(name)):
+        if not self.ledger.may_replace(self._place(name)):
             raise StageError(
-                "this layer was changed since compose wrote it, and would be written anew",
+                "this layer was changed since it was written, and would be written anew",
                 place=self._place(name),
                 remedy=f"move the change into {names.LAYERS}/{names.EDITS}.usda, the layer that "
                 "people edit, and remove this file",

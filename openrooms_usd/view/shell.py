@@ -9,7 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Final
 
-from openrooms_usd import atomic
+from openrooms_usd import atomic, claims
 from openrooms_usd.view.app import App
 
 # Nothing is asked of anybody else, whatever a stage says.
@@ -113,6 +113,9 @@ def write(app: App, out: Path) -> None:
     """Write a page as one file.
 
     Raises:
-        OutputError: It cannot be written.
+        OutputError: It cannot be written, or is there and not ours.
     """
-    atomic.write_bytes(out, page(app).encode())
+    claims.check_output(out)
+    made = page(app).encode()
+    with claims.output(out):
+        atomic.write_bytes(out, made)

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, OutputError
 from tests.commands import output_of, run
 
 STAGE = """\
@@ -103,3 +103,74 @@ def test_a_moment_of_what_moves(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="all that moves"):
         output_of(*asked, tmp_path / "a.usdz", "--time-code", "5")
     assert not (tmp_path / "a.usdz").exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "to", "said"),
+    [
+        *(
+            (f"x.{ending}", None, f"no exporter writes .{ending}")
+            for ending in ("fbx", "obj", "gltf")
+        ),
+        ("robot.urdf", "urdf", "the exporter urdf writes a folder"),
+        ("scene.xml", "mjcf", "the exporter mjcf writes a folder"),
+        ("folder", "gltf", "writes a file that ends in .glb"),
+        ("a.usd", "usdz", "writes a file that ends in .usdz"),
+        ("a.ply", "mitsuba", "writes a folder or a file that ends in .xml"),
+    ],
+)
+def test_an_ending_that_is_not_written_is_refused(
+    name: str, to: str | None, said: str, stage: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=said):
+        output_of("convert", stage, tmp_path / name, *(("--to", to) if to else ()))
+    assert [path.name for path in tmp_path.iterdir()] == ["crate.usda"]
+
+
+def test_a_folder_may_have_a_dot_in_its_name(stage: Path, tmp_path: Path) -> None:
+    (tmp_path / "my.room").mkdir()
+    for name in ("room_1.5", "my.room"):
+        output_of("convert", stage, tmp_path / name)
+        assert (tmp_path / name / "scene.xml").is_file()
+
+
+def test_scenes_in_one_folder_share_nothing(stage: Path, tmp_path: Path) -> None:
+    larger = tmp_path / "larger.usda"
+    larger.write_text(STAGE.replace("size = 0.2", "size = 0.4"))
+    out = tmp_path / "out"
+    output_of("convert", stage, out / "a.xml")
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    output_of("convert", larger, out / "b.xml")
+    assert {path: path.read_bytes() for path in before} == before
+    (mesh,) = (out / "b.meshes").iterdir()
+    assert mesh.read_bytes() != (out / "a.meshes" / mesh.name).read_bytes()
+
+
+def test_another_export_of_the_same_names_is_refused(stage: Path, tmp_path: Path) -> None:
+    output_of("convert", stage, tmp_path / "out" / "scene.xml")
+    with pytest.raises(OutputError, match="would be replaced"):
+        output_of("convert", stage, tmp_path / "out", "--to", "mjcf")
+
+
+def test_a_smaller_export_leaves_nothing_of_the_larger_one(stage: Path, tmp_path: Path) -> None:
+    two = tmp_path / "two.usda"
+    two.write_text(STAGE.replace("    def Cube", '    def Cube "other" {}\n    def Cube'))
+    out = tmp_path / "out"
+    output_of("convert", two, out)
+    (out / "scene.meshes/mine.ply").write_text("mine")
+    output_of("convert", stage, out)
+    assert {path.name for path in (out / "scene.meshes").iterdir()} == {
+        "World_crate.ply",
+        "mine.ply",
+    }
+
+
+def test_losses_that_say_the_same_are_one_line(tmp_path: Path) -> None:
+    suns = "\n".join(f'    def DistantLight "Sun_{number}" {{}}' for number in range(5))
+    (tmp_path / "suns.usda").write_text(
+        STAGE.replace("    def PhysicsScene", f"{suns}\n    def PhysicsScene")
+    )
+    said = output_of("convert", tmp_path / "suns.usda", tmp_path / "out").splitlines()
+    (line,) = (line for line in said if "shadows are sharp" in line)
+    named = "/World/Sun_0, /World/Sun_1, /World/Sun_2 and 2 more"
+    assert line.startswith(f"approximated 5 x: {named}: its angle")

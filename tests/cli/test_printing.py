@@ -2,13 +2,17 @@
 
 import ast
 import json
+import time
 from pathlib import Path
 
 import pytest
 
 from openrooms_usd import cli
+from openrooms_usd.cli import console
 from openrooms_usd.cli.console import echo
+from openrooms_usd.cli.validating import _print_findings
 from openrooms_usd.errors import InputError, OrusdError, printable
+from openrooms_usd.validation.model import Finding
 from tests.commands import run
 
 HOSTILE = [
@@ -71,3 +75,58 @@ def test_a_stage_of_others_cannot_colour_its_report(tmp_path: Path) -> None:
     assert "\x1b[31m" not in shown.output and "\\x1b[31m" in shown.output.replace("\n", "")
     data = run("validate", "--json", tmp_path / "a.usda")
     assert json.loads(data.stdout)["licences"][0]["name"] == name
+
+
+def test_progress_in_a_log_is_lines_that_say_something_new(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(console, "_LINE_SECONDS", 0.01)
+
+    def next_line() -> str:
+        while not (said := capsys.readouterr().err):
+            time.sleep(0.005)
+        time.sleep(0.05)
+        assert not capsys.readouterr().err
+        return said
+
+    with console.progress_bar(hidden=False, first="reading") as told:
+        assert next_line() == "  0% reading\n"
+        told("room_0/main/view_0", 1 / 3)
+        assert next_line() == " 33% room_0/main/view_0\n"
+    with console.progress_bar(hidden=True, first="reading"):
+        time.sleep(0.05)
+    assert not capsys.readouterr().err
+
+
+def test_what_takes_a_moment_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    with console.progress_bar(hidden=False, first="reading") as told:
+        told("almost", 0.9)
+    assert not capsys.readouterr().err
+
+
+def test_every_importer_says_what_it_reads() -> None:
+    listed = run("import", "--help").output.partition("Commands:\n")[2].splitlines()
+    said = [
+        line.split(maxsplit=1)[1] for line in listed if line.startswith("  ") and line[2] != " "
+    ]
+    assert len(set(said)) == len(said) >= 9
+    assert all(sentence.startswith("Read ") for sentence in said)
+
+
+def test_help_names_room_types_and_no_functions_of_ours() -> None:
+    assert "living_room" in run("generate", "--help").output
+    assert "-o, --out DIR|URL" in run("dataset", "run", "--help").output
+
+
+def test_notes_and_findings_that_say_the_same_are_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    console.echo_notes(["a door moved", "no roof", "a door moved"])
+    findings = [Finding("error", "rule", f"/World/Thing_{n}", "has no material") for n in range(7)]
+    _print_findings(Path("room.usda"), findings)
+    notes, findings_text = capsys.readouterr().out.split("room.usda")
+    assert notes.splitlines() == ["note: a door moved (2 times)", "note: no roof"]
+    assert ": 7 errors" in findings_text
+    assert "7 x: /World/Thing_0, /World/Thing_1, /World/Thing_2 and 4 more" in findings_text
+    assert findings_text.count("has no material") == 1

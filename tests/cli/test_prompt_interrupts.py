@@ -101,3 +101,46 @@ print("still here")
 """
     done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
     assert done.stdout == "still here\n", done.stderr
+
+
+def test_a_second_signal_hinders_nobody() -> None:
+    code = """
+import signal, time
+from openrooms_usd.cli.interruption import leave, prompt_interrupts
+signal.signal(signal.SIGINT, signal.default_int_handler)
+try:
+    with prompt_interrupts():
+        try:
+            signal.raise_signal(signal.SIGINT)
+        finally:
+            time.sleep(0.1)
+            signal.raise_signal(signal.SIGINT)
+            print("tidied up")
+except KeyboardInterrupt:
+    leave()
+"""
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (130, "tidied up\n")
+    assert done.stderr == "interrupted: what was finished is whole\n"
+
+
+def test_modules_that_take_an_interruption_for_an_error_do_not_see_it(tmp_path: Path) -> None:
+    signalled = "signal.raise_signal(signal.SIGINT)"
+    swallowing = f"import signal\ntry:\n    {signalled}\nexcept BaseException:\n    print(1)"
+    (tmp_path / "swallowing.py").write_text(swallowing)
+    code = f"""
+import signal, sys
+from pathlib import Path
+from openrooms_usd import atomic, claims
+from openrooms_usd.cli.interruption import prompt_interrupts
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.path.insert(0, {str(tmp_path)!r})
+out = Path({str(tmp_path / "out")!r})
+with prompt_interrupts(), claims.claimed(out), atomic.replacing(out / "picture.png") as beside:
+    beside.write_bytes(b"half")
+    import swallowing
+"""
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "interrupted: what was finished is whole\n"
+    assert not (tmp_path / "out").exists()

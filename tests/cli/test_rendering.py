@@ -251,3 +251,18 @@ def test_what_compose_says_it_did(tmp_path):
     assert done("written") == "composed"
     assert done("unchanged") == "nothing to do, everything is up to date"
     assert done("unchanged", tmp_path / "scene.usdc") == "the layers are up to date"
+
+
+def test_spare_cameras_are_drawn_only_where_they_are_named(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.usda"
+    spares = "".join(f'        def Camera "spare_{number}" {{}}\n' for number in range(5))
+    scene.write_text(
+        BALL.replace('        def Camera "above"', f'{spares}        def Camera "above"')
+    )
+    asked = ("render", scene, "-o", tmp_path / "out", "--resolution", "8x8", "--channels", "depth")
+    said = output_of(*asked, "--renderer", "preview")
+    assert "spare cameras: 5 x: spare_0, spare_1, spare_2 and 2 more; --camera" in said
+    views = json.loads((tmp_path / "out/manifest.json").read_text())["views"]
+    assert "above" in views and not any(name.startswith("spare") for name in views)
+    said = output_of(*asked, "--renderer", "preview", "--camera", "spare_4")
+    assert "spare cameras" not in said and (tmp_path / "out/spare_4").is_dir()

@@ -56,8 +56,11 @@ BLOCKS = {
 
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_room(tmp_path_factory.mktemp("compare"))
+
+
+def write_room(folder: Path) -> Path:
     """A folder with a description of boxes, and a stage that another hand made of it."""
-    folder = tmp_path_factory.mktemp("compare")
     (folder / "boxes.json").write_text(json.dumps(BOXES))
     (folder / "room.yaml").write_text(ROOM)
     (folder / "out").mkdir()

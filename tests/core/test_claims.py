@@ -129,9 +129,9 @@ def test_the_ledger_is_what_sha256sum_reads(tmp_path: Path) -> None:
         atomic.write_text(tmp_path / "b" / "x y.txt", "b")
         atomic.write_text(tmp_path / "a" / "a.txt", "first")
         atomic.write_text(tmp_path / "a" / "a.txt", "a")
-        atomic.write_text(tmp_path / "top.txt", "never removed")
+        atomic.write_text(tmp_path / "top.txt", "top")
     lines = (tmp_path / ledger.FILE).read_text().splitlines()
-    assert [line[64:] for line in lines] == ["  a/a.txt", "  b/x y.txt"]
+    assert [line[64:] for line in lines] == ["  a/a.txt", "  b/x y.txt", "  top.txt"]
     check = ["sha256sum", "--check", "--strict", ledger.FILE]
     assert subprocess.run(check, cwd=tmp_path, capture_output=True, check=False).returncode == 0
 

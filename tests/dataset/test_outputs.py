@@ -118,7 +118,7 @@ def test_other_code_writes_a_form_anew(finished: Finished, monkeypatch: pytest.M
     assert done.read_text() == before
     monkeypatch.setattr(outputs, "code_digest", lambda *modules: "other")
     (annotations,) = (store.root / "outputs/coco/annotations").iterdir()
-    annotations.write_text("of the code before")
+    annotations.unlink()
     finish(store, wished)
     assert done.read_text() != before
     assert "images" in json.loads(annotations.read_text())

@@ -52,7 +52,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Open:
         settings = RenderSettings(
             channels=("depth",), resolution=views.resolution, renderer="preview"
         )
-        return open_for_rendering(made.scene, settings)
+        return open_for_rendering(made.scene, settings, spares=True)
 
     return of
 

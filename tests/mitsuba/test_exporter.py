@@ -129,7 +129,7 @@ def test_instances_share_a_file_and_stand_where_they_do(open_stage, tmp_path, mo
     root = ElementTree.parse(tmp_path / "out" / "scene.xml").getroot()
     kinds = [element.get("type") for element in root if element.tag == "shape"]
     assert [kinds.count(kind) for kind in ("ply", "shapegroup", "instance")] == [1, 6, 24]
-    assert len(list((tmp_path / "out" / "meshes").iterdir())) == 7
+    assert len(list((tmp_path / "out" / "scene.meshes").iterdir())) == 7
     ours = radiance(open_stage(stage), width=32, height=24, samples=32)
     import mitsuba as mi
 

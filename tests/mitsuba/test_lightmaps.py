@@ -177,7 +177,7 @@ def test_equal_seeds_give_equal_files(tmp_path: Path) -> None:
     for name in ("a", "b"):
         bake_stage(source, tmp_path / name, RenderSettings(samples=2), AtlasLayout(0.2))
     files = sorted(path.relative_to(tmp_path / "a") for path in (tmp_path / "a").rglob("*.*"))
-    assert len(files) == 8
+    assert len(files) == 9
     for file in files:
         assert (tmp_path / "a" / file).read_bytes() == (tmp_path / "b" / file).read_bytes(), file
 

@@ -233,7 +233,8 @@ def test_files_that_no_earlier_run_wrote_are_not_replaced(
         picture.parent.symlink_to(tmp_path / "elsewhere")
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     with pytest.raises(OutputError, match="no earlier run wrote it"):
-        write([render], root)
+        write([make_render(tmp_path / "other", seed=7)], root)
+    shutil.rmtree(tmp_path / "other")
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
 
 

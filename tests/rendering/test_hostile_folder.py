@@ -1,5 +1,6 @@
 """What lies in the folder of a run can be anything: nothing of it is harmed."""
 
+import hashlib
 import json
 import os
 from collections.abc import Callable
@@ -8,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from openrooms_usd import atomic, claims
+from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.errors import OutputError
 from openrooms_usd.rendering import render_stage
 
@@ -35,14 +36,17 @@ def listed(views: Any, real: dict[str, Any] | None = None) -> str:
 def test_a_manifest_that_names_folders_of_others(
     name: str, whole: bool, home: Path, renderer: Any, scene: Path, snapshot: Callable[..., Any]
 ) -> None:
-    """Also where all else in the manifest is right, and the named folder looks like a view."""
+    """Also where all else is right, the ledger knows it, and the named folder looks like a view."""
     out = home / "out"
     real = {}
     if whole:
         render_stage(scene, out, cameras=["left"])
         real = json.loads((out / "manifest.json").read_text())
     entry = real["views"]["left"] if whole else {}
-    (out / "manifest.json").write_text(listed({name: entry, "left": entry}, real))
+    text = listed({name: entry, "left": entry}, real)
+    (out / "manifest.json").write_text(text)
+    with (out / ledger.RENDER_FILE).open("a") as forged:
+        forged.write(f"{hashlib.sha256(text.encode()).hexdigest()}  manifest.json\n")
     (out / "photos").mkdir()
     (out / "photos" / "channels.exr").write_text("irreplaceable")
     absolute = home / "photos"
@@ -53,17 +57,6 @@ def test_a_manifest_that_names_folders_of_others(
     assert after["out/photos/channels.exr"] == b"irreplaceable"
     assert "out/right/channels.exr" in after
     assert absolute.is_dir()
-
-
-def test_a_manifest_of_something_else_is_not_replaced(
-    home: Path, renderer: Any, scene: Path, snapshot: Callable[..., Any]
-) -> None:
-    (home / "out" / "manifest.json").write_text('{"name": "my web page", "icons": []}')
-    before = snapshot(home)
-    with pytest.raises(OutputError, match="not the manifest of a render"):
-        render_stage(scene, home / "out")
-    assert snapshot(home) == before
-    assert renderer.requests == []
 
 
 @pytest.mark.parametrize("kind", ["link", "broken link", "file", "pipe", "folder of others"])
@@ -82,7 +75,7 @@ def test_what_has_the_name_of_a_view(
     make[kind]()
     if kind != "pipe":
         before = snapshot(home)
-    with pytest.raises(OutputError, match="this will not be replaced"):
+    with pytest.raises(OutputError, match=r"w(ill not|ould) be replaced"):
         render_stage(scene, home / "out")
     assert renderer.requests == []
     if kind != "pipe":
@@ -155,12 +148,24 @@ def test_a_room_in_the_folder_of_a_render_stays(
     assert {path: after.get(path) for path in before} == before
 
 
-@pytest.mark.parametrize("name", ["contact_sheet.png", "timing.json"])
-def test_files_of_others_beside_no_manifest(
-    name: str, renderer: Any, scene: Path, tmp_path: Path
+@pytest.mark.parametrize(
+    ("name", "is_first"),
+    [
+        ("contact_sheet.png", True),
+        ("timing.json", True),
+        ("manifest.json", True),
+        ("contact_sheet.png", False),
+        ("manifest.json", False),
+    ],
+)
+def test_a_list_of_others_or_one_that_was_changed(
+    name: str, is_first: bool, renderer: Any, scene: Path, tmp_path: Path
 ) -> None:
+    if not is_first:
+        render_stage(scene, tmp_path)
+        renderer.requests.clear()
     (tmp_path / name).write_text("mine")
-    with pytest.raises(OutputError, match="no render here"):
+    with pytest.raises(OutputError, match="would be replaced"):
         render_stage(scene, tmp_path)
     assert renderer.requests == []
     assert (tmp_path / name).read_text() == "mine"

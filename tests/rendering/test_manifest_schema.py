@@ -15,7 +15,7 @@ from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.rendering import Legend, exr, render_stage
 from openrooms_usd.rendering.bias import Bias
 from openrooms_usd.rendering.coco import coco
-from openrooms_usd.rendering.folder import is_relit_manifest, is_render_manifest, listed_views
+from openrooms_usd.rendering.folder import is_render_manifest, listed_views
 from openrooms_usd.rendering.manifest import FORMAT
 from openrooms_usd.rendering.manifest_schema import (
     BiasEntry,
@@ -315,15 +315,15 @@ def test_a_manifest_of_a_newer_version_says_so(render: Path) -> None:
 
 def test_whose_manifest_it_is(render: Path, tmp_path: Path) -> None:
     relight(render / "left", tmp_path / "relit", Relighting({"lamp": 0.5}))
-    assert is_render_manifest(render) and not is_relit_manifest(render)
-    assert is_relit_manifest(tmp_path / "relit") and not is_render_manifest(tmp_path / "relit")
-    assert not is_render_manifest(tmp_path / "none") and not is_relit_manifest(tmp_path / "none")
+    assert is_render_manifest(render)
+    assert not is_render_manifest(tmp_path / "relit")
+    assert not is_render_manifest(tmp_path / "none")
 
 
 def test_relighting_replaces_no_manifest_of_others(render: Path, tmp_path: Path) -> None:
     (tmp_path / "web").mkdir()
     (tmp_path / "web/manifest.json").write_text('{"name": "my app", "view": 1}')
-    with pytest.raises(OrusdError, match="would be lost"):
+    with pytest.raises(OrusdError, match="would be replaced"):
         relight(render / "left", tmp_path / "web", Relighting({"lamp": 0.5}))
     assert [path.name for path in (tmp_path / "web").iterdir()] == ["manifest.json"]
 

@@ -40,6 +40,15 @@ def test_all_cameras_none_and_the_framing_one():
     assert choose_cameras((), ()) == {"framing": None}
 
 
+def test_spare_cameras_are_drawn_where_somebody_asks():
+    spares = ("/World/Cameras/spare_0", "/World/Cameras/spare_1")
+    others = ("/World/Cameras/spare_room", "/Mine/spare_0")
+    assert list(choose_cameras((), spares + others).values()) == list(others)
+    assert list(choose_cameras((), spares + others, spares=True).values()) == [*spares, *others]
+    assert choose_cameras(["spare_1"], spares + others) == {"spare_1": spares[1]}
+    assert list(choose_cameras((), spares).values()) == list(spares)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import atomic
 from openrooms_usd.composing import ComposeSummary, compose_room
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.errors import InputError, OutputError, StageError
 from openrooms_usd.stages import base, runner
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.usd.files.diagnostics import composition_errors
@@ -127,7 +127,7 @@ def test_a_layer_that_was_changed_by_hand_is_not_written_anew(place: Path) -> No
     layer.write_text(changed)
     assert states(compose(place)) == ["unchanged", "written"]
     (place / "input.txt").write_text("three")
-    with pytest.raises(StageError, match="was changed since compose wrote it"):
+    with pytest.raises(StageError, match="was changed since it was written"):
         compose(place)
     assert layer.read_text() == changed
     layer.unlink()
@@ -226,11 +226,16 @@ def test_output_that_cannot_be_written_is_explained(place: Path) -> None:
     assert "remedy" in str(caught.value)
 
 
-def test_a_root_layer_that_is_no_text_is_written_again(place: Path) -> None:
+@pytest.mark.parametrize("data", [b"\xff\xfe\x00nonsense", b"mine"])
+def test_a_root_layer_that_is_no_layer_may_be_somebodys(data: bytes, place: Path) -> None:
     compose(place)
     scene = place / "out" / "scene.usda"
     wanted = scene.read_bytes()
-    scene.write_bytes(b"\xff\xfe\x00nonsense")
+    scene.write_bytes(data)
+    with pytest.raises(OutputError, match="would be replaced"):
+        compose(place)
+    assert scene.read_bytes() == data
+    scene.write_bytes(b"")
     compose(place)
     assert scene.read_bytes() == wanted
 

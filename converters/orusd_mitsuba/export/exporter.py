@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd import atomic, imagefile
+from openrooms_usd import atomic, claims, imagefile
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
@@ -89,7 +89,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
     Args:
         stage: The composed stage.
         destination: The ``.xml`` file, or a folder that receives ``scene.xml``. Meshes and
-            textures go into ``meshes`` and ``textures`` beside it.
+            textures go into ``NAME.meshes`` and ``NAME.textures`` beside ``NAME.xml``.
         options: None is known.
 
     Returns:
@@ -97,24 +97,26 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
 
     Raises:
         InputError: An option is given.
-        OutputError: A file cannot be written.
+        OutputError: A file cannot be written, or one that is not ours would give way.
     """
     if options:
         known = ", ".join(options)
         raise InputError(f"the Mitsuba exporter has no option {known}", remedy="leave it away")
-    file = destination if destination.suffix == ".xml" else destination / "scene.xml"
+    is_file = destination.suffix.lower() == ".xml"
+    file = destination if is_file else destination / "scene.xml"
     # What loads the file knows Mitsuba's own plugins alone.
     scene = without_shaping(with_model(translate(stage, default_light=True), "preview"))
     report_simplified(scene)
     report_one_way(scene)
     report_principled(scene)
-    with atomic.filling(file.parent) as folder:
-        _write_scene(stage, scene, folder / file.name)
+    # A folder may hold several scenes: each has a ledger of its own.
+    with claims.refilling(file.parent, f".orusd.{file.name}.sha256") as refill:
+        _write_scene(stage, scene, refill.folder / file.name)
     return scene.report
 
 
 def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
-    export = _Export(scene, file.parent)
+    export = _Export(scene, file.parent, file.stem)
     # 1. What a scene is rendered with.
     export.add("integrator", {"type": "path", "max_depth": DEFAULT_BOUNCES + 1})
     for name, camera in _cameras(stage, scene.report).items():
@@ -149,6 +151,7 @@ class _Export:
 
     scene: Scene
     folder: Path
+    name: str
     objects: dict[str, Description] = field(default_factory=dict)
     _files: dict[int, tuple[PurePosixPath, object]] = field(default_factory=dict)
     _bsdfs: dict[int, str] = field(default_factory=dict)
@@ -223,7 +226,7 @@ class _Export:
         return self.scene.legend.part[self.scene.pieces[piece].part]
 
     def _mesh(self, name: str, triangles: Triangles, origin: Array) -> PurePosixPath:
-        file = PurePosixPath("meshes", f"{name}.ply")
+        file = PurePosixPath(f"{self.name}.meshes", f"{name}.ply")
         atomic.write_bytes(self.folder / file, ply_bytes(triangles, origin))
         return file
 
@@ -262,7 +265,7 @@ class _Export:
         """Write pixels as they are, linear; Mitsuba's v grows from the first row, as here."""
         key = id(pixels)
         if key not in self._files:
-            file = PurePosixPath("textures", f"{name}.exr")
+            file = PurePosixPath(f"{self.name}.textures", f"{name}.exr")
             _write_exr(self.folder / file, pixels)
             # The pixels are kept with it, so that their identity is not given to others.
             self._files[key] = file, pixels

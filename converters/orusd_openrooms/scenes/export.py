@@ -10,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 from pxr import Usd
 
-from openrooms_usd import atomic, names
+from openrooms_usd import atomic, claims, names
 from openrooms_usd.errors import StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.scene.arrays import Scene
@@ -65,7 +65,7 @@ def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
         OutputError: A file cannot be written.
     """
     floor_of(stage)
-    with atomic.filling(destination) as root:
+    with claims.claimed(destination, f".orusd.{name}.sha256"), atomic.filling(destination) as root:
         export = _Export(stage, without_shaping(translate(stage, outside=False)), root, name)
         export.write()
     return export.report

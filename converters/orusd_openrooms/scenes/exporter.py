@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 class OpenRoomsXmlExporter:
     """Writes the folders of the release: scenes, layoutMesh, uv_mapped and the others."""
 
+    writes = ("",)
+
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
         """Write ``stage`` below the folder ``destination``.
 

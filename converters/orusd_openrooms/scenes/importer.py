@@ -37,7 +37,7 @@ _OFF: Final = 1e-3
 
 
 class OpenRoomsXmlImporter:
-    """Reads ``main.xml`` of a scene of OpenRooms."""
+    """Reads a scene of the OpenRooms release, its ``main.xml``."""
 
     options: Mapping[str, str] = {
         "root": "The dataset's folder: uv_mapped, layoutMesh, BRDFOriginDataset and EnvDataset "

@@ -185,7 +185,7 @@ def _lines(path: Path) -> list[str]:
 
 
 class ARKitScenesImporter:
-    """Reads the folder of one scan."""
+    """Reads a scan of Apple's ARKitScenes, a folder."""
 
     options: Mapping[str, str] = {
         "fuse": "Fuse one in this many low-resolution depth pictures, in place of the mesh."

@@ -43,7 +43,7 @@ _CONFIDENCE: Final = {"high": 2, "medium": 1, "low": 0, None: -1}
 
 
 class RoomPlanImporter:
-    """Reads the exports of Apple RoomPlan (iOS 16 and later): JSON, or parametric USDZ."""
+    """Reads an export of Apple RoomPlan: JSON, or parametric USDZ."""
 
     options: Mapping[str, str] = {
         "room": "which room: its label, such as livingRoom, its number, or all of a storey as one; "

@@ -99,7 +99,7 @@ class _Scene:
 
 
 class ScanNetImporter:
-    """Reads the folder of a scene, or its mesh with what lies beside it."""
+    """Reads a scene of ScanNet: its folder, or its mesh with what lies beside it."""
 
     options: Mapping[str, str] = {
         "labels": "scannetv2-labels.combined.tsv, if it is neither here nor two folders above.",

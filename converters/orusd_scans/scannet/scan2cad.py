@@ -222,7 +222,7 @@ def categories() -> dict[str, str]:
 
 
 class Scan2CadImporter:
-    """Reads ``full_annotations.json`` of Scan2CAD."""
+    """Reads annotations of Scan2CAD, its ``full_annotations.json``."""
 
     options: Mapping[str, str] = {
         "scan": "Which scan, such as scene0470_00; needed where the file holds several.",

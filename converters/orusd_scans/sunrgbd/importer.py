@@ -70,7 +70,7 @@ _STRUCTURE: Final = ("wall", "floor", "ceiling")
 
 
 class SunRgbdImporter:
-    """Reads one frame of SUN RGB-D."""
+    """Reads a frame of SUN RGB-D."""
 
     options: Mapping[str, str] = {
         "frame": "Which frame, such as 000017; needed where the source holds several."

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic, imagefile
+from openrooms_usd import atomic, claims, imagefile
 from openrooms_usd.dataset.plan import Job, PlannedRoom, view_name
 from openrooms_usd.dataset.records import SCENE, Record
 from openrooms_usd.dataset.report import charts, sections
@@ -81,11 +81,12 @@ def write_report(
     Raises:
         InputError: There is no dataset, or the price is no number.
         MissingPackageError: What draws charts or fills the page is not installed.
-        OutputError: The page cannot be written.
+        OutputError: The page cannot be written, or is there and not ours.
     """
     if price is not None and not math.isfinite(price):
         raise InputError(f"{price} is no price", place="price", remedy="give a number")
     charts.check_installed()
+    claims.check_output(out)
     template = _environment().get_template(_TEMPLATE)
     with store_at(root) as store:
         fetch_all(store)
@@ -111,7 +112,8 @@ def write_report(
             made_by=list(_made_by(store)),
             file=_file(store),
         )
-    atomic.write_text(out, text)
+    with claims.output(out):
+        atomic.write_text(out, text)
     shown = sum(bool(picture.data) for strip in strips for picture in strip.pictures)
     return ReportSummary(out, status.finished, shown, len(text.encode()))
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd import atomic, names
+from openrooms_usd import claims, names
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry.vectors import unit
@@ -52,6 +52,7 @@ SIDE_TEXELS: Final = 4096
 MOST_TEXELS: Final = 1 << 22
 
 MANIFEST: Final = "lightmaps.json"
+_LEDGER: Final = ".orusd.bake.sha256"
 LAYER: Final = "lightmaps.usda"
 LIT: Final = "baked.usda"
 FOLDER: Final = "lightmaps"
@@ -118,6 +119,7 @@ def bake_stage(
     settings = settings or RenderSettings()
     samples = settings.samples or SAMPLES
     _check(layout, settings.bounces)
+    claims.check_refill(out, _LEDGER, (FOLDER, LAYER, LIT, MANIFEST))
     context = open_for_rendering(path, settings)
     stage, session = context.stage, context.session
     if not isinstance(session, TexelLighting):
@@ -141,7 +143,8 @@ def bake_stage(
     light = session.irradiance(request, lambda done: told(f"{len(texels)} texels", done))
     # 3. Files.
     progress("writing", 0.95)
-    with atomic.filling(out) as beside:
+    with claims.refilling(out, _LEDGER) as refill:
+        beside = refill.folder
         (beside / FOLDER).mkdir()
         files = _write_pictures(beside, atlases, texels, light.values, lights)
         write_layer(beside / LAYER, FOLDER, stage, atlases, files, lights)

@@ -1,6 +1,5 @@
 """Renders a camera path of a stage into files: a video, the cameras of its frames, and frames."""
 
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, replace
@@ -11,9 +10,8 @@ import numpy as np
 
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.description.rendering import CACHE, Method, RenderSettings
-from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.names import CREATOR
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering import exr, folder, manifest
 from openrooms_usd.rendering.contract import (
@@ -37,7 +35,6 @@ from openrooms_usd.rendering.paths.film import (
 )
 from openrooms_usd.rendering.previews import preview
 from openrooms_usd.rendering.tone import Tone
-from openrooms_usd.untrusted import read_text
 
 DEFAULT_RESOLUTION: Final = (320, 240)
 _RATES: Final = (1, 240)
@@ -137,10 +134,10 @@ def render_path(
     request = opened.request(method=_method(settings.method, opened.session), guides=False)
     camera_path = choose_path(spec, opened, size, seconds, rate)
     files = _Files(out, camera_path.name, keep_frames)
-    files.check()
 
     # 3. Render frame by frame.
     with claims.claimed(out, ledger.RENDER_FILE):
+        files.check()
         shown_by = path_tone(opened, camera_path, request)
         told, spent, bias = [], [], None
         with files.writing(size, rate) as writer:
@@ -222,27 +219,13 @@ class _Files:
         self.timing, self.frames = out / f"{name}_timing.json", out / f"{name}_frames"
 
     def check(self) -> None:
-        """See that nothing gives way but what an earlier run of the same path wrote.
+        """See that nothing gives way but what an earlier run wrote.
 
         Raises:
             OutputError: It would.
         """
-        there = [path for path in (self.video, self.cameras, self.timing) if path.exists()]
-        if there and not self._is_ours():
-            raise OutputError(
-                "this is not of an earlier path, and will not be replaced",
-                place=there[0],
-                remedy="choose another output folder, or move it away",
-            )
-        if self.keep_frames and self.frames.exists():
-            atomic.check_own(self.frames)
-
-    def _is_ours(self) -> bool:
-        try:
-            found = json.loads(read_text(self.cameras, "json"))
-        except (InputError, ValueError, RecursionError):
-            return False
-        return isinstance(found, dict) and str(found.get("generator", "")).startswith(CREATOR)
+        frames = [self.frames] if self.keep_frames else []
+        atomic.check_free([self.video, self.cameras, self.timing, *frames])
 
     @contextmanager
     def writing(self, size: tuple[int, int], rate: int) -> Iterator["_Writer"]:
