@@ -7,13 +7,14 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.exporters import Report
 from openrooms_usd.usd import mapping
+from openrooms_usd.usd.doubts import DOUBT
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.semantics import unread_labels
 from openrooms_usd.usd.shading.materials import broken_bindings
 
 _PURPOSE: Final = "its purpose is"
-_ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ")
+_ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ", DOUBT)
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:
