@@ -55,6 +55,12 @@ RULES: Final = (
         "file that does not say its units metersPerUnit and upAxis first",
         advice=True,
     ),
+    Rule(
+        "plausible",
+        stage_rules.plausible,
+        "write it in the units of the stage, as the message says",
+        advice=True,
+    ),
     Rule("extent", stage_rules.extents, "author extent from the points"),
     Rule(
         "subdivision-scheme",

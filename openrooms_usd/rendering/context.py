@@ -34,7 +34,7 @@ from openrooms_usd.rendering.given import check_request, choose_method
 from openrooms_usd.rendering.lens import lens_of
 from openrooms_usd.rendering.plan import paths_of
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.cameras import clipping_loss, stage_resolution
+from openrooms_usd.rendering.scene.cameras import camera_losses, stage_resolution
 from openrooms_usd.rendering.scene.framing import framed, is_framed_here
 from openrooms_usd.rendering.scene.light_records import light_records
 from openrooms_usd.rendering.scene.lights import LightRecord
@@ -99,10 +99,9 @@ class RenderContext:
         self.resolution = self.settings.replace(resolution=size).resolution or size
         self.legend: Legend = scene.legend
         self.report: Report = scene.report
-        clipped = ((prim.GetPath(), clipping_loss(prim)) for prim in cameras)
-        for where, loss in (*settings_losses(stage), *clipped):
-            if loss:
-                self.report.add(where, "approximated", loss)
+        seen = ((prim.GetPath(), loss) for prim in cameras for loss in camera_losses(prim, scene))
+        for where, loss in (*settings_losses(stage), *seen):
+            self.report.add(where, "approximated", loss)
 
     def with_settings(self, settings: RenderSettings) -> "RenderContext":
         """The same opened stage, with other settings for its pictures.

@@ -5,6 +5,6 @@
 - `shapes`: surfaces as triangles: the walk over a stage, and the reader of each kind of prim;
 - `shading`: materials: authored and read, from UsdPreviewSurface, MaterialX and textures;
 - `light`: lights: authored, found and read as plain data, with their profiles;
-- besides: `arrays`, `bodies`, `cameras`, `mapping`, `moments`, `outside`, `rendersettings`,
-  `rigid`, `semantics`.
+- besides: `arrays`, `bodies`, `cameras`, `doubts`, `mapping`, `moments`, `outside`,
+  `rendersettings`, `rigid`, `semantics`.
 """

@@ -9,8 +9,11 @@ from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdValidation, Vt
 
 from openrooms_usd import names
 from openrooms_usd.edits.orphans import find_orphans
+from openrooms_usd.usd.cameras import list_cameras
+from openrooms_usd.usd.doubts import camera_doubts, light_doubts
 from openrooms_usd.usd.files.diagnostics import UNREADABLE, plain, reason
 from openrooms_usd.usd.files.layers import prim_specs
+from openrooms_usd.usd.light.lights import read_lights
 from openrooms_usd.usd.places.metrics import find_misfits
 from openrooms_usd.validation.model import (
     Complaint,
@@ -212,6 +215,14 @@ def no_orphans(subject: Subject) -> Iterator[Complaint]:
             if orphan.reason != "instance":
                 near = f"; near: {orphan.hint}" if orphan.hint else ""
                 yield orphan.path, f"{subject.name(layer)} {orphan.message}{near}"
+
+
+def plausible(subject: Subject) -> Iterator[Complaint]:
+    """Cameras and lights say what somebody may mean."""
+    for prim in list_cameras(subject.stage):
+        yield from ((str(prim.GetPath()), doubt) for doubt in camera_doubts(prim))
+    for light in read_lights(subject.stage):
+        yield from ((light.path, doubt) for doubt in light_doubts(light))
 
 
 def referenced_units(subject: Subject) -> Iterator[Complaint]:

@@ -24,7 +24,9 @@ KINDS = {bool: "Bool", int: "Int", float: "Float", tuple: "Color3f", str: "Asset
 def read(
     folder: Path, inputs: Inputs, name: str = "OmniPBR"
 ) -> tuple[PreviewSurface, tuple[str, ...]]:
-    stage = Usd.Stage.CreateNew(str(folder / "m.usda"))
+    (folder / "m.usda").write_text("#usda 1.0\n")
+    stage = Usd.Stage.Open(str(folder / "m.usda"))
+    stage.GetRootLayer().Clear()
     material = UsdShade.Material.Define(stage, "/M")
     shader = UsdShade.Shader.Define(stage, "/M/S")
     shader.CreateImplementationSourceAttr(UsdShade.Tokens.sourceAsset)
@@ -118,7 +120,15 @@ def test_packed_textures(folder: Path) -> None:
 
 
 def test_what_is_left_out_is_told(folder: Path) -> None:
-    left: Inputs = {"albedo_desaturation": 0.5, "bump_factor": 2.0, "opacity_texture": "./a.png"}
+    left: Inputs = {
+        "albedo_desaturation": 0.5,
+        "bump_factor": 2.0,
+        "opacity_texture": "./a.png",
+        "project_uvw": True,
+        "of_nobody": 3.0,
+    }
+    idle: Inputs = {"bump_factor": 1.0, "project_uvw": False, "detail_texture_scale": (1.0, 1.0)}
+    assert len(read(folder, idle)[1]) == 1
     _, losses = read(folder, left)
     assert len(losses) == 1 + len(left)
     assert all(any(name in loss for loss in losses) for name in left)

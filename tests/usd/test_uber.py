@@ -13,6 +13,7 @@ from pxr import Usd, UsdShade
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.rendering.scene.pictures import load
 from openrooms_usd.rendering.scene.surfaces import SurfaceReader
+from openrooms_usd.usd.shading import uber
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import PreviewSurface, Texture
 from openrooms_usd.usd.shading.surfaces import f0_of
@@ -421,3 +422,64 @@ def test_networks_of_nonsense_are_surfaces(tmp_path: Path) -> None:
             if isinstance(value, int | float | tuple) and name not in ("losses", "primvar"):
                 assert np.isfinite(np.array(value, dtype=float)).all(), (seed, name, losses)
     assert textured > 20
+
+
+# Every input that MaterialX itself knows.
+
+
+def _inputs_of(kind: str) -> dict[str, str]:
+    """The inputs of a surface in MaterialX's own library, with their types."""
+    library = pytest.importorskip("MaterialX")
+    document = library.createDocument()
+    folders = library.getDefaultDataLibraryFolders()
+    library.loadLibraries(folders, library.getDefaultDataSearchPath(), document)
+    found = document.getNodeDef(kind).getActiveInputs()
+    return {one.getName(): one.getType() for one in found}
+
+
+_USD_TYPES = {"float": "float", "boolean": "bool", "integer": "int", "string": "string"}
+_USD_TYPES |= {"color3": "color3f", "vector3": "float3"}
+# Numbers that no input has by itself, and that are in no input's way.
+_OTHER = {"float": "0.37", "boolean": "1", "integer": "1", "string": '"other"'}
+_OTHER |= {"color3": "(0.37, 0.11, 0.23)", "vector3": "(0.37, 0.11, 0.23)"}
+
+
+GLOW = dict.fromkeys(("emission", "emission_luminance", "emissive", "emission_color"), "0.5")
+
+
+@pytest.mark.parametrize("kind", [STANDARD, OPEN_PBR, GLTF])
+def test_every_input_of_materialx_changes_the_surface_or_is_told(folder: Path, kind: str) -> None:
+    inputs = _inputs_of(kind)
+    assert len(inputs) > 20
+    # Parts that are not there say nothing, a mask alone has a cutoff, a glow needs a colour.
+    there = dict.fromkeys(uber.weights(kind), "0.5") | GLOW
+    silent: list[str] = []
+    known: dict[str, PreviewSurface] = {}
+    for name, of in inputs.items():
+        beside = there | {"alpha_mode": "1" if name == "alpha_cutoff" else "2"}
+        if name.endswith("thin_walled"):
+            # Thin glass is clear.
+            beside |= dict.fromkeys(("transmission", "transmission_weight"), "1")
+        context = "".join(
+            _said(inputs[key], key, value)
+            for key, value in beside.items()
+            if key in inputs and key != name
+        )
+        value = "0" if of == "boolean" else _OTHER[of]
+        if context not in known:
+            known[context] = read(folder, kind, context)[0]
+        before = known[context]
+        after, losses = read(folder, kind, context + _said(of, name, value))
+        changes = before != after or f".{name}:" in losses
+        if of == "boolean":
+            # It may be on by itself, and what follows from it may be told.
+            changes |= read(folder, kind, context + _said(of, name, "1")) != (after, losses)
+        if not changes:
+            silent.append(name)
+    assert silent == []
+
+
+def _said(kind: str, name: str, value: str) -> str:
+    width = 3 if kind in ("color3", "vector3") and "(" not in value else 1
+    whole = f"({', '.join([value] * 3)})" if width == 3 else value
+    return f"{_USD_TYPES[kind]} inputs:{name} = {whole}\n"

@@ -208,6 +208,16 @@ def joined(room: SmallRoom) -> Path:
 
 
 # rule: (what breaks it, where it is found)
+MILLIMETRES = """over "World"
+{
+    def Camera "Odd"
+    {
+        float focalLength = 24
+        float horizontalAperture = 20.955
+        float fStop = 1.8
+    }
+}
+"""
 BREAKS: dict[str, tuple[Callable[[SmallRoom], Path], str]] = {
     "equal-metadata": (
         lambda room: room.edit(MATERIALS, "kilogramsPerUnit = 1", "kilogramsPerUnit = 0.001"),
@@ -233,6 +243,7 @@ BREAKS: dict[str, tuple[Callable[[SmallRoom], Path], str]] = {
         "/World/Gone",
     ),
     "units": (lambda room: room.edits(room.statue()), "/World/Statue"),
+    "plausible": (lambda room: room.edits(MILLIMETRES), "/World/Odd"),
     "extent": (
         lambda room: room.edit(LAYOUT, "extent = [(0, 0, 0), (1, 1, 0)]", "extent:not = []"),
         names.FLOOR,
@@ -273,7 +284,7 @@ def test_a_rule_finds_what_breaks_it(code: str, small_room: SmallRoom) -> None:
     findings = [f for f in validate_stage(breaks(small_room)) if f.code == code]
     assert place in {finding.place for finding in findings}
     assert all(
-        finding.severity == ("warning" if code in ("orphan", "units") else "error")
+        finding.severity == ("warning" if code in ("orphan", "plausible", "units") else "error")
         for finding in findings
     )
     assert all(finding.remedy for finding in findings)

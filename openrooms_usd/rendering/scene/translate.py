@@ -20,6 +20,7 @@ from openrooms_usd.rendering.scene.pictures import Array, Picture, Value
 from openrooms_usd.rendering.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.rendering.scene.surroundings import summed
 from openrooms_usd.rendering.scene.unseen import report_unseen
+from openrooms_usd.usd.doubts import dark_doubt, light_doubts
 from openrooms_usd.usd.light.lightreader import LightLinks
 from openrooms_usd.usd.light.lights import (
     CylinderLight,
@@ -99,6 +100,8 @@ def _translated(
     for light in lights:
         work.add_light(light)
     work.add_portals()
+    if dark := dark_doubt(lights):
+        report.add("/", "approximated", dark)
     # 2. Surfaces, instances expanded.
     reading = read_meshes(stage, purposes=asked_purposes(stage), outside=outside)
     for path, outcome, reason in reading.losses:
@@ -172,7 +175,7 @@ class _Translation:
         self._report.add("/", "approximated", TOLD)
 
     def add_light(self, light: Light) -> None:
-        losses = list(light.losses)
+        losses = [*light.losses, *light_doubts(light)]
         self._responses[light.path] = light.response
         if isinstance(light, MeshLight):
             self._emitting[light.path] = light

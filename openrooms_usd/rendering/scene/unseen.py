@@ -1,19 +1,22 @@
 """Names what of a stage is not in the picture, and why: prims, and what somebody wrote of them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.exporters import Report
 from openrooms_usd.usd import mapping
+from openrooms_usd.usd.doubts import DOUBT
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.semantics import unread_labels
 from openrooms_usd.usd.shading.materials import broken_bindings
 
 _PURPOSE: Final = "its purpose is"
-_ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ")
+# Point instancers may take prototypes that are mere overs or classes.
+_PROTOTYPES: Final = Usd.PrimIsActive & Usd.PrimIsLoaded
+_ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ", DOUBT)
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:
@@ -24,10 +27,12 @@ def report_unseen(stage: Usd.Stage, report: Report) -> None:
         report: Rows of what was translated; more are added.
     """
     known = {path for path, _, _ in report.rows}
-    for prim, reason in _hidden(stage):
-        if str(prim.GetPath()) not in known:
-            report.add(prim.GetPath(), "skipped", reason)
-    report.lose(dict(_unheeded(stage)))
+    every = list(_every(stage))
+    aside = [target for prim, _ in every for target in _scattered(prim)]
+    for prim, place in every:
+        if place not in known and (reason := _hidden(prim, aside)):
+            report.add(place, "skipped", reason)
+    report.lose({place: "; ".join(lost) for prim, place in every if (lost := [*_losses(prim)])})
 
 
 def is_aside(reason: str) -> bool:
@@ -43,18 +48,38 @@ def is_alarming(sentence: str) -> bool:
 # Prims.
 
 
-def _hidden(stage: Usd.Stage) -> Iterator[tuple[Usd.Prim, str]]:
-    instancers: list[Sdf.Path] = []
-    for prim in stage.Traverse():
-        if prim.IsA(UsdGeom.PointInstancer):
-            targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetTargets()
-            instancers += targets
-        if prim.IsA(UsdGeom.Gprim) or prim.HasAPI(UsdLux.LightAPI):
-            inside = any(map(prim.GetPath().HasPrefix, instancers))
-            if not inside:
-                yield prim, _why(prim)
-        elif reason := _foreign(str(prim.GetTypeName())):
-            yield prim, reason
+def _every(stage: Usd.Stage) -> Iterator[tuple[Usd.Prim, str]]:
+    """Every prim and where it stands: inside instances that of the first, and once.
+
+    What only point instancers show is among them, though it be an over or a class.
+    """
+    homes: dict[str, str] = {}
+    roots = [stage.GetPseudoRoot(), *stage.GetPrototypes()]
+    waiting = [iter(Usd.PrimRange(root)) for root in roots]
+    met: set[Sdf.Path] = set()
+    while waiting:
+        for prim in waiting.pop(0):
+            if prim.GetPath() in met or prim.IsPseudoRoot():
+                continue
+            met.add(prim.GetPath())
+            yield prim, _standing(prim, homes)
+            prototypes = map(stage.GetPrimAtPath, _scattered(prim))
+            waiting += [iter(Usd.PrimRange(one, _PROTOTYPES)) for one in prototypes if one]
+
+
+def _scattered(prim: Usd.Prim) -> list[Sdf.Path]:
+    """The prototypes of a point instancer; none of anything else."""
+    if not prim.IsA(UsdGeom.PointInstancer):
+        return []
+    return list(UsdGeom.PointInstancer(prim).GetPrototypesRel().GetForwardedTargets())
+
+
+def _hidden(prim: Usd.Prim, aside: Sequence[Sdf.Path]) -> str:
+    """Why a prim is in no picture; of what may be there it is asked where it stands alone."""
+    if prim.IsA(UsdGeom.Gprim) or prim.HasAPI(UsdLux.LightAPI):
+        shared = prim.IsInPrototype() or any(map(prim.GetPath().HasPrefix, aside))
+        return "" if shared else _why(prim)
+    return _foreign(str(prim.GetTypeName()))
 
 
 def _foreign(kind: str) -> str:
@@ -76,18 +101,6 @@ def _why(prim: Usd.Prim) -> str:
 
 
 # What somebody wrote of them.
-
-
-def _unheeded(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
-    """(prim path, reason) of what the table alone tells of; inside instances of the first."""
-    for prim in stage.Traverse():
-        if lost := list(_losses(prim)):
-            yield str(prim.GetPath()), "; ".join(lost)
-    homes: dict[str, str] = {}
-    for prototype in stage.GetPrototypes():
-        for prim in Usd.PrimRange(prototype):
-            if lost := list(_losses(prim)):
-                yield _standing(prim, homes), "; ".join(lost)
 
 
 def _losses(prim: Usd.Prim) -> Iterator[str]:

@@ -33,17 +33,22 @@ _OMNI_PBR: Final = ("OmniPBR", "OmniPBR_Opacity", "OmniPBR_ClearCoat", "OmniPBR_
 _WHITE: Final[Color] = (1.0, 1.0, 1.0)
 _REFLECTANCE: Final = 0.08
 _SPACES: Final[dict[str, ColorSpace]] = {"sRGB": "sRGB", "raw": "raw"}
-# What is left out, with the values that change nothing.
-_LEFT_OUT: Final[dict[str, tuple[Any, ...]]] = {
-    "albedo_desaturation": (0.0,),
-    "bump_factor": (1.0,),
-    "project_uvw": (False,),
-    "uv_space_index": (0,),
-    "emissive_mask_texture": (),
-    "opacity_texture": (),
-    "detail_normalmap_texture": (),
-    "clearcoat_weight": (0.0,),
-    "enable_clearcoat": (False,),
+_READ: Final = frozenset(
+    "diffuse_color_constant diffuse_texture diffuse_tint albedo_brightness albedo_add "
+    "reflection_roughness_constant reflection_roughness_texture_influence "
+    "reflectionroughness_texture reflection_roughness_texture metallic_constant "
+    "metallic_texture_influence metallic_texture ORM_texture enable_ORM_texture specular_level "
+    "enable_emission emissive_color emissive_color_texture emissive_intensity enable_opacity "
+    "opacity_constant opacity_threshold normalmap_texture texture_scale texture_rotate "
+    "texture_translate".split()
+)
+# Of other inputs these values change nothing, beside zeros and what is empty.
+_IDLE: Final[dict[str, Any]] = {
+    "bump_factor": 1.0,
+    "detail_bump_factor": 0.3,
+    "detail_texture_scale": (1.0, 1.0),
+    "flip_tangent_v": True,
+    "opacity_mode": 1,
 }
 
 
@@ -72,9 +77,9 @@ def read_omni_pbr(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
     what = f"{name_of(shader)} of MDL"
     told = f"{what} is approximated by its constants and textures"
     network.losses.append(f"{shader.GetPath()}: {told}")
-    for name, idle in _LEFT_OUT.items():
-        value = network.constant(shader, name, None)
-        if value is not None and value not in idle and getattr(value, "path", True):
+    for socket in shader.GetInputs():
+        name = str(socket.GetBaseName())
+        if name not in _READ and not _is_idle(name, network.constant(shader, name, None)):
             network.lost(shader, name, "it is left out")
     packed = network.constant(shader, "enable_ORM_texture", False)
     cut = network.constant(shader, "enable_opacity", False)
@@ -91,6 +96,15 @@ def read_omni_pbr(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
         opacity_mode="presence",
         normal=_normal(network, shader),
     )
+
+
+def _is_idle(name: str, value: Any) -> bool:
+    """Whether an input says nothing that would be seen."""
+    if value is None or not getattr(value, "path", True):
+        return True
+    numbers = finite_numbers(value)
+    usual = finite_numbers(_IDLE.get(name, 0.0))
+    return bool(numbers) and (numbers == tuple(map(float, usual)) or not any(numbers))
 
 
 def _albedo(network: Network, shader: UsdShade.Shader) -> Color | Texture:

@@ -63,6 +63,11 @@ def is_known(shader: UsdShade.Shader) -> bool:
     return str(shader.GetShaderId() or "") in _MODELS
 
 
+def weights(kind: str) -> frozenset[str]:
+    """The inputs of a kind of surface that say how much of a part there is."""
+    return frozenset(_MODELS[kind].parts.values())
+
+
 def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
     """Read one of the surfaces for which `is_known` holds; what it cannot say here is told.
 
@@ -189,7 +194,11 @@ def _ior(said: _Said) -> float:
 
 def _normal(said: _Said) -> Color | Texture:
     value = said.color("normal")
-    return mended_normal_map(said.network, value) if isinstance(value, Texture) else _NORMAL
+    if isinstance(value, Texture):
+        return mended_normal_map(said.network, value)
+    if any(value) and value != _NORMAL:
+        said.lost("normal", "a constant direction is left out")
+    return _NORMAL
 
 
 def _with_mode(said: _Said, surface: PreviewSurface) -> PreviewSurface:
@@ -210,6 +219,8 @@ def _with_glass(said: _Said, surface: PreviewSurface) -> PreviewSurface:
     is_pane = not isinstance(clear, Texture) and clear >= _CLEAR and surface.metallic == 0.0
     if not is_pane or not isinstance(surface.opacity, float) or surface.opacity < 1.0:
         said.lost("clear", "light goes straight through, and what is clear reflects nothing")
+        if "tint" in said.model.inputs and said.color("tint") not in (_ONE, _ONE * 3):
+            said.lost("tint", "it is left out")
         rest = _number(affine(_folded(clear), (-1.0,), _ONE))
         opacity = product(_folded(surface.opacity), _folded(rest))
         return replace(surface, opacity=_number(_folded(rest) if opacity is None else opacity))

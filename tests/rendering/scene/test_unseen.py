@@ -150,3 +150,27 @@ def test_texture_coordinates_of_three_numbers(scheme: str) -> None:
                 expected = found.meshes[0].mesh.uvs["st"]
         assert np.array_equal(found.meshes[0].mesh.uvs["st"], expected)
         assert any("three numbers" in why for _, _, why in found.losses) == told
+
+
+@pytest.mark.parametrize("where", ["plain", "native", "scattered", "abstract"])
+def test_what_is_not_read_is_told_wherever_it_stands(where: str) -> None:
+    stage = Usd.Stage.CreateInMemory()
+    home = "/Proto" if where in ("native", "abstract") else "/World/Proto"
+    stage.DefinePrim(home, "Xform")
+    if where in ("native", "abstract"):
+        stage.GetPrimAtPath(home).SetSpecifier(Sdf.SpecifierClass)
+    model(stage, f"{home}/Body")
+    stage.DefinePrim(f"{home}/Made", "GenerativeProcedural")
+    if where == "native":
+        prim = stage.DefinePrim("/World/A", "Xform")
+        prim.GetReferences().AddInternalReference(home)
+        prim.SetInstanceable(True)
+        home = "/World/A"
+    elif where != "plain":
+        instancer = UsdGeom.PointInstancer.Define(stage, "/World/S")
+        instancer.CreatePrototypesRel().AddTarget(home)
+        instancer.CreateProtoIndicesAttr([0])
+        instancer.CreatePositionsAttr([(0, 0, 0)])
+    found = told(stage)
+    assert "model:drawMode" in found[f"{home}/Body"]
+    assert "what a program would make" in found[f"{home}/Made"]
