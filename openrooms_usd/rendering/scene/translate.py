@@ -223,7 +223,7 @@ class _Translation:
             bent = None if radiance is None else shaping
             unlit = self._links.unlit_by(mesh.path)
             group = self._group(mesh.path, surface, radiance, sheet, bent, unlit)
-            group.place(mesh, rows, st, piece)
+            group.place(self._surfaces.moved(mesh, rows, material, losses), rows, st, piece)
         if losses or whole:
             self._report.say(mesh.path, losses)
 
