@@ -13,8 +13,9 @@ from openrooms_usd.geometry.cages import matrix
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# A cubic piece, or what lies between two knots, is drawn by so many lines.
+# A cubic piece, or what lies between two knots, is drawn by at least so many lines.
 LINES: Final = 6
+_MOST_LINES: Final = 96
 
 # Rows: what each of four points weighs, by the powers 0 to 3 of the way along a piece.
 BASES: Final = {
@@ -29,7 +30,9 @@ HERMITE: Final = np.array([[1, 0, -3, 2], [0, 0, 3, -2], [0, 1, -2, 1], [0, 0, -
 LINE: Final = np.array([[1.0, -1.0], [0.0, 1.0]])
 
 
-def spans(knots: Array, order: int, count: int, reach: Array | None) -> csr_array:
+def spans(
+    knots: Array, order: int, count: int, reach: Array | None, lines: Ints | None = None
+) -> csr_array:
     """(S, count) what each control point weighs along a B-spline.
 
     Args:
@@ -37,6 +40,7 @@ def spans(knots: Array, order: int, count: int, reach: Array | None) -> csr_arra
         order: Its degree and one.
         count: Control points.
         reach: From where to where; None for all of it.
+        lines: Of what lies between each two knots; None for `LINES`.
 
     Raises:
         ValueError: Knots fall, or there are too few points.
@@ -49,8 +53,10 @@ def spans(knots: Array, order: int, count: int, reach: Array | None) -> csr_arra
     if not low < high:
         raise ValueError("the range of its knots is empty")
     inner = np.unique(np.clip(knots, low, high))
-    steps = 1 if order == 2 else LINES
-    at = np.unique(np.concatenate([np.linspace(a, b, steps + 1) for a, b in pairwise(inner)]))
+    if lines is None:
+        lines = np.full(len(inner) - 1, 1 if order == 2 else LINES)
+    ways = zip(pairwise(inner), lines.tolist(), strict=True)
+    at = np.unique(np.concatenate([np.linspace(a, b, steps + 1) for (a, b), steps in ways]))
     return csr_array(BSpline.design_matrix(at, knots, order - 1))
 
 
@@ -66,18 +72,51 @@ def rational(weights: csr_array, own: Array) -> csr_array:
     return csr_array(scaled.multiply(1.0 / scaled.sum(axis=1)[:, None]))
 
 
-def sampled(pieces: Ints, closed: bool) -> tuple[Ints, Array, Ints]:
-    """(S,) the piece of each point of the polylines and the way along it, and points of each."""
-    place, way = (
-        np.repeat(np.arange(pieces.sum()), LINES),
-        np.tile(np.arange(LINES) / LINES, pieces.sum()),
-    )
+def sampled(pieces: Ints, closed: bool, lines: Ints | None = None) -> tuple[Ints, Array, Ints]:
+    """(S,) the piece of each point of the polylines and the way along it, and points of each.
+
+    Args:
+        pieces: (C,) of each curve.
+        closed: Whether each ends where it begins.
+        lines: (P,) of each piece; None for `LINES`.
+    """
+    if lines is None:
+        lines = np.full(pieces.sum(), LINES)
+    place = np.repeat(np.arange(len(lines)), lines)
+    way = (np.arange(len(place)) - np.repeat(np.cumsum(lines) - lines, lines)) / lines[place]
+    ends = np.cumsum(lines)[np.cumsum(pieces) - 1]
+    counts = np.diff(ends, prepend=0)
     if closed:
-        return place, way, pieces * LINES
+        return place, way, counts
     # The last piece of each goes to its end.
-    last = np.cumsum(pieces) * LINES
-    place = np.insert(place, last, np.cumsum(pieces) - 1)
-    return place, np.insert(way, last, 1.0), pieces * LINES + 1
+    place = np.insert(place, ends, np.cumsum(pieces) - 1)
+    return place, np.insert(way, ends, 1.0), counts + 1
+
+
+def lines_needed(points: Array, slack: Array, pieces: Ints, closed: bool) -> Ints:
+    """(P,) how many lines each piece needs so that no chord is farther off than its slack.
+
+    A chord over a step h of a curve is off by at most h^2 / 8 times its second derivative, which
+    the second differences of points on it tell; that of a cubic is linear along a piece.
+
+    Args:
+        points: (S, 3) of all pieces by `LINES` lines each.
+        slack: (S,) how far off a chord may be there; of a piece the largest counts.
+        pieces: (C,) of each curve.
+        closed: Whether each ends where it begins.
+    """
+    starts = np.arange(pieces.sum()) * LINES
+    if not closed:
+        starts += np.repeat(np.arange(len(pieces)), pieces)
+    rows = starts[:, None] + np.arange(LINES)
+    bends = points[rows[:, :-2]] - 2.0 * points[rows[:, 1:-1]] + points[rows[:, 2:]]
+    lengths = np.linalg.norm(bends, axis=2)
+    # Half a difference of the two beyond either end.
+    steepest = lengths.max(axis=1) + np.linalg.norm(bends[:, -1] - bends[:, 0], axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        wanted = LINES * np.sqrt(steepest / (8.0 * slack[rows].max(axis=1)))
+    wanted = np.nan_to_num(wanted, nan=0.0, posinf=_MOST_LINES)
+    return np.ceil(np.clip(wanted, LINES, _MOST_LINES)).astype(np.int64)
 
 
 def weighted(places: Ints, way: Array, basis: Array, rows: Ints, size: int) -> csr_array:

@@ -15,7 +15,7 @@ from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Textur
 from orusd_mitsuba import MitsubaExporter
 from tests import small
 from tests.crowd import crowd
-from tests.mitsuba.rendering import radiance
+from tests.mitsuba.rendering import radiance, session_of
 from tests.pictures import save_picture
 from tests.small import square
 
@@ -120,7 +120,7 @@ def test_a_stage_far_away_is_moved_near_and_says_so(tmp_path):
     assert any(path == "/" and "moved" in reason for path, _, reason in report.losses())
 
 
-def test_instances_share_a_file_and_stand_where_they_do(open_stage, tmp_path, monkeypatch):
+def test_instances_share_a_file_and_stand_where_they_do(tmp_path, monkeypatch):
     pixels = np.random.default_rng(5).integers(40, 220, (8, 8, 3)).astype(np.uint8)
     stage = crowd(save_picture(tmp_path / "paper.png", pixels)).stage
     monkeypatch.setattr(gathering, "LEAST_SAVED_TRIANGLES", 1)
@@ -130,7 +130,7 @@ def test_instances_share_a_file_and_stand_where_they_do(open_stage, tmp_path, mo
     kinds = [element.get("type") for element in root if element.tag == "shape"]
     assert [kinds.count(kind) for kind in ("ply", "shapegroup", "instance")] == [1, 6, 24]
     assert len(list((tmp_path / "out" / "scene.meshes").iterdir())) == 7
-    ours = radiance(open_stage(stage), width=32, height=24, samples=32)
+    ours = radiance(session_of(stage, variant="scalar"), width=32, height=24, samples=32)
     import mitsuba as mi
 
     loaded = mi.load_file(str(tmp_path / "out" / "scene.xml"))

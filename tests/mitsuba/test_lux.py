@@ -196,3 +196,39 @@ def test_broken_values_give_a_picture(name: str, value: Any) -> None:
     made = small.patch()
     light(made, "Sphere", enableColorTemperature=True, **{name: value})
     assert np.isfinite(lux(made, 4)).all()
+
+
+THIN: dict[str, dict[str, Any]] = {
+    "Sphere": {"radius": 0.0, "normalize": True},
+    "Disk": {"radius": 0.0, "normalize": True},
+    "Rect": {"width": 0.0, "height": 0.0, "normalize": True},
+    "Cylinder": {"radius": 0.0, "length": 0.002, "normalize": True},
+}
+
+
+@pytest.mark.parametrize("kind", THIN)
+def test_a_light_of_no_size_lights_without_being_seen(shoot: Any, kind: str) -> None:
+    """Its flux is that of its intensity: a sphere, and a line from the side, give I / 4 d^2."""
+    nits, height = 1000.0, 2.0
+    made = small.Stage()
+    grey = made.material("/Grey", base_color=(0.5,) * 3)
+    made.quad("/Floor", small.square((0, 0, 0), 4), material=grey)
+    made.light(kind, "/Thin", nits, at=(0, 0, height), **THIN[kind])
+    # From above, through the light.
+    made.camera((0, 0, 4), (0, 0, 0), up=(0, 1, 0), fov=5, aspect=1.0)
+    images = shoot(made.stage, "radiance", "depth", width=9, height=9, samples=64, bounces=1).images
+    shares = {"Sphere": 0.25, "Disk": 1.0, "Rect": 1.0, "Cylinder": 1.0 / math.pi}
+    expected = 0.5 / math.pi * shares[kind] * nits / height**2
+    assert images["radiance"].pixels.mean() == pytest.approx(expected, rel=0.06)
+    assert images["radiance"].pixels.max() < 2.0 * expected
+    assert images["depth"].pixels == pytest.approx(4.0, abs=1e-5)
+
+
+def test_a_point_is_as_its_hint_says() -> None:
+    """Without normalize, too; and a sphere of no radius without either sends nothing."""
+    made = small.Stage()
+    made.light("Sphere", "/Point", 10.0, at=(0, 0, 1), radius=0.0)
+    assert ("/Point", "skipped", "it has no size") in translate(made.stage).report.losses()
+    made.stage.GetPrimAtPath("/Point").GetAttribute("treatAsPoint").Set(True)
+    (patch,) = [patch for patch in translate(made.stage).patches if patch.lamp]
+    assert patch.unseen and patch.radiance == pytest.approx((10.0 / (4e-6 * np.pi),) * 3, rel=1e-3)

@@ -19,7 +19,7 @@ from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.rendering.scene.cameras import clipping_loss, stage_resolution
 from openrooms_usd.rendering.scene.instances import Instances
 from openrooms_usd.rendering.scene.models import (
-    report_one_way,
+    report_plain,
     report_principled,
     report_simplified,
     with_model,
@@ -107,7 +107,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
     # What loads the file knows Mitsuba's own plugins alone.
     scene = without_shaping(with_model(translate(stage, default_light=True), "preview"))
     report_simplified(scene)
-    report_one_way(scene)
+    report_plain(scene)
     report_principled(scene)
     # A folder may hold several scenes: each has a ledger of its own.
     with claims.refilling(file.parent, f".orusd.{file.name}.sha256") as refill:

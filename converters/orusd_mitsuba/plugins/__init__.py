@@ -9,6 +9,7 @@
   ``two_ways`` is a texture that repeats in one direction alone.
 - ``light_weights`` says how often each light is sampled, and ``portal_environment`` samples the
   surroundings where they come in.
-- ``shaped_area`` is a lamp that follows a profile, ``sun_disk`` parallel light with soft shadows.
+- ``shaped_area`` is a lamp that follows a profile, ``unseen_area`` one that stands for a point or
+  a line, ``sun_disk`` parallel light with soft shadows.
 - ``memory`` is where arrays lie, so that kernels do not depend on chance.
 """

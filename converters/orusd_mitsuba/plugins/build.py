@@ -27,6 +27,7 @@ from orusd_mitsuba.plugins.material_table import MaterialTable, PreviewTable, sh
 from orusd_mitsuba.plugins.shaped_area import shaped_area
 from orusd_mitsuba.plugins.sun_disk import sun_disk
 from orusd_mitsuba.plugins.two_ways import two_ways
+from orusd_mitsuba.plugins.unseen_area import unseen_area
 
 
 class Builder:
@@ -50,6 +51,7 @@ class Builder:
         self._textures: dict[tuple[Any, ...], Any] = {}
         self._bsdfs: dict[int, Any] = {}
         self._shaped: dict[str, Any] = {}
+        self._areas: dict[str, Any] = {}
 
     def scene(
         self,
@@ -166,8 +168,8 @@ class Builder:
         for number, instances in enumerate(shared):
             name = f"{patch.name}_{number}"
             found |= meshes.shape_group(name, instances, self._origin, properties)
-        if patch.name in self._shaped:
-            self._shaped[patch.name].inner.set_shape(found[patch.name])
+        if patch.name in self._areas:
+            self._areas[patch.name].set_shape(found[patch.name])
         return found
 
     def first_rows(self, scene: Scene) -> NDArray[np.int64]:
@@ -193,10 +195,14 @@ class Builder:
         return joined(plain), shared
 
     def _emitter(self, patch: Patch, inner: Any) -> Any:
-        if patch.shaping is None:
-            return inner
-        self._shaped[patch.name] = shaped_area(inner, patch.shaping)
-        return self._shaped[patch.name]
+        found = inner
+        if patch.shaping is not None:
+            found = self._shaped[patch.name] = shaped_area(inner, patch.shaping)
+        if patch.unseen:
+            found = unseen_area(found)
+        if found is not inner:
+            self._areas[patch.name] = inner
+        return found
 
     @property
     def table(self) -> MaterialTable | None:

@@ -32,6 +32,7 @@ class Patch:
         lamp: The prim of the light that it is; empty where it is dark.
         unlit_by: The prims of lamps that do not light it.
         response: Of a lamp, factors of what it does on all surfaces but metals, and on metals.
+        unseen: Of a lamp, whether it lights without being seen.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Patch:
     lamp: str = field(default="", kw_only=True)
     unlit_by: tuple[str, ...] = field(default=(), kw_only=True)
     response: tuple[float, float] = field(default=(1.0, 1.0), kw_only=True)
+    unseen: bool = field(default=False, kw_only=True)
 
     def at(self, triangles: Triangles) -> "Patch":
         """The same with its triangles elsewhere, after a rigid motion of each of its pieces."""

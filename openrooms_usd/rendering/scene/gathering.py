@@ -34,6 +34,7 @@ class Gathered:
         shaping: What their light is multiplied with by direction.
         lamp: The prim of the light that they are; empty where they are dark.
         unlit_by: The prims of lamps that do not light them.
+        unseen: Whether they light without being seen.
     """
 
     surface: Surface
@@ -42,6 +43,7 @@ class Gathered:
     shaping: Shaping | None
     lamp: str
     unlit_by: tuple[str, ...]
+    unseen: bool = False
     _plain: list[Triangles] = field(default_factory=list)
     _placed: dict[tuple[int, bytes, int], "_Prototype"] = field(default_factory=dict)
 
@@ -177,6 +179,7 @@ def shapes(
                 lamp=group.lamp,
                 unlit_by=group.unlit_by,
                 response=responses.get(group.lamp, (1.0, 1.0)),
+                unseen=group.unseen,
             )
         )
     return tuple(patches), tuple(panes)

@@ -8,18 +8,19 @@ import numpy as np
 from pxr import UsdShade
 
 from openrooms_usd.exporters import Report
+from openrooms_usd.rendering.scene.displaced import displaced
 from openrooms_usd.rendering.scene.painted import Paint, paint, paint_over
 from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.rendering.scene.surfaces import Surface, SurfaceReader
-from openrooms_usd.rendering.scene.triangles import Floats
-from openrooms_usd.usd.shading.materialreader import BARE, read_preview_surface
+from openrooms_usd.rendering.scene.triangles import Floats, Ints
+from openrooms_usd.usd.shading.materialreader import BARE, read_displacement, read_preview_surface
 from openrooms_usd.usd.shading.materials import (
     Part,
     bound_materials,
     material_key,
     parts_by_material,
 )
-from openrooms_usd.usd.shading.surfaces import PreviewSurface, completed
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, completed
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 
 Parts = list[Part]
@@ -45,6 +46,7 @@ class MeshSurfaces:
         self._passed_on = passed_on
         self._report = report
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
+        self._moves: dict[str, float | Texture] = {}
         self._materials: dict[str, Surface] = {}
         self._paints: dict[tuple[object, ...], Paint | None] = {}
         self._dyed: dict[tuple[object, ...], Surface] = {}
@@ -61,8 +63,9 @@ class MeshSurfaces:
         for _, parts in found:
             for _, material in parts:
                 if material is not None and material_key(material) not in self._previews:
-                    preview, lost = read_preview_surface(material)
+                    preview, lost = read_preview_surface(material, moves=True)
                     self._previews[material_key(material)] = completed(preview), lost
+                    self._moves[material_key(material)] = read_displacement(material)
         self._reader.prefetch(preview for preview, _ in self._previews.values())
         return found
 
@@ -80,6 +83,20 @@ class MeshSurfaces:
         if painted is not None:
             return surface, painted
         return surface, self._texture_coordinates(mesh, surface, losses)
+
+    def moved(
+        self, mesh: PlacedMesh, rows: Ints, material: UsdShade.Material | None, losses: list[str]
+    ) -> PlacedMesh:
+        """The mesh with a part of it where its material moves it to.
+
+        Args:
+            mesh: The mesh.
+            rows: The triangles of the part.
+            material: Of the part, which `bind` gave.
+            losses: What was approximated is added.
+        """
+        by = 0.0 if material is None else self._moves[material_key(material)]
+        return mesh if by == 0.0 else displaced(mesh, rows, by, losses)
 
     def _texture_coordinates(self, mesh: PlacedMesh, surface: Surface, losses: list[str]) -> Floats:
         """(M, 3, 2) for a surface; instances of one mesh share them."""

@@ -68,8 +68,10 @@ def report_principled(scene: Scene) -> None:
     scene.report.lose(lost)
 
 
-def report_one_way(scene: Scene) -> None:
-    """Say in the report whose pictures go on in one way where they should in two."""
+def report_plain(scene: Scene) -> None:
+    """Say in the report what is lost where Mitsuba's own textures and emitters are all there is."""
+    seen = "it is seen as a ball or tube of 1 mm"
+    scene.report.lose({patch.lamp: seen for patch in scene.patches if patch.unseen})
     why = "its pictures go on along t as along s"
     scene.report.lose(
         {

@@ -55,6 +55,7 @@ _MOST_OF_A_GLOW_NITS: Final = 1.0
 _BLACK: Final = Surface(base_color=(0.0, 0.0, 0.0), roughness=1.0, ior=1.0)
 # A lamp by itself; one that stands for the pixels of a screen has a body behind it.
 _LAMP: Final = replace(_BLACK, one_sided=True)
+_UNSEEN: Final = replace(_BLACK, opacity=0.0)
 
 
 def _surface_of(light: Usd.Prim) -> Usd.Prim:
@@ -199,8 +200,9 @@ class _Translation:
             is_body = surface != source
             stands = str(surface.GetPath()) if is_body else light.path
             row = self._labels.row(stands, None)
-            dark = _BLACK if is_body else _LAMP
+            dark = _UNSEEN if light.unseen else _BLACK if is_body else _LAMP
             group = self._group(light.path, dark, radiance, shaping=light.shaping)
+            group.unseen = light.unseen
             group.add(lamps.shape(light, row))
             losses += lost
         else:
@@ -227,7 +229,7 @@ class _Translation:
             bent = None if radiance is None else shaping
             unlit = self._links.unlit_by(mesh.path)
             group = self._group(mesh.path, surface, radiance, sheet, bent, unlit)
-            group.place(mesh, rows, st, piece)
+            group.place(self._surfaces.moved(mesh, rows, material, losses), rows, st, piece)
         if losses or whole:
             self._report.say(mesh.path, losses)
 

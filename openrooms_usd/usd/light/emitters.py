@@ -28,6 +28,7 @@ class Light:
         shaping: What its radiance is multiplied with by direction; None: it is even.
         response: Factors of what it does on diffuse and on specular surfaces: not physical.
         source: The prim that says it, of what a point instancer scatters; else empty.
+        unseen: Whether it lights without being seen, as points and lines do.
     """
 
     path: str
@@ -37,6 +38,7 @@ class Light:
     shaping: Shaping | None = field(default=None, kw_only=True)
     response: tuple[float, float] = field(default=(1.0, 1.0), kw_only=True)
     source: str = field(default="", kw_only=True)
+    unseen: bool = field(default=False, kw_only=True)
 
     @property
     def prim(self) -> str:

@@ -47,7 +47,7 @@ def read_light(prim: Usd.Prim, world: Matrix | None = None) -> emitters.Light:
     found, lost = read_shaping(prim, light)
     response, told = _response(prim)
     losses = (*light.losses, *lost, *told)
-    return replace(light, shaping=found, response=response, losses=losses)
+    return replace(light, shaping=found, response=response, losses=losses, unseen=reader.thin)
 
 
 def _misplaced(prim: Usd.Prim, world: Matrix) -> str:
@@ -81,7 +81,7 @@ class _Reader:
     def __init__(self, prim: Usd.Prim, world: Matrix | None) -> None:
         self.prim = prim
         self.losses: list[str] = []
-        self.normalize = False
+        self.normalize = self.thin = False
         self.world = emitters.world_from_prim(prim) if world is None else world
 
     # Kinds: each reads what is its own, and what all have in common at the end.
@@ -108,14 +108,14 @@ class _Reader:
         return emitters.MeshLight(path, radiance * glow, world, losses, tinted)
 
     def rect(self) -> emitters.Light:
-        width, height = self.size("inputs:width", 1.0), self.size("inputs:height", 1.0)
+        width, height = (self.thick(f"inputs:{name}", 1.0) for name in ("width", "height"))
         texture = self.texture()
         return emitters.RectLight(
             *self.common(width * height * self.xy_scale()), width, height, texture
         )
 
     def disk(self) -> emitters.Light:
-        radius = self.size("inputs:radius", 0.5)
+        radius = self.thick("inputs:radius", 0.5)
         return emitters.DiskLight(*self.common(math.pi * radius**2 * self.xy_scale()), radius)
 
     def sphere(self) -> emitters.Light:
@@ -179,16 +179,17 @@ class _Reader:
             self.losses.append(f"{name}: {value:g} is no length; 0 is taken")
         return max(value, 0.0)
 
-    def thick(self, name: str, default: float, hint: str) -> float:
-        """A radius. Points and lines without any are taken as thin, of the flux that they have.
+    def thick(self, name: str, default: float, hint: str = "inputs:normalize") -> float:
+        """A length. What has none is taken as thin and unseen, of the flux that it has.
 
-        Without a surface there is no radiance: their intensity counts as if it was normalized.
+        Without a surface there is no radiance: the intensity of points and lines counts as if it
+        was normalized. Other lights without a surface send something only where they are so.
         """
-        radius = self.size(name, default)
-        if radius > 0.0 or not self.value(hint, False):
-            return radius
-        self.normalize = True
-        self.losses.append(f"{hint}: it is taken as {1e3 * _THIN_METRES:g} mm thick")
+        length = self.size(name, default)
+        if length > 0.0 or not (self.value(hint, False) or self.value("inputs:normalize", False)):
+            return length
+        self.normalize = self.thin = True
+        self.losses.append(f"{name}: it is taken as {1e3 * _THIN_METRES:g} mm thick, and not seen")
         scale = float(self.scales().mean())
         return _THIN_METRES / scale if scale > 0.0 else 0.0
 

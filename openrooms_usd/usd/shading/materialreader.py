@@ -36,7 +36,9 @@ _NOR: Final = ", Standard Surface, OpenPBR, glTF PBR, RealityKit PBR or OmniPBR"
 _UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
 
 
-def read_preview_surface(material: UsdShade.Material) -> tuple[PreviewSurface, tuple[str, ...]]:
+def read_preview_surface(
+    material: UsdShade.Material, *, moves: bool = False
+) -> tuple[PreviewSurface, tuple[str, ...]]:
     """Read a material's UsdPreviewSurface.
 
     Connections are followed through node graphs and interface inputs. What a `PreviewSurface`
@@ -44,6 +46,7 @@ def read_preview_surface(material: UsdShade.Material) -> tuple[PreviewSurface, t
 
     Args:
         material: Any material, of our own or of a foreign stage.
+        moves: Whether the caller moves what is displaced (`read_displacement`).
 
     Returns:
         The surface, and one sentence for each thing that was lost.
@@ -69,6 +72,9 @@ def read_preview_surface(material: UsdShade.Material) -> tuple[PreviewSurface, t
         values["opacity"] = 1.0
     f0 = _part_of_light(network, material, names.MATERIAL_F0)
     pane = _tint(network, material)
+    told = moves and _displacer(material)
+    if not told and _read_input(network, shader, "displacement", 0.0) != 0.0:
+        network.lost(shader, "displacement", "it is left out")
     completed = replace(
         _completed(network, shader, values),
         transmission=transmission,
@@ -77,6 +83,21 @@ def read_preview_surface(material: UsdShade.Material) -> tuple[PreviewSurface, t
         painted=_painted(network, shader),
     )
     return completed, tuple(network.losses)
+
+
+def read_displacement(material: UsdShade.Material) -> float | Texture:
+    """How far a material moves its surface along the normals, in units of the stage.
+
+    Its UsdPreviewSurface says so where ``outputs:displacement`` leads to it, too.
+    """
+    shader = _displacer(material)
+    found: float | Texture = 0.0
+    return found if shader is None else _read_input(Network(), shader, "displacement", found)
+
+
+def _displacer(material: UsdShade.Material) -> UsdShade.Shader | None:
+    shader = UsdShade.Shader(material.ComputeDisplacementSource()[0])
+    return shader if shader and shader.GetShaderId() in _PREVIEWS else None
 
 
 def preview_shader(material: UsdShade.Material) -> UsdShade.Shader | None:
@@ -181,8 +202,6 @@ def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]
         values["specular"] = (0.0, 0.0, 0.0)
     if isinstance(values["normal"], Texture):
         values["normal"] = mended_normal_map(network, values["normal"])
-    if _read_input(network, shader, "displacement", 0.0) != 0.0:
-        network.lost(shader, "displacement", "it is left out")
     presence = str(network.constant(shader, "opacityMode", "")) == "presence"
     return PreviewSurface(
         **values,

@@ -20,6 +20,8 @@ _FEW_SIDES: Final = 4
 _MANY_CURVES: Final = 500
 # Of curves that do not say how thick they are: as in Hydra, in units of the stage.
 _WIDTH: Final = 1.0
+# How far off a chord may be, in radii.
+_SLACK: Final = 0.05
 
 _T: Final = UsdGeom.Tokens
 
@@ -33,12 +35,16 @@ class Sampling:
         varying: (S, V) likewise, of values at the ends of pieces.
         counts: (C,) points of each polyline.
         curves: (C,) which curve each polyline is; None where each is.
+        closed: Whether each polyline ends where it begins.
+        pieces: (C,) how many pieces that bend each has; None where all are straight.
     """
 
     vertex: csr_array
     varying: csr_array
     counts: Ints
     curves: Ints | None = None
+    closed: bool = False
+    pieces: Ints | None = None
 
     def along(self, values: Array, interpolation: str) -> Array:
         """(S, ...) a primvar's values along the polylines; one alone is that of all of them.
@@ -65,37 +71,62 @@ def read_curves(prim: Usd.Prim) -> Drawn:
         prim: A ``BasisCurves``, ``NurbsCurves`` or ``HermiteCurves``.
     """
     curves = UsdGeom.Curves(prim)
-    points = numbers(curves.GetPointsAttr(), 3)
-    counts = integers(curves.GetCurveVertexCountsAttr())
     losses: list[str] = []
     try:
-        least = 0 if prim.IsA(UsdGeom.BasisCurves) else 2
-        if not len(counts) or counts.min() < least or counts.sum() != len(points):
-            raise ValueError("curveVertexCounts do not add up to the number of points")
-        closed = False
-        if prim.IsA(UsdGeom.BasisCurves):
-            sampling, closed = _basis(UsdGeom.BasisCurves(prim), counts, losses)
-            places = sampling.vertex @ points
-        elif prim.IsA(UsdGeom.NurbsCurves):
-            sampling = _nurbs(UsdGeom.NurbsCurves(prim), counts, losses)
-            places = sampling.vertex @ points
-        else:
-            tangents = numbers(UsdGeom.HermiteCurves(prim).GetTangentsAttr(), 3)
-            if len(tangents) != len(points):
-                raise ValueError("there are not as many tangents as points")
-            sampling, bent = _hermite(counts)
-            places = bent @ np.concatenate([points, tangents])
+        sampling, places = _polylines(curves, losses)
+        widths = _widths(curves, sampling, losses)
+        if sampling.pieces is not None and np.isfinite(places).all():
+            slack = _SLACK * 0.5 * widths
+            lines = splines.lines_needed(places, slack, sampling.pieces, sampling.closed)
+            if (lines > splines.LINES).any():
+                each = np.split(lines, np.cumsum(sampling.pieces)[:-1])
+                sampling, places = _polylines(curves, [], each)
+                widths = _widths(curves, sampling, [])
     except ValueError as reason:
         return Drawn(None, [str(reason)])
-    widths, facing = _widths(curves, sampling, losses), _facing(curves, sampling, losses)
+    facing = _facing(curves, sampling, losses)
     if not np.isfinite(places).all() or not np.isfinite(widths).all():
         return Drawn(None, ["points or widths hold NaN or infinity"])
-    strands = Strands(places, np.maximum(widths, 0.0), sampling.counts, closed)
+    strands = Strands(places, np.maximum(widths, 0.0), sampling.counts, sampling.closed)
     if facing is not None:
         return Drawn(ribbons(strands, facing), losses, sampling.along)
-    sides = _FEW_SIDES if len(counts) > _MANY_CURVES else _SIDES
+    many = len(sampling.counts) > _MANY_CURVES
+    sides = _FEW_SIDES if many else _SIDES
     losses.append(f"curves are drawn as tubes with {sides} sides")
     return Drawn(tubes(strands, sides), losses, sampling.along)
+
+
+def _polylines(
+    curves: UsdGeom.Curves, losses: list[str], lines: list[Ints] | None = None
+) -> tuple[Sampling, Array]:
+    """Where polylines get their points from, and the points.
+
+    Args:
+        curves: The prim.
+        losses: What was approximated is added.
+        lines: Of each curve, for each of its pieces; None for the least.
+
+    Raises:
+        ValueError: Its numbers do not fit.
+    """
+    prim = curves.GetPrim()
+    points = numbers(curves.GetPointsAttr(), 3)
+    counts = integers(curves.GetCurveVertexCountsAttr())
+    least = 0 if prim.IsA(UsdGeom.BasisCurves) else 2
+    if not len(counts) or counts.min() < least or counts.sum() != len(points):
+        raise ValueError("curveVertexCounts do not add up to the number of points")
+    together = None if lines is None else np.concatenate(lines)
+    if prim.IsA(UsdGeom.HermiteCurves):
+        tangents = numbers(UsdGeom.HermiteCurves(prim).GetTangentsAttr(), 3)
+        if len(tangents) != len(points):
+            raise ValueError("there are not as many tangents as points")
+        sampling, bent = _hermite(counts, together)
+        return sampling, bent @ np.concatenate([points, tangents])
+    if prim.IsA(UsdGeom.BasisCurves):
+        sampling = _basis(UsdGeom.BasisCurves(prim), counts, losses, together)
+    else:
+        sampling = _nurbs(UsdGeom.NurbsCurves(prim), counts, losses, lines)
+    return sampling, sampling.vertex @ points
 
 
 def _widths(curves: UsdGeom.Curves, sampling: Sampling, losses: list[str]) -> Array:
@@ -122,7 +153,9 @@ def _facing(curves: UsdGeom.Curves, sampling: Sampling, losses: list[str]) -> Ar
         return None
 
 
-def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tuple[Sampling, bool]:
+def _basis(
+    curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str], lines: Ints | None
+) -> Sampling:
     """Pieces of four points each; linear ones are their points."""
     basis, wrap = str(curves.GetBasisAttr().Get(TIME)), str(curves.GetWrapAttr().Get(TIME))
     closed, number = wrap == _T.periodic, int(counts.sum())
@@ -143,7 +176,7 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tupl
         if not len(counts):
             raise ValueError("no curve has as many points as its basis needs")
     if linear:
-        return Sampling(ends, ends, counts, which), closed
+        return Sampling(ends, ends, counts, which, closed)
     if wrap == _T.pinned and step == 1:
         # One more point at each end, as far beyond as the next is before: the curve begins there.
         ends, counts = csr_array(_extended(counts) @ ends), counts + 2
@@ -152,7 +185,7 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tupl
     first = (np.cumsum(pieces) - pieces)[curve]
     local = (np.arange(len(curve)) - first)[:, None] * step + np.arange(4)
     rows = (np.cumsum(counts) - counts)[curve][:, None] + local % counts[curve][:, None]
-    places, along, lines = splines.sampled(pieces, closed)
+    places, along, drawn = splines.sampled(pieces, closed, lines)
     vertex = splines.weighted(places, along, splines.BASES[basis], rows, int(counts.sum()))
     # Values at the ends of pieces: one more than pieces, of a ring as many.
     shown = pieces if closed else pieces + 1
@@ -161,7 +194,7 @@ def _basis(curves: UsdGeom.BasisCurves, counts: Ints, losses: list[str]) -> tupl
     two = (one + 1) % shown[curve]
     pair = np.stack([start + one, start + two], axis=1)
     varying = splines.weighted(places, along, splines.LINE, pair, int(shown.sum()))
-    return Sampling(csr_array(vertex @ ends), varying, lines, which), closed
+    return Sampling(csr_array(vertex @ ends), varying, drawn, which, closed, pieces)
 
 
 def _fitting(counts: Ints, least: int, step: int) -> Ints:
@@ -170,7 +203,9 @@ def _fitting(counts: Ints, least: int, step: int) -> Ints:
     return np.asarray(np.where(counts < least, 0, whole))
 
 
-def _nurbs(curves: UsdGeom.NurbsCurves, counts: Ints, losses: list[str]) -> Sampling:
+def _nurbs(
+    curves: UsdGeom.NurbsCurves, counts: Ints, losses: list[str], lines: list[Ints] | None
+) -> Sampling:
     orders = integers(curves.GetOrderAttr())
     knots, ranges = numbers(curves.GetKnotsAttr()), numbers(curves.GetRangesAttr(), 2)
     weights = numbers(curves.GetPointWeightsAttr())
@@ -186,26 +221,28 @@ def _nurbs(curves: UsdGeom.NurbsCurves, counts: Ints, losses: list[str]) -> Samp
         own = knots[at : at + count + order]
         at += count + order
         reach = ranges[number] if len(ranges) else None
-        found.append(splines.spans(own, int(order), int(count), reach))
+        some = None if lines is None else lines[number]
+        found.append(splines.spans(own, int(order), int(count), reach, some))
     vertex = csr_array(block_diag(found))
     if len(weights):
         vertex = splines.rational(vertex, weights)
-    lines = np.array([one.shape[0] for one in found])
-    return Sampling(vertex, splines.identity(int(lines.sum())), lines)
+    drawn = np.array([one.shape[0] for one in found])
+    pieces = (drawn - 1) // splines.LINES if (orders > 2).all() else None
+    return Sampling(vertex, splines.identity(int(drawn.sum())), drawn, pieces=pieces)
 
 
-def _hermite(counts: Ints) -> tuple[Sampling, csr_array]:
+def _hermite(counts: Ints, lines: Ints | None) -> tuple[Sampling, csr_array]:
     """Weights along the lines between points, and of points, then tangents, along the curves."""
     pieces, number = counts - 1, int(counts.sum())
     curve = np.repeat(np.arange(len(counts)), pieces)
     first = np.arange(len(curve)) + curve
-    places, along, lines = splines.sampled(pieces, False)
+    places, along, drawn = splines.sampled(pieces, False, lines)
     pair = np.stack([first, first + 1], axis=1)
     straight = splines.weighted(places, along, splines.LINE, pair, number)
     bent = splines.weighted(
         places, along, splines.HERMITE, np.hstack([pair, pair + number]), 2 * number
     )
-    return Sampling(straight, straight, lines), bent
+    return Sampling(straight, straight, drawn, pieces=pieces), bent
 
 
 def _extended(counts: Ints) -> csr_array:
