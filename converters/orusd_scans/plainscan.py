@@ -19,7 +19,7 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.thinning import clean
+from openrooms_usd.scan.points.thinning import clean, evened
 from openrooms_usd.scan.rooms.verticals import Vertical, verticals
 from openrooms_usd.scan.segmentation.naming import with_labels
 from orusd_scans.formats.arrays import read_npz
@@ -95,7 +95,6 @@ UNDETERMINED: Final = (
 _SAMPLES: Final = 200_000
 # Percentiles that bound the extent, without outliers.
 _EXTENT_PERCENTILES: Final = (1.0, 99.0)
-_MAX_SAMPLE_POINTS: Final = 100_000
 # Scans farther than this from the source's origin get an origin of their own, metres.
 _FAR_FROM_ORIGIN_M: Final = 1000.0
 
@@ -146,8 +145,9 @@ def find_standing(cloud: Cloud, asked: Asked, source: Path) -> Standing:
 
 def _as_said(cloud: Cloud, up: Array) -> Vertical:
     """The direction that is said, of a scan that shows hardly any surface."""
-    heights = cloud.points @ up
-    across = cloud.points - heights[:, None] * up
+    points = cloud.points[evened(cloud.points)[0]]
+    heights = points @ up
+    across = points - heights[:, None] * up
     along = float(np.ptp(np.percentile(heights, (1.0, 99.0))))
     sizes = np.ptp(np.percentile(across, (1.0, 99.0), axis=0), axis=0)
     return Vertical(up, 0.0, np.inf, None, (along, float(np.linalg.norm(sizes))))
@@ -310,11 +310,8 @@ def _frame(scanned: Scanned, stands: Standing, source: Path) -> WorldFrame:
 
 def _range(points: Array) -> tuple[Array, Array]:
     """(3,) each, robust least and greatest coordinates."""
-    some = points[:: max(len(points) // _MAX_SAMPLE_POINTS, 1)]
-    some = some[np.isfinite(some).all(axis=1)]
-    if len(some) == 0:
-        return np.zeros(3), np.zeros(3)
-    low, high = np.percentile(some, _EXTENT_PERCENTILES, axis=0)
+    sound = points[np.isfinite(points).all(axis=1)]
+    low, high = np.percentile(sound[evened(sound)[0]], _EXTENT_PERCENTILES, axis=0)
     return low, high
 
 
