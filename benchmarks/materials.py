@@ -8,8 +8,8 @@ density, and are estimated on our samples. Light is even, or comes from every ot
 degrees.
 
 albedo: what a surface of base colour 0.5 reflects of even light, by our model and by the
-UsdPreviewSurface with ior 1.576 that stands for it elsewhere, as Mitsuba's `principled`; and how
-far our sampling is from an integral in double precision.
+UsdPreviewSurface with ior 1.576 that stands for it elsewhere; and how far our sampling is from an
+integral in double precision.
 """
 
 import time
@@ -100,10 +100,11 @@ class _Surfaces:
         import drjit as dr
         import mitsuba as mi
 
-        from orusd_mitsuba.plugins import openrooms_bsdf
+        from orusd_mitsuba.plugins import openrooms_bsdf, preview_bsdf
 
         mi.set_variant(backend.variant)
         openrooms_bsdf.register(backend.variant)
+        preview_bsdf.register(backend.variant)
         self._dr, self._mi, self._count = dr, mi, count
         rng = np.random.default_rng(1)
         self._which = mi.Float(rng.random(count, dtype=np.float32))
@@ -114,6 +115,9 @@ class _Surfaces:
         return self._load("openrooms", roughness, metallic, f0=F0)
 
     def preview(self, roughness: float, metallic: float = 0.0) -> Any:
+        return self._load("usd_preview", roughness, metallic, f0=F0)
+
+    def principled(self, roughness: float, metallic: float = 0.0) -> Any:
         return self._load("principled", roughness, metallic, eta=ior_of(F0))
 
     def _load(self, kind: str, roughness: float, metallic: float, **inputs: float) -> Any:
@@ -124,7 +128,7 @@ class _Surfaces:
     def compared(self, inputs: tuple[float, float], cosine: float, light: str) -> dict[str, float]:
         """Variance times time: ours in nanoseconds, the others in multiples of it."""
         dr, mi = self._dr, self._mi
-        ours, other, si = self.ours(*inputs), self.preview(*inputs), self.seen(cosine)
+        ours, other, si = self.ours(*inputs), self.principled(*inputs), self.seen(cosine)
         bs, weight = ours.sample(self._context, si, self._which, self._where)
         L = self._light(bs.wo, light)
         value, p = weight.x * bs.pdf * L, bs.pdf

@@ -1,11 +1,11 @@
 """Finds importers, renderers, exporters and the like by entry point, ours and anybody's alike."""
 
-import difflib
 from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Final
 
 from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.spelling import did_you_mean
 
 IMPORTERS: Final = "openrooms_usd.importers"
 RENDERERS: Final = "openrooms_usd.renderers"
@@ -31,10 +31,10 @@ def find(group: str, name: str) -> EntryPoint:
     found = available(group)
     if name not in found:
         kind = _kind(group)
-        near = difflib.get_close_matches(name, found, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
         known = ", ".join(found) or "none: install the package first (pip install -e .)"
-        raise InputError(f"no {kind} is named {name!r}", remedy=f"{hint}installed: {known}")
+        raise InputError(
+            f"no {kind} is named {name!r}{did_you_mean(name, found)}", remedy=f"installed: {known}"
+        )
     return found[name]
 
 
@@ -83,7 +83,8 @@ def check_options(
         if option not in declared:
             known = ", ".join(sorted(declared)) or "none"
             raise InputError(
-                f"the {_kind(group)} {name!r} has no option {option!r}",
+                f"the {_kind(group)} {name!r} has no option {option!r}"
+                f"{did_you_mean(option, declared)}",
                 place="options",
                 remedy=f"it has: {known}",
             )

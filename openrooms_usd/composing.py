@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from openrooms_usd import claims, names
-from openrooms_usd.description import load_room
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
+from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.room import Room
 from openrooms_usd.edits.fitting import misfits_of
 from openrooms_usd.edits.foreign import refuse_foreign
 from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, OutputError, StageError, printable
 from openrooms_usd.progress import Progress, nested, silent
-from openrooms_usd.stages import base, runner
+from openrooms_usd.spelling import did_you_mean
+from openrooms_usd.stages import base, checks, runner
 from openrooms_usd.stages.draft import Draft, drafting
 from openrooms_usd.stages.reports import gather
 
@@ -86,9 +87,8 @@ def compose_room(
 
     Stages whose inputs have not changed since their layer was written are skipped.
     """
-    described = description if isinstance(description, Room) else load_room(description)
-    source = base or described.folder or Path()
-    room = _explicit(described)
+    described, source = checks.checked(description, base)
+    room, about_clutter = _explicit(described.located(source))
     chosen = _chosen(only)
     if printable(out.absolute(), lines=False) != str(out.absolute()):
         raise OutputError(
@@ -105,16 +105,24 @@ def compose_room(
             for index, stage in enumerate(chosen):
                 begin, end = index / len(chosen), (index + 1) / len(chosen)
                 share = nested(progress, stage.name, begin, end)
-                summaries.append(_run(stage, room, source, draft, workers, share))
-            runner.write_scene(draft)
+                try:
+                    summaries.append(_run(stage, room, source, draft, workers, share))
+                except FieldsError as error:
+                    raise described.refused(error.found) from None
+            noted = None
             if any(summary.state == "written" for summary in summaries):
-                runner.check(draft)
+                from openrooms_usd.validation.model import Subject
+                from openrooms_usd.validation.room_rules import told
+
+                noted = tuple(told(Subject(runner.check(draft))))
+            runner.write_scene(draft, noted)
         files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz, include_outside))
         orphans = orphans_of(out)
         misfits = misfits_of(out)
     notes = (
+        *about_clutter,
         *_about_settled(out, summaries),
-        *_about_room(out, summaries),
+        *runner.notes_of(out / names.SCENE),
         *_about_strangers(out, draft),
         *(f"{misfit}: see orusd edits fit" for misfit in misfits),
     )
@@ -135,16 +143,6 @@ def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str
         yield f"{layer} has {len(gone)} opinions that do nothing, the first: {gone[0]}: {again}"
 
 
-def _about_room(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
-    """What is to be said of a room that was written anew and shows what nobody meant."""
-    if any(row.state == "written" for row in summaries):
-        from openrooms_usd.usd.files.layers import open_stage
-        from openrooms_usd.validation.model import Subject
-        from openrooms_usd.validation.room_rules import told
-
-        yield from told(Subject(open_stage(out / names.SCENE)))
-
-
 def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:
     """What lies among the files of a stage and is not ours to remove."""
     if draft.stay:
@@ -153,15 +151,20 @@ def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:
         yield f"{first}{more}: no layer refers to it, and compose did not write it as it is now"
 
 
-def _explicit(room: Room) -> Room:
-    """The room with what is to be generated spelled out; the generator is imported only then."""
-    if not isinstance(room.layout, GeneratedLayout) and not isinstance(
-        room.alignment, GeneratedAlignment
-    ):
-        return room
+def _explicit(room: Room) -> tuple[Room, tuple[str, ...]]:
+    """The room with what is to be drawn spelled out, and what is to be said of that.
+
+    The generator is imported only then.
+    """
+    generated = isinstance(room.layout, GeneratedLayout)
+    if not generated and not isinstance(room.alignment, GeneratedAlignment) and not room.clutter:
+        return room, ()
     from openrooms_usd.generation import expanded
 
-    return expanded(room)
+    explicit = expanded(room)
+    before, after = (len(getattr(one.alignment, "objects", ())) for one in (room, explicit))
+    nothing = "clutter: nothing was laid, no surface here took any; add a table or a shelf"
+    return explicit, (nothing,) if room.clutter and before == after else ()
 
 
 def _run(
@@ -176,9 +179,10 @@ def _run(
     started = time.perf_counter()
     progress("", 0.0)
     wanted = base.fingerprint(stage, room, source, draft.layer)
-    notes: Sequence[str] = ()
     state: State = "unchanged"
-    if not runner.is_current(stage, wanted, draft):
+    if runner.is_current(stage, wanted, draft):
+        notes: Sequence[str] = runner.notes_of(draft.layer(stage.name), stage.name)
+    else:
         state = "written"
         threads = workers or os.cpu_count() or 1
         notes = runner.run(stage, room, source, draft, wanted, threads, progress)
@@ -193,7 +197,10 @@ def _chosen(only: str | None) -> list[base.Stage]:
     chosen = [stage for stage in stages if stage.name == only]
     if not chosen:
         known = ", ".join(stage.name for stage in stages)
-        raise InputError(f"no stage is named {only!r}", remedy=f"stages: {known}")
+        raise InputError(
+            f"no stage is named {only!r}{did_you_mean(only, names.STAGES)}",
+            remedy=f"stages: {known}",
+        )
     return chosen
 
 

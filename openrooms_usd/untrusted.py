@@ -48,6 +48,9 @@ MOST_BYTES: Final[dict[Kind, int]] = {
     "points": 65_536 * _MIB,
     "frames": 262_144 * _MIB,
 }
+# What Git LFS leaves in place of a file is shorter.
+_MOST_OF_A_POINTER: Final = 1024
+_POINTER: Final = b"version https://git-lfs.github.com/spec/"
 # What Linux, macOS and Windows take at most.
 _LONGEST_NAME_BYTES: Final = 255
 _LONGEST_PATH_BYTES: Final = 4095
@@ -103,12 +106,28 @@ def opened(path: Path, kind: Kind, *, remedy: str = "check the path") -> Iterato
         with _descriptor(path) as handle:
             _check_file(path, kind, os.fstat(handle))
             with open(handle, "rb", closefd=False) as stream:
+                if os.fstat(handle).st_size < _MOST_OF_A_POINTER:
+                    check_head(stream.peek(), path)
                 yield stream
     except FileNotFoundError as error:
         raise InputError("no such file", place=path, remedy=remedy) from error
     except OSError as error:
         reason = f"cannot read it: {error.strerror or error}"
         raise InputError(reason, place=path, remedy=remedy) from error
+
+
+def check_head(data: bytes, path: object) -> None:
+    """Refuse what stands in place of a file where Git LFS has not fetched it.
+
+    Raises:
+        InputError: The data begin as such a pointer does.
+    """
+    if data.startswith(_POINTER):
+        raise InputError(
+            "a Git LFS pointer stands in place of this file",
+            place=path,
+            remedy="run `git lfs pull` in its repository",
+        )
 
 
 @contextmanager

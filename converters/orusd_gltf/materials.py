@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from openrooms_usd.usd.arrays import array_of, flattened
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import bound_material, material_key, parts_by_material
-from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, completed
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Document, Object, number, numbers
 from orusd_gltf.geometry import Coordinates
@@ -284,7 +284,8 @@ class Looks:
         own, key = material.GetPrim(), material_key(material)
         if key not in self._known:
             preview, losses = read_preview_surface(material)
-            self._known[key] = Look(key, own.GetName(), str(own.GetPath()), preview, losses)
+            surface = completed(preview)
+            self._known[key] = Look(key, own.GetName(), str(own.GetPath()), surface, losses)
         return self._known[key]
 
 

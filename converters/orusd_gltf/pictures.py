@@ -159,7 +159,7 @@ class Pictures:
             return False
         if texture.color_space != space or max(file.facts.width, file.facts.height) > MAX_SIDE:
             return False
-        if space == "sRGB" and texture.channel != "rgb":
+        if (space == "sRGB" and texture.channel != "rgb") or texture.is_shuffled:
             return False
         return scaled or (
             texture.bias == _UNSCALED[1] and 0.0 <= min(texture.scale) <= max(texture.scale) <= 1.0

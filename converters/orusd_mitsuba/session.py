@@ -16,7 +16,7 @@ from openrooms_usd.rendering.bake.request import Irradiance, IrradianceRequest
 from openrooms_usd.rendering.contract import CACHE, GUIDES, REFERENCE, Method, ViewProgress
 from openrooms_usd.rendering.probes import ProbeRequest
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.models import report_simplified, with_model
+from openrooms_usd.rendering.scene.models import report_principled, report_simplified, with_model
 from openrooms_usd.rendering.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bias import measurable, with_bias
@@ -102,6 +102,7 @@ class MitsubaSession:
         if not self.is_vectorized:
             report_panes(self._scene)
             report_simplified(self._scene)
+            report_principled(self._scene)
         # Before they are built: they may not fit.
         crowded = instances_advice(self._scene) if self.is_vectorized else ""
         self._builder = Builder(self._scene.origin)

@@ -19,6 +19,7 @@ from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.mainpart import FEW, MOST, main_part
 from openrooms_usd.scan.points.thinning import clean, evened
 from openrooms_usd.scan.rooms.verticals import Vertical, verticals
 from openrooms_usd.scan.segmentation.naming import with_labels
@@ -127,7 +128,8 @@ def find_standing(cloud: Cloud, asked: Asked, source: Path) -> Standing:
     Raises:
         InputError: What is said is absurd, or the evidence is not clear.
     """
-    found, notes = verticals(cloud), list[str]()
+    notes = list[str]()
+    found = _room_like(cloud)
     if not found:
         found = (_as_said(cloud, asked.up),)
         if not asked.up_said:
@@ -141,6 +143,18 @@ def find_standing(cloud: Cloud, asked: Asked, source: Path) -> Standing:
     if asked.unit is None and name != "m":
         settled["unit"] = name
     return Standing(up, unit, settled, tuple(notes))
+
+
+def _room_like(cloud: Cloud) -> tuple[Vertical, ...]:
+    """The verticals of the part of a scan that has a floor and a ceiling, without what is outside.
+
+    Where none has both, those of the part with most of the points.
+    """
+    usual = verticals(main_part(cloud, FEW))
+    if any(one.height is not None for one in usual[:1]):
+        return usual
+    dense = verticals(main_part(cloud, MOST))
+    return dense if any(one.height is not None for one in dense) else usual
 
 
 def _as_said(cloud: Cloud, up: Array) -> Vertical:

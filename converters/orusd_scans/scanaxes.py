@@ -30,9 +30,10 @@ _USUAL_LOG_ODDS: Final = {
     "cm": -3.0,
     "in": -4.0,
     "ft": -4.0,
-    "dm": -5.0,
-    "km": -5.0,
+    "dm": -8.0,
+    "km": -8.0,
 }
+_RARE_LOG_ODDS: Final = -5.0
 # Heights of rooms: flats, halls and what else there is: weight, median in metres, spread.
 _HEIGHTS_M: Final = ((0.7, 2.6, 0.12), (0.25, 3.4, 0.4), (0.02, 6.0, 1.0))
 _NO_HEIGHT_DENSITY: Final = 1e-3
@@ -40,17 +41,19 @@ _HEIGHT_WEIGHT: Final = 1.1
 _OPEN_WEIGHT: Final = 0.4
 # Usual extents of a scan: its height where an end is open, and its length, metres; their spreads.
 _TALL_M_AND_SPREAD, _LONG_M_AND_SPREAD = (2.6, 0.5), (6.0, 0.8)
-# No scan of a room is smaller or larger, metres.
-_TALL_LIMITS_M: Final = (0.4, 60.0)
+# Seats, beds and tables: how high they usually are, and the spread; how much that counts at most.
+_TOPS_M_AND_SPREAD: Final = (0.7, 0.4)
+_MOST_OF_TOPS: Final = 3.5
+# No scan of a room is smaller or larger, nor is its ceiling lower or higher, metres.
+_TALL_LIMITS_M: Final = (0.0, 60.0)
 _LONG_LIMITS_M: Final = (0.8, 800.0)
+_CEILING_LIMITS_M: Final = (1.6, 60.0)
 _BEYOND_LOG_ODDS: Final = -8.0
-# Log odds of another unit from which it is worth a note, is taken, is refused where nobody or
-# somebody said the unit; and by which the best must be ahead of the second.
-_CLEAR_UNIT_LOG_ODDS: Final = 4.0
+# Log odds of another unit from which it is told, is taken, and what was said is refused.
 _DOUBTFUL_LOG_ODDS: Final = 0.5
+_CLEAR_UNIT_LOG_ODDS: Final = 4.0
 _ABSURD_LOG_ODDS: Final = 6.0
-# Log odds of a size below which nothing is a room, and below which a room is unusual.
-_NO_ROOM_LOG_ODDS: Final = -5.0
+# Log odds of a size below which a room is unusual.
 _ODD_HEIGHT_LOG_ODDS, _ODD_SIZE_LOG_ODDS = -2.5, -1.1
 
 
@@ -107,23 +110,37 @@ def find_unit(
         InputError: What is said is absurd, or the evidence is not clear.
     """
     fits = {
-        name: max(v.line + size_odds(v, length) + _USUAL_LOG_ODDS[name] for v in found)
+        name: max(_fit(v, asked, length) for v in found) + _USUAL_LOG_ODDS[name]
         for name, length in UNITS.items()
     }
     best, second = sorted(fits, key=lambda name: -fits[name])[:2]
     said, name = asked.unit or (1.0, "m")
-    own = max(v.line + size_odds(v, said) for v in found)
+    own = max(_fit(v, asked, said) for v in found)
     against = 0.0 if np.isclose(UNITS[best], said) else fits[best] - own
     room, other = _room(found, said), f"`--unit {best}` would make it {_room(found, UNITS[best])}"
     if asked.unit is not None:
-        if against > _ABSURD_LOG_ODDS:
+        if against > _ABSURD_LOG_ODDS and not _is_room(_likeliest(found, said), said):
             raise InputError(
                 f"in {_called(name)} the scan would be {room}", place=source, remedy=other
             )
         if against > _CLEAR_LOG_ODDS:
             notes.append(f"in {_called(name)} the scan is {room}; {other}")
         return said, name
-    if size_odds(_likeliest(found, UNITS[best]), UNITS[best]) < _NO_ROOM_LOG_ODDS:
+    possible = _is_room(_likeliest(found, UNITS[best]), UNITS[best])
+    alone = fits[best] - fits[second] > _ALONE_LOG_ODDS
+    if against > _CLEAR_UNIT_LOG_ODDS and alone and possible:
+        notes.append(
+            f"{_called(best)} are taken for the scan's unit: it is {_room(found, UNITS[best])}, and"
+            f" in metres would be {room} (`--unit` says otherwise)"
+        )
+        return UNITS[best], best
+    if not _is_room(_likeliest(found, said), said):
+        if possible and _USUAL_LOG_ODDS[best] > _RARE_LOG_ODDS:
+            raise InputError(
+                f"the scan's unit is not clear: in metres it would be {room}",
+                place=source,
+                remedy=f"{other}; `--unit m` if it is in metres",
+            )
         one = max(found, key=lambda v: v.line)
         likely = _TALL_M_AND_SPREAD[0] / max(one.height or one.extent[0], 1e-12)
         raise InputError(
@@ -132,21 +149,31 @@ def find_unit(
             remedy="say how many metres one unit is, perhaps"
             f" `--unit {likely:.2g}`, or `--unit m` if it is in metres all the same",
         )
-    if against > _CLEAR_UNIT_LOG_ODDS and fits[best] - fits[second] > _ALONE_LOG_ODDS:
-        notes.append(
-            f"{_called(best)} are taken for the scan's unit: it is {_room(found, UNITS[best])}, and"
-            f" in metres would be {room} (`--unit` says otherwise)"
-        )
-        return UNITS[best], best
     if against > _DOUBTFUL_LOG_ODDS:
-        raise InputError(
-            f"the scan's unit is not clear: in metres it would be {room}",
-            place=source,
-            remedy=f"{other}; `--unit m` if it is in metres",
-        )
-    if _is_odd(_likeliest(found, said), said):
+        notes.append(f"in metres the scan is {room}, which is taken; {other}")
+    elif _is_odd(_likeliest(found, said), said):
         notes.append(f"in metres the scan is {room}: should its unit be another, `--unit` says so")
     return said, name
+
+
+def _fit(one: Vertical, asked: Asked, unit: float) -> float:
+    """What speaks for a vertical and a unit: its surfaces, its size, its tops, what is said."""
+    score = one.line + size_odds(one, unit)
+    if one.tops is not None:
+        middle, spread = _TOPS_M_AND_SPREAD
+        off = np.log(max(one.tops * unit, 1e-9) / middle) / spread
+        score -= min(0.5 * off**2, _MOST_OF_TOPS)
+    return score + _CLEAR_LOG_ODDS * (_between(one.axis, asked.up) < _SAME_DEG)
+
+
+def _is_room(one: Vertical, unit: float) -> bool:
+    """Whether there are rooms of that size."""
+    lengths = (one.height or one.extent[0], *one.extent)
+    limits = (_CEILING_LIMITS_M if one.height else _TALL_LIMITS_M, _TALL_LIMITS_M, _LONG_LIMITS_M)
+    return all(
+        least <= length * unit <= most
+        for length, (least, most) in zip(lengths, limits, strict=True)
+    )
 
 
 def size_odds(one: Vertical, unit: float) -> float:
@@ -161,8 +188,7 @@ def size_odds(one: Vertical, unit: float) -> float:
         score = _HEIGHT_WEIGHT * float(np.log(sum(bells) + _NO_HEIGHT_DENSITY))
     else:
         score = _OPEN_WEIGHT * _near(tall, _TALL_M_AND_SPREAD)
-    for length, (least, most) in ((tall, _TALL_LIMITS_M), (long, _LONG_LIMITS_M)):
-        score += 0.0 if least <= length <= most else _BEYOND_LOG_ODDS
+    score += 0.0 if _is_room(one, unit) else _BEYOND_LOG_ODDS
     return score + _near(long, _LONG_M_AND_SPREAD)
 
 
@@ -206,7 +232,8 @@ def _room(found: tuple[Vertical, ...], unit: float) -> str:
 def _length(metres: float) -> str:
     for least, name, factor in ((1000.0, "km", 1e-3), (0.5, "m", 1.0), (0.0, "mm", 1e3)):
         if metres >= least:
-            return f"{metres * factor:.2g} {name}" if metres < 9.5e5 else f"{metres:.0e} m"
+            rounded = float(f"{metres * factor:.2g}")
+            return f"{rounded:g} {name}" if metres < 9.5e5 else f"{metres:.0e} m"
     return f"{metres} m"
 
 

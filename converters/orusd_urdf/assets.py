@@ -113,15 +113,14 @@ def picture_bytes(texture: "Texture") -> bytes:
 
 def _linear(stored: np.ndarray, texture: "Texture") -> np.ndarray:
     """(H, W, 3) linear values of a picture as its texture takes them."""
+    from openrooms_usd.usd.shading.surfaces import chosen
+
     color = stored[..., :3] if stored.shape[2] >= 3 else np.repeat(stored[..., :1], 3, axis=2)
     if texture.color_space == "sRGB":
         color = linear_from_srgb(color)
     alpha = stored[..., -1:] if stored.shape[2] in (2, 4) else np.ones_like(stored[..., :1])
     rgba = np.concatenate([color, alpha], axis=2) * texture.scale + texture.bias
-    if texture.channel == "rgb":
-        return rgba[..., :3]
-    index = "rgba".index(texture.channel)
-    return np.repeat(rgba[..., index : index + 1], 3, axis=2)
+    return rgba[..., list(chosen(texture.channel, 3))]
 
 
 def _encoded(linear: np.ndarray) -> bytes:

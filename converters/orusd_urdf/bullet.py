@@ -20,10 +20,11 @@ from openrooms_usd.engines import (
 )
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.quaternions import pose_of, quaternion
-from openrooms_usd.physics.world import Body, World
+from openrooms_usd.physics.world import Body, Drive, Joint, LinkName, World
 from orusd_urdf.loading import BASE, Loaded, keep_apart, load_file
 from orusd_urdf.naming import safe
 from orusd_urdf.packages import needed
+from orusd_urdf.springs import extra_damping, moved_inertia
 from orusd_urdf.urdf import write_bodies
 
 Array = NDArray[np.float64]
@@ -31,6 +32,8 @@ Array = NDArray[np.float64]
 # Iterations until the friction of a stack is Coulomb's; Bullet's own 50 leave books creeping.
 _SOLVER_ITERATIONS: Final = 200
 _SOLVER_RESIDUAL: Final = 1e-9
+# Newtons or newton metres, where nothing limits them.
+_UNLIMITED_FORCE: Final = 1e9
 
 
 class BulletEngine:
@@ -91,6 +94,7 @@ class BulletSimulation:
         self._how = {"physicsClientId": self._client}
         self._bodies: dict[str, _Loaded] = {}
         self._names: dict[int, str] = {}
+        self._springs: list[tuple[tuple[int, int], Joint, Drive]] = []
         bullet.setGravity(*world.gravity.tolist(), **self._how)
         bullet.setPhysicsEngineParameter(
             fixedTimeStep=timestep,
@@ -116,6 +120,68 @@ class BulletSimulation:
         loaded = {body.name: self._load(body, files[body.name]) for body in self._world.bodies}
         pairs = [((a, safe(one)), (b, safe(other))) for (a, one), (b, other) in self._world.apart]
         keep_apart(self._p, loaded, pairs, self._client)
+        for loop in self._world.loops:
+            for point in loop.points:
+                self._pin(loop.links, point)
+        for name, one in self._each():
+            for joint in one.body.joints:
+                self._begin(one, joint)
+            if not one.body.fixed and np.any(one.body.velocity):
+                self.set_velocity(name, *one.body.velocity)
+
+    def _pin(self, links: tuple[LinkName, LinkName], point: Array) -> None:
+        """Keep a point of the world the same in two links, from now on."""
+        ends: list[int] = []
+        local = []
+        for body, link in links:
+            one = self._bodies[body]
+            index = one.links[link]
+            dynamics = self._p.getDynamicsInfo(one.number, index, **self._how)
+            ends += [one.number, index]
+            centre = self.links(body)[link] @ pose_of(dynamics[3], dynamics[4])
+            local.append((centre[:3, :3].T @ (point - centre[:3, 3])).tolist())
+        kind = self._p.JOINT_POINT2POINT
+        made = self._p.createConstraint(*ends, kind, [0.0] * 3, *local, **self._how)
+        self._p.changeConstraint(made, maxForce=_UNLIMITED_FORCE, **self._how)
+
+    def _begin(self, one: _Loaded, joint: Joint) -> None:
+        """Give a joint its first speed, and its drive: by forces that follow it, or as a motor.
+
+        Bullet's motors are rigid. One stands in for a spring, or for the damping of a motor with
+        little force, that is too stiff for the steps; its sag is below that of a step of gravity.
+        """
+        if joint.speed:
+            index = one.joints[joint.name]
+            self._p.resetJointState(one.number, index, 0.0, joint.speed, **self._how)
+        drive = joint.drive
+        if drive is None:
+            return
+        where = (one.number, one.joints[joint.name])
+        if np.isfinite(drive.force):
+            self._p.changeDynamics(*where, jointDamping=0.0, **self._how)
+        force = min(drive.force, _UNLIMITED_FORCE)
+        if extra_damping(one.body, joint, self.timestep):
+            mode, goal = self._p.POSITION_CONTROL, {"targetPosition": drive.target}
+            self._p.setJointMotorControl2(*where, mode, force=force, **goal, **self._how)
+        elif (
+            np.isfinite(drive.force)
+            and not drive.stiffness
+            and self.timestep * joint.damping > moved_inertia(one.body, joint)
+        ):
+            self.drive(one.body.name, joint.name, drive.speed, force)
+        else:
+            self._springs.append((where, joint, drive))
+
+    def _pull(self) -> None:
+        """What drives give in this step."""
+        for (number, index), joint, drive in self._springs:
+            position, speed, *_ = self._p.getJointState(number, index, **self._how)
+            force = drive.stiffness * (drive.target - position) + joint.damping * drive.speed
+            if np.isfinite(drive.force):
+                # The file's damping goes on by itself where nothing limits it.
+                force = float(np.clip(force - joint.damping * speed, -drive.force, drive.force))
+            mode = self._p.TORQUE_CONTROL
+            self._p.setJointMotorControl2(number, index, mode, force=force, **self._how)
 
     def _load(self, body: Body, file: Path) -> Loaded:
         at = body.world_from_body
@@ -146,6 +212,7 @@ class BulletSimulation:
         """Let time pass: the nearest whole number of steps, at least one."""
         count = max(1, round(seconds / self.timestep))
         for _ in range(count):
+            self._pull()
             self._p.stepSimulation(**self._how)
         self._steps += count
 

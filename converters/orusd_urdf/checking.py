@@ -49,6 +49,13 @@ def moving_links(body: Body) -> frozenset[str]:
     return frozenset(link.name for link in body.links if moves(link.name))
 
 
+def started(world: World) -> Iterator[str]:
+    """The prims of bodies that move at first, or of which a joint does."""
+    for body in world.bodies:
+        if (not body.fixed and np.any(body.velocity)) or any(j.speed for j in body.joints):
+            yield body.path
+
+
 def sturdy_inertia(mass: MassProperties) -> Array:
     """(3, 3) the inertia, with a little more in every direction where it is that of a sheet.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.exporters import Report
+from openrooms_usd.spelling import did_you_mean
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -119,8 +120,11 @@ class UsdPhysicsExporter:
 def _check(options: Mapping[str, Any], known: Mapping[str, _Rule], kind: str) -> None:
     for name, value in options.items():
         if name not in known:
-            offered = ", ".join(known)
-            raise InputError(f"the {kind} exporter has no option {name!r}", remedy=f"use {offered}")
+            hint = did_you_mean(name, known)
+            raise InputError(
+                f"the {kind} exporter has no option {name!r}{hint}",
+                remedy=f"use {', '.join(known)}",
+            )
         fits, wanted = known[name]
         if not fits(value):
             raise InputError(f"{name} is {value!r}", remedy=f"give {wanted}")

@@ -16,8 +16,8 @@ from openrooms_usd.engines import DEFAULT_FRICTION, DEFAULT_TIMESTEP, Friction
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import World
 from orusd_urdf.assets import Assets
-from orusd_urdf.checking import check_world
-from orusd_urdf.frames import text
+from orusd_urdf.checking import check_world, started
+from orusd_urdf.frames import place, text
 from orusd_urdf.looks import Look, Loss
 from orusd_urdf.tree import Surface, Tree, joint_name, link_name
 
@@ -86,7 +86,7 @@ def excluded(world: World) -> list[tuple[str, str]]:
     found = [
         (link_name(body, one), link_name(body, other))
         for body in world.bodies
-        for one, other in combinations(body.links, 2)
+        for one, other in combinations([link for link in body.links if not link.between], 2)
     ]
     names_of = {
         (body.name, link.name): link_name(body, link)
@@ -157,6 +157,8 @@ _OPTIONS: Final = {
     # Its sparse Newton blows up where wheels are driven over round cones.
     "jacobian": "dense",
 }
+# So many points hold two links as a whole.
+_WELD: Final = 3
 # What a furnished room's contacts may take, far more than MuJoCo guesses: the sweeps against slip
 # hold a square matrix of them. Nothing is taken before it is needed.
 _MEMORY: Final = "2G"
@@ -200,12 +202,17 @@ def write_mjcf(
         which = _write_scene(world, tree, beside, pairs=pairs)
         found = json.dumps(tree.prims, indent=1, ensure_ascii=False)
         atomic.write_text(beside / NAMES, f"{found}\n")
-    losses = [*tree.assets.losses, *tree.losses, *_restitution(world)]
+    losses = [*tree.assets.losses, *tree.losses, *_restitution(world), *_moving_at_first(world)]
     return [*losses, *_left_out(which, pairs)]
 
 
 def write_model(
-    world: World, folder: Path, *, friction: Friction = DEFAULT_FRICTION, pairs: Choice = "auto"
+    world: World,
+    folder: Path,
+    *,
+    friction: Friction = DEFAULT_FRICTION,
+    pairs: Choice = "auto",
+    timestep: float = DEFAULT_TIMESTEP,
 ) -> Path:
     """Write a world without anything to look at.
 
@@ -214,6 +221,7 @@ def write_model(
         folder: Where.
         friction: Which coefficient of each surface counts.
         pairs: As for `write_mjcf`.
+        timestep: Seconds of the steps that it will be simulated with.
 
     Returns:
         The scene's file.
@@ -223,7 +231,7 @@ def write_model(
         OutputError: A file cannot be written.
     """
     check_world(world)
-    _write_scene(world, Tree(Assets(folder), None, friction), folder, pairs=pairs)
+    _write_scene(world, Tree(Assets(folder), None, friction, timestep), folder, pairs=pairs)
     return folder / SCENE
 
 
@@ -237,6 +245,10 @@ def _write_scene(world: World, tree: Tree, folder: Path, *, pairs: Choice) -> Wh
     bodies.extend(tree.body(body) for body in world.bodies)
     which = chosen(tree.surfaces, pairs)
     root.extend([tree.asset(), bodies, contact_element(world, tree.surfaces, which)])
+    root.append(_equality(world))
+    actuators = Element("actuator")
+    actuators.extend(tree.drives)
+    root.append(actuators)
     ElementTree.indent(root)
     atomic.write_text(folder / SCENE, ElementTree.tostring(root, encoding="unicode") + "\n")
     return which
@@ -251,6 +263,32 @@ def _defaults() -> Element:
     SubElement(collision, "geom", {"condim": "3", "group": "3", "mass": "0", **_RIGID})
     SubElement(element, "pair", {"condim": "3", **_RIGID})
     return element
+
+
+def _equality(world: World) -> Element:
+    """Loops: points of two links that stay together, or the whole of them."""
+    element = Element("equality")
+    found = {
+        (body.name, link.name): (link_name(body, link), body.world_from_body @ link.body_from_link)
+        for body in world.bodies
+        for link in body.links
+    }
+    for loop in world.loops:
+        (one, frame), (other, _) = (found[link] for link in loop.links)
+        both = {"body1": one, "body2": other, **_RIGID}
+        if len(loop.points) == _WELD:
+            SubElement(element, "weld", both)
+            continue
+        for point in loop.points:
+            anchor = frame[:3, :3].T @ (point - frame[:3, 3])
+            SubElement(element, "connect", {**both, "anchor": place(anchor)})
+    return element
+
+
+def _moving_at_first(world: World) -> list[Loss]:
+    """What is told of first velocities."""
+    reason = "its first velocity is not in the file: set qvel"
+    return [(path, "approximated", reason) for path in started(world)]
 
 
 def _left_out(which: Which, asked: Choice) -> list[Loss]:

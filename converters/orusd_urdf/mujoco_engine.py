@@ -67,7 +67,9 @@ class MujocoEngine:
 
         mujoco = needed("mujoco")
         with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
-            file = write_model(world, Path(folder), friction=friction, pairs="none")
+            file = write_model(
+                world, Path(folder), friction=friction, pairs="none", timestep=timestep
+            )
             try:
                 spec = mujoco.MjSpec.from_file(str(file))
                 _add_motors(mujoco, spec)
@@ -145,12 +147,30 @@ class MujocoSimulation:
         self._factors = np.array([pair.factor(own) for own in model.geom_friction[:, 0]])
         self._steps = 0
         self._forward()
+        self._start()
+
+    def _start(self) -> None:
+        """Give bodies and joints their first velocities."""
+        for name, one in self._bodies.items():
+            for joint in one.body.joints:
+                if joint.speed and joint.name in one.joints:
+                    self._data.qvel[self._model.jnt_dofadr[one.joints[joint.name]]] = joint.speed
+            if one.free is not None and np.any(one.body.velocity):
+                self.set_velocity(name, *one.body.velocity)
+        self._forward()
 
     def _loaded(self, body: Body) -> _Loaded:
-        from orusd_urdf.mjcf import joint_name, link_name
+        from orusd_urdf.tree import is_ball, joined, joint_name, link_name, written
 
-        links = {link.name: self._model.body(link_name(body, link)).id for link in body.links}
-        moving = [joint for joint in body.joints if joint.kind != "fixed"]
+        there = [link for link in body.links if not link.between]
+        links = {link.name: self._model.body(link_name(body, link)).id for link in there}
+        # A ball has no angle that could be one number.
+        moving = [
+            joint
+            for joints in joined(body)
+            for joint in written(joints)
+            if not is_ball(joints, joint)
+        ]
         joints = {joint.name: self._model.joint(joint_name(body, joint)).id for joint in moving}
         base = links[body.links[0].name]
         free = None if body.fixed else int(self._model.body_jntadr[base])

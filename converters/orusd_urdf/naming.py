@@ -7,6 +7,9 @@ from typing import Final
 
 _FOREIGN: Final = re.compile(r"[^A-Za-z0-9_]+")
 _PLAIN: Final = re.compile(r"[A-Za-z0-9_]+")
+# What never moves has this name in MuJoCo, and a link of it is held in Gazebo and Drake; names
+# between two underscores are SDFormat's own.
+_RESERVED: Final = re.compile(r"world|__.*__")
 
 
 def plain(text: str) -> str:
@@ -22,9 +25,11 @@ def plain(text: str) -> str:
 def safe(text: str) -> str:
     """A plain name that is another one for every text: what had to be changed ends with a hash.
 
+    So do words that a format keeps for itself, such as ``world``.
+
     Nobody needs to know the other names, so that readers of the files find a thing by its name.
     """
-    if _PLAIN.fullmatch(text):
+    if _PLAIN.fullmatch(text) and not _RESERVED.fullmatch(text):
         return text
     return f"{plain(text)}_{hashlib.sha256(text.encode()).hexdigest()[:8]}"
 

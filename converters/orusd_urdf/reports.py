@@ -24,12 +24,13 @@ def export_report(
         seen: Whether lights and cameras were kept.
     """
     report = Report()
-    lossy = {path for path, _, _ in world.losses}
+    losses = dict.fromkeys([*world.losses, *notes])
+    lossy = {path for path, _, _ in losses}
     for body in world.bodies:
         for link in body.links:
-            if link.path not in lossy:
+            if link.path not in lossy and not link.between:
                 report.add(link.path, "translated")
-    for path, outcome, reason in dict.fromkeys([*world.losses, *notes]):
+    for path, outcome, reason in losses:
         report.add(path, outcome, reason)  # type: ignore[arg-type]
     for prim in _lights_and_cameras(stage):
         report.add(prim.GetPath(), *(("translated",) if seen else ("skipped", _NOTHING)))

@@ -22,6 +22,8 @@ from orusd_urdf.naming import safe
 # URDF wants limits of motors, which a room does not have: more than any hand or robot gives.
 _MAX_EFFORT: Final = 1000.0
 _MAX_VELOCITY: Final = 100.0
+# What stands for no limit where there is another, radians or metres.
+_ENDLESS: Final = 1e6
 _KINDS: Final = {"hinge": "revolute", "rail": "prismatic", "fixed": "fixed"}
 
 
@@ -160,7 +162,7 @@ def _inertial(link: Link | None) -> Element:
 
 def _joint(joint: Joint, parent: Link, child: Link) -> Element:
     low, high = joint.limits
-    endless = joint.kind == "hinge" and not (np.isfinite(low) and np.isfinite(high))
+    endless = joint.kind == "hinge" and not (np.isfinite(low) or np.isfinite(high))
     kind = "continuous" if endless else _KINDS[joint.kind]
     element = Element("joint", name=safe(joint.name), type=kind)
     SubElement(element, "parent", link=safe(parent.name))
@@ -171,8 +173,8 @@ def _joint(joint: Joint, parent: Link, child: Link) -> Element:
     SubElement(element, "axis", xyz=place(joint.axis))
     limit = SubElement(element, "limit", effort=text(_MAX_EFFORT), velocity=text(_MAX_VELOCITY))
     if not endless:
-        limit.set("lower", text(low))
-        limit.set("upper", text(high))
+        limit.set("lower", text(max(low, -_ENDLESS)))
+        limit.set("upper", text(min(high, _ENDLESS)))
     SubElement(element, "dynamics", damping=text(joint.damping), friction=text(joint.friction))
     return element
 

@@ -1,7 +1,7 @@
 """Bodies as the tree that MuJoCo simulates: nested bodies, joints, inertia and geoms."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
 from typing import Final, NamedTuple
 from xml.etree.ElementTree import Element, SubElement
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
-from openrooms_usd.engines import Friction
+from openrooms_usd.engines import DEFAULT_TIMESTEP, Friction
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Joint, Link, Shape, Visual
@@ -21,8 +21,12 @@ from orusd_urdf.frames import place, relative, text
 from orusd_urdf.looks import PLAIN, Look, Loss
 from orusd_urdf.naming import safe
 from orusd_urdf.robot import coefficient
+from orusd_urdf.springs import extra_damping
 
+# Hinges that are a ball together, and what stands for no limit where there is another.
+_BALL, _ENDLESS = 3, 1e6
 _KINDS: Final = {"hinge": "hinge", "rail": "slide"}
+_STIFF: Final = "its spring is damped more: it is too stiff for the steps"
 # MuJoCo makes a tetrahedron of every mesh, also of those that it only draws.
 _FEWEST_POINTS: Final = 4
 
@@ -60,6 +64,38 @@ def joint_name(body: Body, joint: Joint) -> str:
     return f"{safe(body.name)}.{safe(joint.name)}"
 
 
+def joined(body: Body) -> Iterator[tuple[Joint, ...]]:
+    """The joints of every link that has some above it, in their order from its parent on."""
+    between = {link.name for link in body.links if link.between}
+    above: dict[str, tuple[Joint, ...]] = {}
+    for joint in body.joints:
+        steps = (*above.pop(joint.parent, ()), joint)
+        if joint.child in between:
+            above[joint.child] = steps
+        else:
+            yield steps
+
+
+def is_ball(joints: Sequence[Joint], joint: Joint) -> bool:
+    """Whether a joint, with the two that follow it, turns freely about all axes."""
+    free = [
+        one
+        for one in joints
+        if one.kind == "hinge" and not np.isfinite(one.limits).any() and one.drive is None
+    ]
+    alike = len({(one.damping, one.friction) for one in free}) == 1
+    return len(free) == _BALL and alike and not joint.friction and joint is free[0]
+
+
+def written(joints: Sequence[Joint]) -> Iterator[Joint]:
+    """The joints that MJCF has elements of: not those that follow the first one of a ball."""
+    left = 0
+    for joint in joints:
+        left = _BALL if is_ball(joints, joint) else max(left - 1, 0)
+        if joint.kind != "fixed" and left in (0, _BALL):
+            yield joint
+
+
 @dataclass
 class Tree:
     """Builds the elements of a scene.
@@ -71,33 +107,47 @@ class Tree:
         surfaces: Every geom that collides, in order.
         prims: The prim of every body, joint and geom, by its name.
         losses: What could not be kept.
+        drives: Motors of joints.
+        timestep: Seconds of one step of the engine.
     """
 
     assets: Assets
     looks: Mapping[str, Look] | None
     friction: Friction
+    timestep: float = DEFAULT_TIMESTEP
     surfaces: list[Surface] = field(default_factory=list)
     prims: dict[str, dict[str, str]] = field(
         default_factory=lambda: {"bodies": {}, "joints": {}, "geoms": {}}
     )
     losses: list[Loss] = field(default_factory=list)
+    drives: list[Element] = field(default_factory=list)
     _meshes: dict[PurePosixPath, str] = field(default_factory=dict)
 
     def body(self, body: Body) -> Element:
         """A body with all links below its base."""
-        elements = {link.name: self._link(body, link) for link in body.links}
         links = {link.name: link for link in body.links}
+        elements = {
+            name: self._link(body, link) for name, link in links.items() if not link.between
+        }
         base = elements[body.links[0].name]
         _set_place(base, body.world_from_body)
         if not body.fixed:
             base.insert(0, Element("freejoint", name=safe(body.name)))
-        for joint in body.joints:
-            parent, child = links[joint.parent], links[joint.child]
+        for joints in joined(body):
+            parent, child = links[joints[0].parent], links[joints[-1].child]
             _set_place(elements[child.name], relative(parent.body_from_link, child.body_from_link))
-            if joint.kind != "fixed":
+            for row, joint in enumerate(written(joints)):
+                ball = is_ball(joints, joint)
                 name = joint_name(body, joint)
-                elements[child.name].insert(0, _joint(joint, name))
+                # That of its first hinge says about which axis.
+                name = name.rpartition("_")[0] if ball else name
+                extra = extra_damping(body, joint, self.timestep)
+                if extra:
+                    self.losses.append((child.path, "approximated", _STIFF))
+                damped = replace(joint, damping=joint.damping + extra)
+                elements[child.name].insert(row, _joint(damped, name, ball))
                 self.prims["joints"][name] = child.path
+                self.drives.extend(_drive(damped, name, joint.damping))
             elements[parent.name].append(elements[child.name])
         return base
 
@@ -184,13 +234,45 @@ def _bounds(shape: Shape, M: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
 
-def _joint(joint: Joint, name: str) -> Element:
-    element = Element("joint", name=name, type=_KINDS[joint.kind], axis=place(joint.axis))
-    if np.isfinite(joint.limits).all():
-        element.set("range", text(joint.limits))
-    element.set("damping", text(joint.damping))
+def _joint(joint: Joint, name: str, ball: bool) -> Element:
+    element = Element("joint", name=name, type="ball" if ball else _KINDS[joint.kind])
+    if not ball:
+        element.set("axis", place(joint.axis))
+    if np.isfinite(joint.limits).any():
+        element.set("range", text(np.clip(joint.limits, -_ENDLESS, _ENDLESS)))
+    drive = joint.drive
+    if drive and np.isfinite(drive.force):
+        # The motor damps, so that it never gives more than it can.
+        element.set("damping", "0")
+    else:
+        element.set("damping", text(joint.damping))
+    if drive and drive.stiffness and np.isinf(drive.force):
+        element.set("stiffness", text(drive.stiffness))
+        element.set("springref", text(drive.target))
     element.set("frictionloss", text(joint.friction))
     return element
+
+
+def _drive(joint: Joint, name: str, gain: float) -> Iterator[Element]:
+    """What a spring and a damper cannot do: draw to a speed, or give no more than so much.
+
+    Args:
+        joint: With what damps it in steps.
+        name: Its name.
+        gain: What its drive's speed is multiplied with.
+    """
+    drive = joint.drive
+    if drive is None or (np.isinf(drive.force) and not drive.speed):
+        return
+    push = gain * drive.speed
+    bias = [push, 0.0, 0.0]
+    if np.isfinite(drive.force):
+        bias = [push + drive.stiffness * drive.target, -drive.stiffness, -joint.damping]
+    element = Element("general", name=name, joint=name, gainprm="0", biastype="affine")
+    element.set("biasprm", text(bias))
+    if np.isfinite(drive.force):
+        element.set("forcerange", text([-drive.force, drive.force]))
+    yield element
 
 
 def _inertial(mass: MassProperties) -> Element:

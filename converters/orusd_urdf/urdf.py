@@ -1,7 +1,7 @@
 """A world as URDF: a file for every body, and a file that says where each one stands."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, Final
@@ -14,10 +14,11 @@ from openrooms_usd.engines import DEFAULT_FRICTION, Friction
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.world import Body, World
 from orusd_urdf.assets import Assets
-from orusd_urdf.checking import check_world
+from orusd_urdf.checking import check_world, started
 from orusd_urdf.looks import Look, Loss
 from orusd_urdf.naming import Names, safe
 from orusd_urdf.robot import robot_element
+from orusd_urdf.tree import joined
 
 SCENE: Final = "scene.json"
 _OBJECTS: Final = PurePosixPath("objects")
@@ -60,7 +61,23 @@ def write_urdf(
             "apart": [[(body, safe(link)) for body, link in ends] for ends in world.apart],
         }
         atomic.write_text(beside / SCENE, json.dumps(scene, indent=1, ensure_ascii=False) + "\n")
-    return writer.assets.losses
+    return [*writer.assets.losses, *_lost(world)]
+
+
+def _lost(world: World) -> Iterator[Loss]:
+    """What URDF has no word for."""
+    for loop in world.loops:
+        yield loop.path, "skipped", "it closes a loop: URDF knows trees alone"
+    for path in started(world):
+        yield path, "approximated", "its first velocity is lost"
+    for body in world.bodies:
+        for joints in joined(body):
+            child = next(link for link in body.links if link.name == joints[-1].child)
+            if len(joints) > 1:
+                what = f"URDF has one direction a joint: {len(joints)} with light links between"
+                yield child.path, "approximated", what
+            if any(joint.drive for joint in joints):
+                yield child.path, "approximated", "its drive is lost but for the damping"
 
 
 def write_bodies(

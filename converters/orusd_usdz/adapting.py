@@ -23,7 +23,7 @@ from openrooms_usd.usd.places.frames import up_axis
 from openrooms_usd.usd.shading import textures
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import PANE_OPACITY, define_preview_surface
-from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, ior_of
+from openrooms_usd.usd.shading.surfaces import SHUFFLED, PreviewSurface, Texture, ior_of
 from openrooms_usd.usd.shading.textures import local_file, read_texture
 from orusd_usdz.profiles import Profile
 
@@ -238,6 +238,7 @@ class _Adaptation:
             if isinstance(value, Texture):
                 values[item.name] = self.textures.placed(value, is_color=item.name in _COLORS)
                 lost += filter(None, [self.textures.losses.get(value.file, "")])
+                lost += [SHUFFLED] if value.is_shuffled else []
         return replace(preview, **values), lost
 
     def _show_color(self, prim: Usd.Prim) -> None:

@@ -8,6 +8,8 @@ from pxr import Sdf, Usd, UsdLux
 
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
+from openrooms_usd.spelling import did_you_mean
+from openrooms_usd.usd.light.inputs import light_input, old_names
 from orusd_usdz.profiles import DEFAULT, PROFILES, Profile
 
 if TYPE_CHECKING:
@@ -60,7 +62,8 @@ def _profile(options: Mapping[str, Any]) -> Profile:
             raise InputError(f"the USDZ exporter has no option {name!r}", remedy="use profile")
     name = options.get("profile", DEFAULT)
     if name not in PROFILES:
-        raise InputError(f"no profile is named {name!r}", remedy=f"use {', '.join(PROFILES)}")
+        hint = did_you_mean(name, PROFILES)
+        raise InputError(f"no profile is named {name!r}{hint}", remedy=f"use {', '.join(PROFILES)}")
     return PROFILES[name]
 
 
@@ -83,12 +86,13 @@ def leave_out(stage: Usd.Stage, profile: Profile) -> tuple[Report, Edit]:
             reason = f"programs that know no {prim.GetTypeName()} would take it for a lamp"
             report.add(prim.GetPath(), "skipped", f"left out: {reason}")
             continue
-        asset = UsdLux.ShapingAPI(prim).GetShapingIesFileAttr().Get()
+        lost = []
+        asset = light_input(prim, "inputs:shaping:ies:file").Get()
         if asset and asset.path:
-            reason = "it shines evenly: USDZ archives hold no IES profiles"
-            report.add(prim.GetPath(), "approximated", reason)
-        else:
-            report.add(prim.GetPath(), "translated")
+            lost.append("it shines evenly: USDZ archives hold no IES profiles")
+        if prim.HasAPI(UsdLux.LightAPI) and (old := old_names(prim)):
+            lost.append(f"names of before USD 21.02, which others ignore: {', '.join(old)}")
+        report.say(prim.GetPath(), lost)
         if prim.GetRelationship(UsdLux.Tokens.portals).HasAuthoredTargets():
             domes.append(prim.GetPath())
 

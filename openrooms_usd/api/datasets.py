@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from openrooms_usd.api.given import AnyPath, choice_of, path_of
+from openrooms_usd.errors import RenderError
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
@@ -41,11 +42,12 @@ def run_dataset(
         DescriptionError: The dataset.yaml has mistakes.
         MissingPackageError: The executor or the URL needs a package that is not installed.
         OutputError: The folder cannot be written, or is that of another dataset.
+        RenderError: No view at all could be made.
     """
     from openrooms_usd.dataset import run
     from openrooms_usd.dataset.scratch import root_of
 
-    return run.run_dataset(
+    done = run.run_dataset(
         path_of(file, "a dataset.yaml"),
         root_of(out),
         workers=workers,
@@ -53,6 +55,14 @@ def run_dataset(
         options=options,
         progress=progress,
     )
+    if done.failed and not done.made + done.kept:
+        unit, reason = next(iter(done.failed.items()))
+        raise RenderError(
+            f"none of {len(done.failed)} views could be made; {unit}: {reason}",
+            place=str(out),
+            remedy="`orusd dataset status` lists why; mend it, and run again",
+        )
+    return done
 
 
 def plan_dataset(file: AnyPath) -> Iterator["Job"]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, get_args
 
 from openrooms_usd import names
 from openrooms_usd.errors import InputError, UnknownNameError
+from openrooms_usd.spelling import did_you_mean
 
 if TYPE_CHECKING:
     from openrooms_usd.description.room import Room
@@ -75,7 +76,9 @@ def size_of(given: object, what: str) -> tuple[int, int]:
         if isinstance(width, Integral) and isinstance(height, Integral):
             return int(width), int(height)
     remedy = "give a width and a height, such as (640, 480)"
-    raise InputError(f"{_shown(given)} is no size", place=what, remedy=remedy)
+    raise InputError(
+        f"expected two whole numbers, found {_shown(given)}", place=what, remedy=remedy
+    )
 
 
 def choice_of(given: object, choices: object, what: str) -> None:
@@ -92,7 +95,8 @@ def choice_of(given: object, choices: object, what: str) -> None:
     known = get_args(choices)
     if given not in known:
         remedy = f"choose one of: {', '.join(known)}"
-        raise InputError(f"{_shown(given)} cannot be chosen", place=what, remedy=remedy)
+        hint = did_you_mean(given, known)
+        raise InputError(f"{_shown(given)} cannot be chosen{hint}", place=what, remedy=remedy)
 
 
 def points_of(given: object, what: str) -> list[tuple[float, float, float]]:
@@ -124,10 +128,8 @@ def unknown_name(
         place: The result.
         remedy: How there would be one.
     """
-    from openrooms_usd.description.naming import did_you_mean
-
     names = list(known)
-    near = did_you_mean(name, names) if isinstance(name, str) else ""
+    near = did_you_mean(name, names)
     there = f"there are: {', '.join(names)}" if names else ""
     said = "; ".join(filter(None, (there, remedy)))
     return UnknownNameError(f"no {what} is named {name!r}{near}", place=place, remedy=said or None)

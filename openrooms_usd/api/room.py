@@ -11,6 +11,7 @@ from openrooms_usd.api.given import AnyPath, path_of
 from openrooms_usd.description.alignment import Placed
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
+from openrooms_usd.spelling import did_you_mean
 
 if TYPE_CHECKING:
     from openrooms_usd.api.scene import Scene
@@ -277,15 +278,14 @@ class Room(description.Room):
         """
         data = self.as_dict()
         rows = self._rows(data, "alignment", "objects")
-        named = self._named()
-        index = next((i for i, (known, _) in enumerate(named) if known == name), None)
-        if index is None:
-            there = ", ".join(known for known, _ in named[:30])
-            raise InputError(f"no object is named {name!r}", remedy=f"there are: {there}")
+        known = [name for name, _ in self._named()]
+        if name not in known:
+            hint, there = did_you_mean(name, known), ", ".join(known[:30])
+            raise InputError(f"no object is named {name!r}{hint}", remedy=f"there are: {there}")
         # The names of the others stay, also where they are numbered.
-        for row, (known, _) in zip(rows, named, strict=True):
-            row["name"] = known
-        del rows[index]
+        for row, own in zip(rows, known, strict=True):
+            row["name"] = own
+        del rows[known.index(name)]
         for section, key in (
             ("lights", "lamps"),
             ("lights", "screens"),

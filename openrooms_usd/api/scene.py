@@ -67,9 +67,15 @@ class Scene(os.PathLike[str]):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What composing approximated or guessed, one sentence each."""
-        of_stages = tuple(note for row in self.stages for note in row.notes)
-        return (*of_stages, *(self.composed.notes if self.composed else ()))
+        """What composing approximated or guessed, one sentence each; also of an opened room."""
+        if self.composed is None:
+            from openrooms_usd.stages.runner import notes_of
+
+            layers = [(self.folder / names.LAYERS / f"{n}.usda", n) for n in names.STAGES]
+            kept = [*layers, (self.path, "")] if self.path.name == names.SCENE else []
+            return tuple(note for layer, stage in kept for note in notes_of(layer, stage))
+        of_stages = (note for row in self.stages for note in row.notes)
+        return (*of_stages, *self.composed.notes)
 
     @property
     def orphans(self) -> "tuple[Orphan, ...]":

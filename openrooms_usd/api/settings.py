@@ -5,9 +5,9 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final, TypeVar, get_type_hints
 
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
+from openrooms_usd.spelling import did_you_mean
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 

@@ -7,6 +7,7 @@ from typing import Final
 
 import click
 
+from openrooms_usd.cli.console import Group
 from openrooms_usd.errors import OrusdError
 from openrooms_usd.version import __version__
 
@@ -43,7 +44,7 @@ _COMMANDS: Final = {
 _GARBAGE_THRESHOLD: Final = 20_000
 
 
-class LazyGroup(click.Group):
+class LazyGroup(Group):
     """A group that knows its commands by table and imports the one that is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:

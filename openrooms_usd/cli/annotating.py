@@ -5,7 +5,7 @@ from typing import Any, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import Choice, Group, echo, json_option, print_json
 from openrooms_usd.cli.pages import page_options, show
 
 # What ``labels`` needs, and no page has.
@@ -26,7 +26,7 @@ _COMPOSED: Final = click.option(
 )
 
 
-class _Commands(click.Group):
+class _Commands(Group):
     """Goes on understanding ``annotate RENDER... -o FILE``, which is called ``labels`` now."""
 
     def resolve_command(
@@ -101,14 +101,12 @@ def objects(room: Path, description: Path | None, out: Path | None, **where: Any
     "renders", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RENDER..."
 )
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
-@click.option(
-    "--format", "form", type=click.Choice(["coco", "boxes"]), default="coco", show_default=True
-)
+@click.option("--format", "form", type=Choice(["coco", "boxes"]), default="coco", show_default=True)
 @click.option(
     "--classes",
     "--taxonomy",
     "taxonomy",
-    type=click.Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
+    type=Choice(["category", "openrooms45", "nyu40", "ade20k", "coco"]),
     default="category",
     show_default=True,
     help="Whose classes, for coco.",

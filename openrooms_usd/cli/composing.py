@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from openrooms_usd import names
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import (
+    Choice,
+    command_line,
+    echo,
+    json_option,
+    print_json,
+    progress_bar,
+)
 
 if TYPE_CHECKING:
     from openrooms_usd.composing import ComposeSummary
@@ -18,7 +25,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("description", type=click.Path(path_type=Path), metavar="ROOM.YAML")
 @click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--only", type=click.Choice(names.STAGES), help="Run this stage alone.")
+@click.option("--only", type=Choice(names.STAGES), help="Run this stage alone.")
 @click.option("--flatten", is_flag=True, help="Also write scene.usdc, one layer.")
 @click.option("--usdz", is_flag=True, help="Also write scene.usdz, one file.")
 @click.option(

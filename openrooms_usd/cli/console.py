@@ -12,8 +12,38 @@ import click
 
 from openrooms_usd.errors import printable
 from openrooms_usd.progress import Progress, silent
+from openrooms_usd.spelling import did_you_mean
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+class Choice(click.Choice[str]):
+    """One of several words; what is none is answered with the nearest."""
+
+    def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
+        """What is wrong, and what may have been meant."""
+        said = super().get_invalid_choice_message(value, ctx)
+        return f"{said.removesuffix('.')}{did_you_mean(value, map(str, self.choices))}."
+
+
+class Group(click.Group):
+    """A group of commands; one that it does not have is answered with the nearest."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Find the command.
+
+        Raises:
+            UsageError: There is none of that name.
+        """
+        try:
+            return super().resolve_command(ctx, args)
+        except click.UsageError as error:
+            if args[0].startswith("-"):
+                raise
+            hint = did_you_mean(args[0], self.list_commands(ctx))
+            raise click.UsageError(f"No such command {args[0]!r}{hint}.", ctx) from error
 
 
 def json_option(command: Command) -> Command:

@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import (
+    Choice,
+    Group,
+    command_line,
+    echo,
+    json_option,
+    print_json,
+    progress_bar,
+)
 from openrooms_usd.cli.settings import pairs_of
 
 if TYPE_CHECKING:
@@ -29,7 +37,7 @@ def _root(text: str) -> "Root":
 _FOLDER: Final = click.argument("folder", type=_root, metavar="DIR")
 
 
-class _Commands(click.Group):
+class _Commands(Group):
     """Says to who names a render where finished renders go."""
 
     def resolve_command(
@@ -282,12 +290,10 @@ def _number(value: float) -> str:
     help="What a render is, once for each: main_xml, mainDiffMat_xml, "
     "mainDiffLight_xml, or these with xml1.",
 )
-@click.option(
-    "--subset", type=click.Choice(["train", "val", "test"]), default="train", show_default=True
-)
+@click.option("--subset", type=Choice(["train", "val", "test"]), default="train", show_default=True)
 @click.option(
     "--layout",
-    type=click.Choice(["split", "merged"]),
+    type=Choice(["split", "merged"]),
     default="split",
     show_default=True,
     help="A tree for each channel, or one folder.",
@@ -295,14 +301,14 @@ def _number(value: float) -> str:
 @click.option(
     "--imenv-order",
     "order",
-    type=click.Choice(["legacy", "rgb"]),
+    type=Choice(["legacy", "rgb"]),
     default="legacy",
     show_default=True,
     help="Channels of environment maps: as the released loaders take them, or red first.",
 )
 @click.option(
     "--crowded",
-    type=click.Choice(["leave-out", "drop", "keep"]),
+    type=Choice(["leave-out", "drop", "keep"]),
     default="leave-out",
     show_default=True,
     help="Views with more than 3 windows or 7 lamps, which released "

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json
+from openrooms_usd.cli.console import Choice, command_line, echo, json_option, print_json
 
 
 @click.command()
@@ -24,7 +24,7 @@ def init(folder: Path, as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("name", type=click.Choice(["room", "dataset"]), default="room")
+@click.argument("name", type=Choice(["room", "dataset"]), default="room")
 def schema(name: str) -> None:
     """Print the JSON Schema of room.yaml, or of dataset.yaml (draft 2020-12)."""
     from openrooms_usd.description.schema import schema_text

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import click
 
 from openrooms_usd import names
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.console import Group, echo, json_option, print_json
 
 if TYPE_CHECKING:
     from openrooms_usd.edits.adopting import Adoption
@@ -18,7 +18,7 @@ _ROWS: Final = 20
 _NAMES: Final = 4
 
 
-@click.group()
+@click.group(cls=Group)
 def edits() -> None:
     """Keep what people changed in a composed room: OUT/layers/edits.usda."""
 

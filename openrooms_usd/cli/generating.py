@@ -5,7 +5,7 @@ from typing import Final, get_args
 
 import click
 
-from openrooms_usd.cli.console import command_line, echo, json_option, print_json
+from openrooms_usd.cli.console import Choice, command_line, echo, json_option, print_json
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.styles import InteriorStyle
 
@@ -16,7 +16,7 @@ _MOST: Final = 100_000
 @click.option(
     "--type",
     "room_type",
-    type=click.Choice(get_args(RoomType)),
+    type=Choice(get_args(RoomType)),
     required=True,
     metavar="TYPE",
     help="The kind of room, such as living_room.",
@@ -37,7 +37,7 @@ _MOST: Final = 100_000
 @click.option("--area", type=click.FloatRange(2, 400), help="Floor area, square metres.")
 @click.option(
     "--style",
-    type=click.Choice(get_args(InteriorStyle)),
+    type=Choice(get_args(InteriorStyle)),
     help="What furniture, materials and colours go together; drawn by default.",
 )
 @click.option(

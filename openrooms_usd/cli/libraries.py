@@ -5,11 +5,11 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import Group, echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.settings import renderer_options
 
 
-@click.group()
+@click.group(cls=Group)
 def library() -> None:
     """The parametric furniture: a list, or a picture of it."""
 

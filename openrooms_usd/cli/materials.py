@@ -6,14 +6,14 @@ from typing import get_args
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import Choice, Group, echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.settings import renderer_options
 from openrooms_usd.description.substances import Substance
 
-_SUBSTANCES = click.Choice(get_args(Substance))
+_SUBSTANCES = Choice(get_args(Substance))
 
 
-@click.group()
+@click.group(cls=Group)
 def materials() -> None:
     """The procedural materials: a list, or pictures of them."""
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import Choice, echo, json_option, print_json, progress_bar
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.cli.settings import RENDERER, settings_options
 from openrooms_usd.description.rendering import RenderSettings, flag_of
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 # light that few paths find has heavy tails.
 _BIAS_WORTH_A_WARNING: Final = 0.03
 _SURE_STANDARD_ERRORS: Final = 4.0
+# Sentences of the report that are printed.
+_MOST_ALARMS: Final = 8
 # What --frames means without a range.
 _EVERY: Final = "every"
 
@@ -84,7 +86,7 @@ _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name no
 @click.option(
     "--dataset-layout",
     "layout",
-    type=click.Choice(["split", "merged"]),
+    type=Choice(["split", "merged"]),
     default="split",
     show_default=True,
     help="With --dataset: a tree for each channel as released, or one folder, which is what the "
@@ -239,6 +241,8 @@ def _print_summary(summary: "RenderSummary") -> None:
             echo(f"    warning: {warning}", err=True)
     if losses := _losses(summary.manifest["report"]):
         echo(f"{losses}: see the report in {summary.out / 'manifest.json'}")
+        for alarm in _alarms(summary.manifest["report"]):
+            echo(f"warning: {alarm}", err=True)
     echo(f"rendered with {summary.manifest['renderer']['backend']}")
     for path in summary.stay:
         said = f"{path} stays: it is no view of this run, and holds what no run wrote"
@@ -252,6 +256,21 @@ def _losses(report: Mapping[str, Any]) -> str:
 
     told = Counter(row["outcome"] for row in report["losses"] if not is_aside(row["reason"]))
     return f"{told['approximated']} prims approximated, {told['skipped']} skipped" if told else ""
+
+
+def _alarms(report: Mapping[str, Any]) -> Iterator[str]:
+    """What is likely a mistake of the stage: each once, with the first prim of which it is told."""
+    from openrooms_usd.rendering.scene.unseen import is_alarming
+
+    found: dict[str, list[str]] = {}
+    for row in report["losses"]:
+        for sentence in filter(is_alarming, row["reason"].split("; ")):
+            found.setdefault(sentence, []).append(row["prim"])
+    for sentence, prims in list(found.items())[:_MOST_ALARMS]:
+        more = f" (and of {len(prims) - 1} more)" if len(prims) > 1 else ""
+        yield f"{prims[0]}: {sentence}{more}"
+    if len(found) > _MOST_ALARMS:
+        yield f"{len(found) - _MOST_ALARMS} more of this kind are in the report"
 
 
 def _quality(view: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
 import click
 
+from openrooms_usd.cli.console import Choice
 from openrooms_usd.description.rendering import RenderSettings, flag_of, option_of
 
 Command = Callable[..., Any]
@@ -112,7 +113,7 @@ def _option(
         how |= {"flag_value": True, "is_flag": True} if not usual else {}
         return click.option(names, name, **how)
     if get_origin(kind) is Literal:
-        return click.option(flag, name, type=click.Choice(get_args(kind)), **how)
+        return click.option(flag, name, type=Choice(get_args(kind)), **how)
     if name == "channels":
         return click.option(flag, name, metavar="NAMES", **how)
     if get_origin(kind) is tuple:

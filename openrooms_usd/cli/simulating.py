@@ -5,15 +5,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.console import Choice, echo, json_option, print_json, progress_bar
 
 if TYPE_CHECKING:
     from openrooms_usd.engines import Friction
     from openrooms_usd.simulation.settling import Settled
 
-# Shown: those that have moved by more millimetres than this, and never more lines than that.
-_SHOWN_FROM = 1.0
+# Shown: those that have moved by more than this, and never more lines than that.
+_SHOWN_FROM_MM, _SHOWN_FROM_DEG = 1.0, 0.2
 _SHOWN = 12
+# What was placed and moves farther was placed badly.
+_WARNED_FROM_MM = 10.0
 
 
 @click.command()
@@ -31,7 +33,7 @@ _SHOWN = 12
 )
 @click.option(
     "--friction",
-    type=click.Choice(["static", "dynamic"]),
+    type=Choice(["static", "dynamic"]),
     default="static",
     show_default=True,
     help="Which coefficient of each surface counts.",
@@ -74,16 +76,26 @@ def simulate(
 
 
 def _print(settled: "Settled") -> None:
-    farthest = [row for row in settled.moved if row.millimetres >= _SHOWN_FROM]
+    farthest = [
+        row
+        for row in settled.moved
+        if row.millimetres >= _SHOWN_FROM_MM or row.degrees >= _SHOWN_FROM_DEG
+    ]
     for row in farthest[:_SHOWN]:
         echo(f"{row.body:<24} {row.millimetres:8.1f} mm {row.degrees:7.2f} deg")
     if len(farthest) > _SHOWN:
-        echo(f"and {len(farthest) - _SHOWN} others by at least {_SHOWN_FROM:g} mm")
+        echo(f"and {len(farthest) - _SHOWN} others")
     for path in settled.held:
         echo(f"{path} stays where a stronger layer has it", err=True)
-    most = settled.moved[0].millimetres if settled.moved else 0.0
+    loose = [row.body for row in settled.moved if row.millimetres > _WARNED_FROM_MM]
+    if loose:
+        shown = ", ".join(loose[:_SHOWN]) + (", ..." if len(loose) > _SHOWN else "")
+        echo(f"warning: these moved by more than {_WARNED_FROM_MM / 10.0:g} cm: {shown}", err=True)
+    most = max((row.millimetres for row in settled.moved), default=0.0)
+    turn = max((row.degrees for row in settled.moved), default=0.0)
+    many = f"{len(settled.moved)} movable object{'s' * (len(settled.moved) != 1)}"
     echo(
-        f"{len(settled.moved)} things that can move, by at most {most:.1f} mm "
-        f"after {settled.seconds:g} s in {settled.engine}"
+        f"{many}; the largest motion in {settled.seconds:g} s was "
+        f"{most:.1f} mm, the largest turn {turn:.1f} degrees ({settled.engine})"
     )
     echo(f"wrote {settled.out}")

@@ -3,11 +3,13 @@
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from types import ModuleType
 from typing import TYPE_CHECKING, ClassVar, Final
 
 from openrooms_usd.dataset import executor
@@ -59,7 +61,8 @@ class _Worker:
         self._process: SpawnProcess = context.Process(
             target=_serve, args=(theirs, work), daemon=True
         )
-        self._process.start()
+        with _without_script():
+            self._process.start()
         theirs.close()
         # One that has died already is heard of when it is listened to.
         self.give(task)
@@ -90,6 +93,20 @@ class _Worker:
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
+
+
+@contextmanager
+def _without_script() -> Iterator[None]:
+    """A process that begins now does not run the script again that asked for it.
+
+    multiprocessing does so for functions of the script; ours are those of modules.
+    """
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 def _ending(code: int | None) -> str:

@@ -245,16 +245,10 @@ def code_of(renderer: str) -> str:
     Raises:
         InputError: There is no such renderer.
     """
-    found = adapters.available(adapters.RENDERERS)
-    if renderer not in found:
-        raise InputError(
-            f"no renderer is named {renderer!r}",
-            place="rendering.renderer",
-            remedy=f"installed: {', '.join(found)}",
-        )
+    drawing = adapters.find(adapters.RENDERERS, renderer).module
     importers = sorted(point.module for point in adapters.available(adapters.IMPORTERS).values())
     stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.stage" for name in STAGES)]
-    return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, found[renderer].module)
+    return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, drawing)
 
 
 def file_digest(path: Path) -> str:

@@ -18,7 +18,7 @@ from openrooms_usd.description.model import (
     peek_list,
     peek_text,
 )
-from openrooms_usd.description.naming import did_you_mean, repeated_names, unique_names
+from openrooms_usd.description.naming import repeated_names, unique_names
 from openrooms_usd.description.scanned import (
     CapturedSection,
     ImportedSection,
@@ -26,6 +26,7 @@ from openrooms_usd.description.scanned import (
     unsupported,
 )
 from openrooms_usd.description.units import Angle, Length, PositiveLength
+from openrooms_usd.spelling import did_you_mean
 
 Size = Annotated[
     tuple[PositiveLength, PositiveLength, PositiveLength],

@@ -1,5 +1,6 @@
 """The names of what the parametric library can make: those of the files in its folder."""
 
+import ast
 from pathlib import Path
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
@@ -14,3 +15,15 @@ if TYPE_CHECKING:
 else:
     LibraryCategory = Literal[CATEGORIES]
     """What the parametric library can make."""
+
+
+def other_words() -> dict[str, str]:
+    """The category by each other word for it, as the records of the categories have them."""
+    found = {}
+    for name in CATEGORIES:
+        tree = ast.parse((_FOLDER / f"{name}.py").read_text(encoding="utf-8"))
+        said = (node for node in ast.walk(tree) if isinstance(node, ast.keyword))
+        values = [row.value for row in said if row.arg == "words"]
+        texts = [value.value for value in values if isinstance(value, ast.Constant)]
+        found |= {word: name for text in texts for word in str(text).split()}
+    return found

@@ -7,7 +7,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ValidationError
 
 from openrooms_usd.description.diagnosis import diagnose
-from openrooms_usd.description.mistakes import Mistake, Place, Steps, refusal, shown
+from openrooms_usd.description.mistakes import Mistake, MistakesError, Place, Steps, shown
 from openrooms_usd.description.reading import MAX_DEPTH, Mapping, Sequence
 from openrooms_usd.errors import DescriptionError
 
@@ -22,10 +22,10 @@ def placed(data: AnyMapping[str, Any]) -> Mapping:
     Raises:
         DescriptionError: It is no mapping, nested too deep, or has a key that is no text.
     """
-    found = _Placing().placed(data, ())
+    found = data if isinstance(data, Mapping) else _Placing().placed(data, ())
     if not isinstance(found, Mapping):
         text = f"expected keys such as `layout`, found {shown(found)}"
-        raise refusal(_NAME, [Mistake(_nowhere(0), (), text)])
+        raise MistakesError(_NAME, [Mistake(_nowhere(0), (), text)])
     return found
 
 
@@ -33,8 +33,8 @@ def refused(
     error: ValidationError, data: AnyMapping[str, Any], model: type[BaseModel]
 ) -> DescriptionError:
     """What to raise for what pydantic found in data that stands in no file."""
-    found = data if isinstance(data, Mapping) else placed(data)
-    return refusal(_NAME, diagnose(error, found, model))
+    found = placed(data)
+    return MistakesError(_NAME, diagnose(error, found, model))
 
 
 def _nowhere(number: int) -> Place:
@@ -52,7 +52,7 @@ class _Placing:
         """A value of the description, with all that it holds."""
         if len(path) > MAX_DEPTH:
             text = f"nested more than {MAX_DEPTH} levels deep"
-            raise refusal(_NAME, [Mistake(self._next(), path, text)])
+            raise MistakesError(_NAME, [Mistake(self._next(), path, text)])
         if hasattr(value, "tolist"):
             value = value.tolist()
         if isinstance(value, AnyMapping):
@@ -71,7 +71,7 @@ class _Placing:
             place = self._next()
             if not isinstance(key, str):
                 text = f"a key must be text, found {shown(key)}"
-                raise refusal(_NAME, [Mistake(place, path, text)])
+                raise MistakesError(_NAME, [Mistake(place, path, text)])
             found.keys_at[key] = place
             found.pending = key
             found.take(self.placed(value, (*path, key)), place)

@@ -1,7 +1,7 @@
 """From what pydantic found to mistakes with a place, a path and words for people."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import UnionType
 from typing import Annotated, Any, Final, Union, get_args, get_origin
@@ -10,13 +10,22 @@ from pydantic import BaseModel, BeforeValidator, Tag, ValidationError
 from pydantic_core import ErrorDetails
 
 from openrooms_usd.description import reading
+from openrooms_usd.description.advice import as_linear, in_metres
+from openrooms_usd.description.categories import CATEGORIES, other_words
 from openrooms_usd.description.mistakes import Mistake, Place, Steps, shown
 from openrooms_usd.description.model import MISTAKE
-from openrooms_usd.description.naming import did_you_mean
+from openrooms_usd.description.substances import Substance
 from openrooms_usd.description.units import degrees, kilograms, metres
+from openrooms_usd.spelling import did_you_mean
 
 # Nobody reads more names than these.
 _MOST_LISTED: Final = 30
+
+# What lists long choices, by the first of each.
+_LISTS: Final = {
+    CATEGORIES[0]: "orusd library list",
+    get_args(Substance)[0]: "orusd materials list",
+}
 
 # What each of pydantic's findings expected; {unit} is the field's own.
 _EXPECTED: Final = {
@@ -63,6 +72,13 @@ def diagnose(
         if too_short and len(found) >= row["ctx"]["min_length"]:
             continue  # only because of faulty entries, which have their own rows
         yield Mistake(place, path, _text(row, spot, found))
+
+
+def located(data: reading.Mapping, found: Iterable[tuple[Steps, str]]) -> Iterator[Mistake]:
+    """Mistakes with their places, of paths in a description and what is wrong there."""
+    for steps, text in found:
+        path, place, _ = _look_up(data, steps, MISTAKE)
+        yield Mistake(place, path, text)
 
 
 def _blamed(kind: str, path: Steps) -> Steps:
@@ -198,12 +214,17 @@ def _text(row: ErrorDetails, spot: _Spot, found: Any) -> str:
         return f"required key is missing{_meaning(spot)}"
     if kind in _CHOICES:
         allowed = re.findall(r"'([^']*)'", context[_CHOICES[kind]])
-        hint = did_you_mean(found, allowed) if isinstance(found, str) else ""
+        also = other_words() if len(allowed) == len(CATEGORIES) else None
+        hint = did_you_mean(found, allowed, also)
+        hint = as_linear(spot.path, found) or hint
         return f"found {shown(found)}{hint}; allowed: {_listed(allowed)}"
     limits = {key: _limit(value) for key, value in context.items()}
     values = {**limits, "unit": _unit(spot.annotation), "entries": len(get_args(spot.holder))}
     expected = _EXPECTED[kind].format(**values) if kind in _EXPECTED else row["msg"]
-    return f"expected {expected}, found {shown(found)}"
+    most = context.get("le", context.get("lt"))
+    slipped = most is not None and _unit(spot.annotation) == " m" and type(found) in (int, float)
+    hint = in_metres(found, most) if slipped else as_linear(spot.path, found)
+    return f"expected {expected}, found {shown(found)}{hint}"
 
 
 def _listed(allowed: Sequence[str]) -> str:
@@ -211,7 +232,8 @@ def _listed(allowed: Sequence[str]) -> str:
     if len(allowed) <= _MOST_LISTED:
         return ", ".join(allowed)
     shown_first = ", ".join(allowed[: _MOST_LISTED // 3])
-    return f"{shown_first} ... (`orusd schema` lists all)"
+    command = _LISTS.get(allowed[0], "orusd schema")
+    return f"{shown_first} ... (`{command}` lists all)"
 
 
 def _limit(value: Any) -> str:

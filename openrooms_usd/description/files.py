@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from openrooms_usd.description.dataset import Dataset
 from openrooms_usd.description.diagnosis import diagnose
-from openrooms_usd.description.mistakes import Mistake, refusal
+from openrooms_usd.description.mistakes import Mistake, MistakesError
 from openrooms_usd.description.model import Model
 from openrooms_usd.description.reading import place_of, read_yaml
 from openrooms_usd.description.room import Room
@@ -82,10 +82,10 @@ def _parsed(model: type[Described], text: str | bytes, name: str) -> Described:
     except ValidationError as error:
         places = {mistake.place for mistake in mistakes}
         further = (row for row in diagnose(error, data, model) if row.place not in places)
-        raise refusal(name, [*mistakes, *further]) from None
+        raise MistakesError(name, [*mistakes, *further], data) from None
     if mistakes:
-        raise refusal(name, mistakes)
-    return found
+        raise MistakesError(name, mistakes, data)
+    return found.of_text(name, data) if isinstance(found, Room) else found
 
 
 def dump_room(room: Room) -> str:
@@ -123,6 +123,6 @@ def _decoded(text: str | bytes, name: str) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         place = place_of(data[: error.start].decode(), error.start)
-        raise refusal(
+        raise MistakesError(
             name, [Mistake(place, (), f"the byte 0x{data[error.start]:02X} is not UTF-8 text")]
         ) from None

@@ -30,7 +30,7 @@ WIDEST_BEAMS_DEG: Final = {"downlight": 120.0, "spot": 90.0, "batwing": 140.0}
 """Profiles that have a beam angle, and the widest of each."""
 
 
-class ConstantEnvironment(Model):
+class ConstantEnvironment(CheckedModel):
     """The same radiance from everywhere outside."""
 
     source: Literal["constant"] = Field(default="constant", alias="from")
@@ -38,6 +38,17 @@ class ConstantEnvironment(Model):
     """Scene-linear Rec.709; only its hue matters when the illuminance is given."""
     illuminance: Number = Field(default=10_000.0, ge=0, le=1e9)
     """Horizontal illuminance under the open sky, lux; 0 is a black night."""
+
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """A black sky that shall shine."""
+        if _is_black(peek(given, "color")) and peek(given, "illuminance") != 0:
+            text = "a black sky shines on nothing; give a color with some light in it, or"
+            yield Found(("color",), f"{text} illuminance: 0")
+
+
+def _is_black(color: Any) -> bool:
+    return isinstance(color, list | tuple) and bool(color) and not any(color)
 
 
 class FileEnvironment(CheckedModel):
@@ -161,6 +172,9 @@ class Lamp(CheckedModel):
                     yield Found((key,), f"radiance says it already; leave {key} away")
         elif peek(given, "color") is not None and peek(given, "kelvin") is not None:
             yield Found(("kelvin",), "color and kelvin both say its hue; give one of them")
+        if _is_black(peek(given, "color")):
+            text = "a black lamp has no hue; give a color with some light in it, or on: false"
+            yield Found(("color",), text)
         widest = WIDEST_BEAMS_DEG.get(str(peek(given, "profile")))
         beam = peek(given, "beam")
         if beam is not None and widest is None:

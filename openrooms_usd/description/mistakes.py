@@ -69,13 +69,34 @@ def shown(value: Any) -> str:
     return text if len(text) <= _LONGEST_SHOWN else f"{cut} ({len(str(value)):,} characters)"
 
 
-def refusal(name: str, mistakes: Iterable[Mistake]) -> DescriptionError:
-    """One error that lists all mistakes in the order in which they stand in the file.
+class MistakesError(DescriptionError):
+    """All mistakes of a description, in the order in which they stand in its file.
 
-    Args:
+    Attributes:
         name: The description's file name.
-        mistakes: At least one.
+        mistakes: They.
+        given: The description's data, where they could be read.
     """
+
+    def __init__(self, name: str, mistakes: Iterable[Mistake], given: Any = None) -> None:
+        self.name, self.mistakes, self.given = name, tuple(mistakes), given
+        super().__init__(_listed(name, self.mistakes), place=name)
+
+
+class FieldsError(DescriptionError):
+    """Fields ask for what cannot be made; who knows the file says where they stand in it.
+
+    Attributes:
+        found: The path of each, and what is wrong there.
+    """
+
+    def __init__(self, *found: tuple[Steps, str]) -> None:
+        self.found = found
+        mistakes = [Mistake(Place(0, i), *row) for i, row in enumerate(found)]
+        super().__init__(_listed("the room", mistakes), place="the room")
+
+
+def _listed(name: str, mistakes: Iterable[Mistake]) -> str:
     ordered = sorted(
         dict.fromkeys(mistakes), key=lambda mistake: (mistake.place, written(mistake.path))
     )
@@ -83,7 +104,7 @@ def refusal(name: str, mistakes: Iterable[Mistake]) -> DescriptionError:
     if len(ordered) > _MOST_SHOWN:
         lines.append(f"and {len(ordered) - _MOST_SHOWN:,} more")
     count = "1 mistake" if len(ordered) == 1 else f"{len(ordered):,} mistakes"
-    return DescriptionError("\n  ".join([count, *lines]), place=name)
+    return "\n  ".join([count, *lines])
 
 
 def _where(name: str, place: Place) -> str:

@@ -4,12 +4,11 @@ Both are stable: a name for one renames no other, and what was captured keeps it
 import that has it, in whatever order and with whatever else.
 """
 
-import difflib
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from hashlib import sha256
-from itertools import count, islice
+from itertools import count
 from typing import Final
 
 from openrooms_usd.description.model import Found
@@ -107,16 +106,3 @@ def repeated_names(names: Sequence[str | None], list_key: str, what: str) -> Ite
                 (list_key, index, "name"),
                 f"{list_key}[{seen}] is already named {name!r}; every {what} needs its own name",
             )
-
-
-# The nearest valid name for a typo.
-
-# Beyond so many names of about the right length the search would be slow, and a guess worthless.
-_MOST = 1000
-
-
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """`` (did you mean 'chair'?)``, or nothing where no name is near."""
-    about = (name for name in sorted(known) if abs(len(name) - len(word)) <= 3)
-    near = difflib.get_close_matches(word, list(islice(about, _MOST)), n=1)
-    return f" (did you mean {near[0]!r}?)" if near else ""

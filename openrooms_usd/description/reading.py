@@ -10,7 +10,7 @@ from typing import Any, Final, NoReturn
 
 import yaml
 
-from openrooms_usd.description.mistakes import Mistake, Place, Steps, refusal, shown
+from openrooms_usd.description.mistakes import Mistake, MistakesError, Place, Steps, shown
 from openrooms_usd.description.scalars import plain, short_tag, tag_fits, tagged
 
 # What libyaml (or its Python twin) says, and what a person needs to hear; the first match counts.
@@ -155,7 +155,7 @@ class _Reader:
 
     def stop(self, place: Place, text: str) -> NoReturn:
         """Give up: what follows could not be understood."""
-        raise refusal(self._name, [*self.mistakes, Mistake(place, self._here(), text)])
+        raise MistakesError(self._name, [*self.mistakes, Mistake(place, self._here(), text)])
 
     def _here(self) -> Steps:
         """The path of what is read at the moment."""

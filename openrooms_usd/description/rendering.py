@@ -22,8 +22,8 @@ from openrooms_usd.description.model import (
     Whole,
     peek,
 )
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.errors import InputError
+from openrooms_usd.spelling import did_you_mean
 
 Method = Literal["cache", "reference"]
 METHODS: Final[tuple[Method, ...]] = get_args(Method)
@@ -140,8 +140,8 @@ class RenderSettings(Budget, Rendering):
     seed: Annotated[Whole, Field(ge=0, le=2**31 - 1)] = 0
     """Fixes every random number."""
     storage: StorageName = COMPLETE
-    """How files hold channels: compact is some ten times smaller, light with a small loss
-    (docs/storage.md)."""
+    """How files hold channels: compact is some seven times smaller, each number of light within a
+    stated share of itself (docs/storage.md)."""
     time_code: Annotated[Number, Field(ge=-1e12, le=1e12)] | None = None
     """When a stage that moves is seen, in its time codes; by default at the first sample of
     everything."""

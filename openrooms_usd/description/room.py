@@ -1,20 +1,23 @@
 """The whole description: a name, a room type, a seed, and one section a stage."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr, ValidationError
 
+from openrooms_usd.description import reading
 from openrooms_usd.description.alignment import Alignment, ObjectList, object_names
 from openrooms_usd.description.cameras import AnyCameras, Cameras
 from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.lights import Lights
 from openrooms_usd.description.materials import Materials
-from openrooms_usd.description.model import CheckedModel, Found, PrimName, Whole, peek, peek_list
-from openrooms_usd.description.naming import did_you_mean
+from openrooms_usd.description.mistakes import MistakesError, Steps
+from openrooms_usd.description.model import CheckedModel, Found, Whole, peek, peek_list
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.styles import InteriorStyle
+from openrooms_usd.spelling import did_you_mean
 
 RoomType = Literal[
     "apartment",
@@ -47,11 +50,24 @@ RoomType = Literal[
 ]
 
 
+@dataclass(frozen=True)
+class _Text:
+    """Where a room was read from, which makes it no other room.
+
+    Attributes:
+        name: Of the file.
+        data: Its data, with their places; None for a room that stands in no file.
+    """
+
+    name: str = field(compare=False)
+    data: reading.Mapping | None = field(default=None, compare=False)
+
+
 class Room(CheckedModel):
     """A room, as room.yaml describes it."""
 
-    name: PrimName = "room"
-    """The room's name, for people."""
+    name: Annotated[str, Field(min_length=1, max_length=128)] = "room"
+    """The room's name, for people: any text."""
     room: RoomType = "misc"
     """The room type; chooses defaults."""
     seed: Whole = Field(default=0, ge=0, lt=2**63)
@@ -59,8 +75,8 @@ class Room(CheckedModel):
     style: InteriorStyle | None = None
     """What furniture, materials and colours go together; by default each is drawn by itself."""
     clutter: int = Field(default=0, ge=0, le=3)
-    """How much lies about in a room that is drawn or generated: 0 nothing but what is listed,
-    1 tidy, 2 lived in, 3 messy."""
+    """How much lies about on the furniture of a room that is drawn or generated, listed furniture
+    too: 0 nothing but what is listed, 1 tidy, 2 lived in, 3 messy."""
     layout: Layout = Field(default_factory=PolygonLayout)
     """The room's shell."""
     alignment: Alignment = Field(default_factory=ObjectList)
@@ -75,6 +91,7 @@ class Room(CheckedModel):
     """How things weigh, collide and move."""
 
     _folder: Path | None = PrivateAttr(default=None)
+    _text: _Text = PrivateAttr(default_factory=lambda: _Text("the room"))
 
     if not TYPE_CHECKING:  # Type checkers see the fields instead.
 
@@ -105,6 +122,24 @@ class Room(CheckedModel):
         room._folder = folder
         return room
 
+    def of_text(self, name: str, data: reading.Mapping) -> Self:
+        """The same room, which knows the name and the data of the file that it was read from."""
+        room = self.model_copy()
+        room._text = _Text(name, data)
+        return room
+
+    def refused(self, found: Iterable[tuple[Steps, str]]) -> MistakesError:
+        """What to raise where fields ask for what cannot be made.
+
+        Args:
+            found: The path of each, and what is wrong there.
+        """
+        from openrooms_usd.description.data import placed
+        from openrooms_usd.description.diagnosis import located
+
+        data = self._text.data or placed(self.as_dict())
+        return MistakesError(self._text.name, located(data, found))
+
     def as_dict(self) -> dict[str, Any]:
         """What was given of it, as plain data that makes the same room again."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
@@ -127,6 +162,7 @@ class Room(CheckedModel):
         Captured and generated objects have other names, so only listed objects are checked.
         """
         yield from _cameras_of_nothing(given)
+        yield from _drawn_into_captures(given)
         alignment = peek(given, "alignment")
         generated = alignment is None and _source(peek(given, "layout")) == "generate"
         if generated or (_source(alignment) or "objects") != "objects":
@@ -169,6 +205,26 @@ def room_of(data: Mapping[str, Any]) -> Room:
 
 def _source(section: Any) -> Any:
     return peek(section, "from") or peek(section, "source")
+
+
+def _drawn_into_captures(given: Any) -> Iterator[Found]:
+    """Furniture and small things that are to be drawn for a room that was captured."""
+    layout, alignment = (_source(peek(given, key)) for key in ("layout", "alignment"))
+    captured = layout not in (None, "polygon", "generate")
+    if captured and alignment == "generate":
+        yield Found(
+            ("alignment", "from"),
+            "furniture is generated for rooms that are drawn or generated, not for captured ones; "
+            "give the polygon of the room in layout, or list the objects",
+        )
+    if peek(given, "clutter") in (1, 2, 3) and (
+        captured or alignment not in (None, "objects", "generate")
+    ):
+        yield Found(
+            ("clutter",),
+            "things lie about in rooms that are drawn or generated, not in captured ones; "
+            "leave clutter out, or list the objects",
+        )
 
 
 def _cameras_of_nothing(given: Any) -> Iterator[Found]:

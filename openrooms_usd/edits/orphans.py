@@ -1,6 +1,5 @@
 """Opinions of the edits that do nothing: what they speak about is not there, or hides itself."""
 
-import difflib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +11,7 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import names, untrusted
 from openrooms_usd.edits.foreign import own_layers
 from openrooms_usd.errors import InputError
+from openrooms_usd.spelling import nearest
 from openrooms_usd.usd.files.diagnostics import UNREADABLE, reading
 from openrooms_usd.usd.files.layers import open_stage, stacked_files
 
@@ -158,7 +158,7 @@ class _Search:
             known = prim.GetVariantSets().GetVariantSet(name).GetVariantNames()
             if choice not in known:
                 message = f"chooses the variant {name} = {choice}, which is not there"
-                yield Orphan(str(spec.path), "variant", message, _near(choice, known))
+                yield Orphan(str(spec.path), "variant", message, nearest(choice, known) or "")
 
     def _variant_specs(self, spec: Sdf.PrimSpec, prim: Usd.Prim) -> Iterator[Sdf.PrimSpec]:
         """What is written inside the variants that are chosen; others cannot be looked at."""
@@ -195,7 +195,7 @@ class _Search:
             return self._by_name[name]
         parent = self.stage.GetPrimAtPath(path.GetPrimPath().GetParentPath())
         beside = filter(Usd.Prim.IsDefined, parent.GetAllChildren() if parent else ())
-        near = _near(name, [prim.GetName() for prim in beside])
+        near = nearest(name, [prim.GetName() for prim in beside]) or ""
         return f"{parent.GetPath()}/{near}" if near else ""
 
     @cached_property
@@ -219,10 +219,6 @@ def _operations(spec: Sdf.PrimSpec, prim: Usd.Prim) -> Iterator[Orphan]:
     for name in sorted(set(given) - order):
         message = "says an operation that the prim's xformOpOrder leaves out: it moves nothing"
         yield Orphan(f"{spec.path}.{name}", "operation", message)
-
-
-def _near(word: str, known: Iterable[str]) -> str:
-    return next(iter(difflib.get_close_matches(word, list(known), n=1)), "")
 
 
 def holds_opinions(spec: Sdf.PrimSpec) -> bool:

@@ -22,7 +22,7 @@ from openrooms_usd.edits.assigning import context_of
 from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture import CATEGORIES, category, styles
+from openrooms_usd.furniture import CATEGORIES, category, check, styles
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.assets import Asset, publish
@@ -72,10 +72,7 @@ def remake(
         prim = furniture(stage, name)
         wanted = kind or read_label(prim, names.CATEGORY) or ""
         known = category(wanted)
-        if style not in known.styles:
-            raise InputError(
-                f"no {wanted} has the style {style!r}", remedy=f"known: {', '.join(known.styles)}"
-            )
+        check(wanted, known.size, style)
         usual = known.styles[style].size or known.size
         width, depth, height = standing(prim).size if keep_size else usual
         size = (round(width, _DIGITS), round(depth, _DIGITS), round(height, _DIGITS))

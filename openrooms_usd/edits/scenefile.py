@@ -10,9 +10,9 @@ from typing import Final, Generic, TypeVar
 
 from pxr import Usd
 
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.edits.editing import being_edited
 from openrooms_usd.errors import UnknownNameError
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.files.layers import open_stage
 

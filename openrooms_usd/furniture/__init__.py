@@ -9,11 +9,12 @@ and a seed.
 """
 
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from typing import Final
 
 import numpy as np
 
+from openrooms_usd.description.advice import in_metres
+from openrooms_usd.description.categories import other_words
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.joinery.boards import (
     NOTHING_ORDERED,
@@ -28,6 +29,7 @@ from openrooms_usd.furniture.joinery.boards import (
 from openrooms_usd.furniture.placements import Place
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.registry import BUILT, built, module_of
+from openrooms_usd.spelling import did_you_mean
 
 __all__ = [
     "CATEGORIES",
@@ -41,6 +43,7 @@ __all__ = [
     "Parts",
     "Size",
     "category",
+    "check",
     "make",
     "module_of",
     "offered_surfaces",
@@ -98,6 +101,38 @@ def styles(name: str, size: Size | None = None) -> tuple[str, ...]:
     return suited or tuple(spec.styles)
 
 
+def check(name: str, size: Size, style: str | None, order: Order = NOTHING_ORDERED) -> None:
+    """See that an object can be built.
+
+    Args:
+        name: Its category.
+        size: Width, depth and height of its bounding box, metres.
+        style: Its style; None where it is still to be drawn.
+        order: What is ordered with it.
+
+    Raises:
+        InputError: It cannot; the error's place is the field that is to blame.
+    """
+    spec = category(name)
+    if style is not None and style not in spec.styles:
+        known = ", ".join(spec.styles)
+        hint = did_you_mean(style, spec.styles)
+        said = f"no {name} has the style {style!r}{hint}"
+        raise InputError(said, place="style", remedy=f"known: {known}")
+    if not all(MIN_SIDE <= side <= MAX_SIDE for side in size):
+        hint = in_metres(max(size), MAX_SIDE)
+        raise InputError(
+            f"a {name} of {size[0]:g} x {size[1]:g} x {size[2]:g} m cannot be built",
+            place="size",
+            remedy=f"give sides between {MIN_SIDE:g} m and {MAX_SIDE:g} m{hint}",
+        )
+    for key in ("fronts", "cutouts"):
+        takes = spec.styles[style].takes if style else (key,)
+        if getattr(order, key) and key not in takes:
+            said = f"a {name} of the style {style} has no {key} to choose"
+            raise InputError(said, place=key, remedy=f"leave {key} out")
+
+
 def make(
     name: str, size: Size, style: str, rng: np.random.Generator, order: Order = NOTHING_ORDERED
 ) -> Furniture:
@@ -117,25 +152,16 @@ def make(
     Raises:
         InputError: The category, the style, the size or the order is none that can be built.
     """
+    check(name, size, style, order)
     spec = category(name)
-    if style not in spec.styles:
-        raise _unknown(f"style of {name}", style, tuple(spec.styles))
-    if not all(MIN_SIDE <= side <= MAX_SIDE for side in size):
-        raise InputError(
-            f"a {name} of {size[0]:g} x {size[1]:g} x {size[2]:g} m cannot be built",
-            remedy=f"give sides between {MIN_SIDE:g} m and {MAX_SIDE:g} m",
-        )
-    for key in ("fronts", "cutouts"):
-        if getattr(order, key) and key not in spec.styles[style].takes:
-            raise InputError(
-                f"a {name} of the style {style} has no {key} to choose", remedy=f"leave {key} out"
-            )
     width, depth, height = np.clip(size, spec.min_size, spec.max_size).tolist()
     ordered = (order,) if spec.styles[style].takes else ()
     return fitted(spec.styles[style].build((width, depth, height), rng, *ordered), size)
 
 
 def _unknown(what: str, name: str, known: tuple[str, ...]) -> InputError:
-    near = get_close_matches(name, known, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    return InputError(f"no {what} is named {name!r}", remedy=f"{hint}known: {', '.join(known)}")
+    also = other_words() if known is BUILT else None
+    return InputError(
+        f"no {what} is named {name!r}{did_you_mean(name, known, also)}",
+        remedy="`orusd library list` has all" if known is BUILT else f"known: {', '.join(known)}",
+    )

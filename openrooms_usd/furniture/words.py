@@ -39,7 +39,8 @@ _NO_HEADS: Final = _set(
 _JOINTS: Final = _set("above behind for in of on under w with")
 
 # Words for lamps of any kind, which are told apart by where they begin above the floor, metres.
-_LAMPS: Final = frozenset(("lamp", "light", "lighting"))
+LAMP: Final = "lamp"
+_LAMPS: Final = frozenset((LAMP, "light", "lighting"))
 _HANGS_M: Final = 1.5
 _STANDS_M: Final = 0.1
 # What hangs on walls alone begins above this, metres.
@@ -53,6 +54,9 @@ _BROAD: Final[dict[str, tuple[str, ...]]] = {
     "table": ("coffee_table", "side_table"),
     "tv_monitor": ("monitor",),
 }
+BROAD: Final = frozenset((*_BROAD, LAMP))
+"""Categories and words that others are kinds of."""
+
 # What stands for a category where its own pieces are never of the size that was found: the nearest
 # in use and shape.
 _KIN: Final[dict[str, tuple[str, ...]]] = {
@@ -160,6 +164,14 @@ def category_of(word: str, above_floor: float) -> str | None:
     if found in _LAMPS:
         return lamps(above_floor)[0][0]
     return name if name in BUILT else None
+
+
+def spelled(word: str) -> str | None:
+    """The category that a word names, of the library or of what captures bring; None of none."""
+    found, name = _named(word) or ("", "")
+    if found in _LAMPS:
+        return LAMP
+    return None if found in _NOTHING else name or None
 
 
 def lamps(above_floor: float) -> Choices:

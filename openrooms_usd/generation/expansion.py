@@ -7,7 +7,6 @@ from openrooms_usd.description.alignment import ObjectList, named_objects
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
 from openrooms_usd.description.layout import PolygonLayout
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import DescriptionError
 from openrooms_usd.generation.clutter.described import lying_in, rows
 from openrooms_usd.generation.describing import layout_section, objects, row_of
 from openrooms_usd.generation.environments import environment
@@ -20,7 +19,7 @@ from openrooms_usd.generation.shell import shell_of
 def expanded(room: Room) -> Room:
     """A description without generated sections: polygon, openings, objects and lamps are explicit.
 
-    What lies about (``clutter``) is explicit too.
+    What lies about (``clutter``) is explicit too, on described furniture as on drawn.
 
     A generated layout is furnished too, unless the description has an alignment of its own, and it
     is seen at a moment that is drawn, unless the description has an environment. Lamps that the
@@ -33,7 +32,6 @@ def expanded(room: Room) -> Room:
         The same room where nothing is generated.
 
     Raises:
-        DescriptionError: Furniture is to be generated for a room that is not drawn or generated.
         InputError: No room of the wanted area can be made.
     """
     layout, wants_layout = room.layout, isinstance(room.layout, GeneratedLayout)
@@ -45,29 +43,24 @@ def expanded(room: Room) -> Room:
     if isinstance(layout, GeneratedLayout):
         clutter = room.clutter if wants_objects else 0
         is_seen = "environment" not in room.lights.model_fields_set
-        made = generate(room.room, room.seed, layout.area, room.style, clutter, seen=is_seen)
-    elif isinstance(layout, PolygonLayout):
+        made = generate(
+            room.room, room.seed, layout.area, room.style, clutter,
+            seen=is_seen, thickness=layout.wall_thickness,
+        )  # fmt: skip
+    else:
+        assert isinstance(layout, PolygonLayout), "a description refuses others"
         shell = finished(shell_of(layout), layout)
         style = room.style or style_of(room.room, room.seed)
         made = furnish(room.room, room.seed, shell, style, room.clutter)
-    else:
-        raise DescriptionError(
-            "furniture is generated for rooms that are drawn or generated, not for captured ones",
-            place="alignment",
-            remedy="give the room's polygon in layout, or list the objects",
-        )
-    return _with(room, made, wants_layout, wants_objects)
+    explicit = _with(room, made, wants_layout, wants_objects)
+    return _lived_in(explicit) if room.clutter and not wants_objects else explicit
 
 
 def _lived_in(room: Room) -> Room:
     """A described room with what lies about among its objects."""
     layout, alignment = room.layout, room.alignment
-    if not isinstance(layout, PolygonLayout) or not isinstance(alignment, ObjectList):
-        raise DescriptionError(
-            "things lie about in rooms that are drawn or generated, not in captured ones",
-            place="clutter",
-            remedy="leave clutter out, or list the objects",
-        )
+    assert isinstance(layout, PolygonLayout), "a description refuses others"
+    assert isinstance(alignment, ObjectList), "a description refuses others"
     shell = finished(shell_of(layout), layout)
     folder = room.folder or Path()
     lying = lying_in(alignment.objects, shell, room.room, room.seed, room.clutter, folder)
@@ -82,7 +75,7 @@ def _lived_in(room: Room) -> Room:
     own = data.setdefault("alignment", {"from": "objects"}).get("objects", ())
     kept = [{**row, "name": name} for row, name in zip(own, names, strict=True)]
     data["alignment"]["objects"] = [*kept, *found]
-    return Room.model_validate(data).located(folder) if room.folder else Room.model_validate(data)
+    return Room.model_validate(data).located(folder)
 
 
 def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) -> Room:
@@ -102,4 +95,4 @@ def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) 
         lights["lamps"] = lamps(made, seen=seen) | lights.get("lamps", {})
         if seen:
             lights["screens"] = screens(made) | lights.get("screens", {})
-    return Room.model_validate(data)
+    return Room.model_validate(data).located(room.folder or Path())

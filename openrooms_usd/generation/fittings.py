@@ -49,6 +49,8 @@ _REACHED_M: Final = 0.32
 _PLUGGED_M: Final = 0.06
 _READ_M: Final = 0.13
 _THERMOSTAT_Z_M: Final = 1.4
+# Nothing electric is nearer to a bath or a shower (IEC 60364-7-701, zone 2), metres.
+_DRY_M: Final = 0.6
 # Half of the hole in a rose, which takes a lamp's canopy; metres.
 _ROSE_HOLE_M: Final = 0.075
 
@@ -127,8 +129,15 @@ class Fitter:
         panelling = shell.fixed[
             (shell.fixed[:, 6] == 0.0) & (shell.fixed[:, 7] > _LOWEST_RADIATOR_M)
         ]
-        blocked |= overlap(box, panelling).any()
+        blocked |= overlap(box, panelling).any() | self._is_hung_above(box)
         return item if not blocked and self.room.add(item) else None
+
+    def _is_hung_above(self, box: Array) -> bool:
+        """Whether something of a group hangs where a radiator's heat would rise to it."""
+        hung = [item.box for _, group in self.room.items for item in group if item.on == "wall"]
+        column = box.copy()
+        column[:, 7] = self.room.shell.height
+        return bool(hung) and bool(overlap(column, np.array(hung)).any())
 
     def _vents(self, wanted: int) -> list[Item]:
         size, style = self.kit.make("wall_vent")
@@ -295,6 +304,7 @@ class Fitter:
         taken = len(solids) > 0 and bool(overlap(before, solids, 0.001).any())
         taken |= bool(overlap(before, shell.fixed, 0.004).any())
         taken |= bool(overlap(item.box[None], shell.standing, -0.002).any())
+        taken |= bool(overlap(item.box[None], self.room.wet, _DRY_M).any())
         return [] if taken else [self._taken(item)]
 
     def _is_cut(self, side: Side, at: float, z: float, size: Size) -> bool:

@@ -1,6 +1,6 @@
 """Where groups stand: many candidates at once, the good ones first, none that blocks anything."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -36,6 +36,13 @@ _BEHIND_M: Final = 0.03
 _ROOM: Final = ("floor", "wall", "ceiling")
 # Narrower groups belong into corners, metres.
 _CORNER_WIDTH_M: Final = 0.6
+# Above these nothing hangs: what is splashed, and what is hot.
+_WET: Final = frozenset({"bathtub", "shower"})
+_HOT: Final = frozenset({"hob", "radiator", "stove"})
+# Between a hob and the wall behind it, metres.
+_BEHIND_HOB_M: Final = 0.15
+# The core of what hangs, as a share of its width and height, and how far people look at it from.
+_CORE_SHARE, _LOOK_M = 0.5, 0.5
 
 
 @dataclass
@@ -45,12 +52,16 @@ class Arrangement:
     Attributes:
         shell: The room.
         items: What stands in it, in the room's frame, by group.
+        wet: (W, 8) from the floor up, above what people bathe in.
+        hot: (H, 8) likewise, above what is hot.
     """
 
     shell: Shell
     items: list[tuple[str, list[Item]]] = field(default_factory=list)
     solids: Array = field(default_factory=lambda: NONE)
     zones: Array = field(default_factory=lambda: NONE)
+    wet: Array = field(default_factory=lambda: NONE)
+    hot: Array = field(default_factory=lambda: NONE)
     access: list[tuple[float, float]] = field(default_factory=list)
     floor: Floor = field(init=False)
 
@@ -83,7 +94,35 @@ class Arrangement:
 
     def add(self, item: Item) -> bool:
         """Take in one more thing at its place, unless it narrows a path too much."""
-        return self.take(item.box[None])
+        if not self.take(item.box[None]):
+            return False
+        self.know([item])
+        return True
+
+    def know(self, items: Iterable[Item]) -> None:
+        """Remember above which things nothing hangs."""
+        for item in items:
+            column = item.box[None].copy()
+            column[:, 6:] = -1.0, 99.0
+            if item.category in _WET:
+                self.wet = np.concatenate([self.wet, column])
+            if item.category in _HOT:
+                column[:, 5] += _BEHIND_HOB_M
+                self.hot = np.concatenate([self.hot, column])
+
+    def shows(self, box: Array, gap: float) -> bool:
+        """Whether what hangs in (1, 8) a box is clear of all else, and nothing hides it."""
+        core = box.copy()
+        core[:, 4] *= _CORE_SHARE
+        core[:, 6:] += 0.5 * (1.0 - _CORE_SHARE) * (box[:, 7] - box[:, 6]) * np.array([1.0, -1.0])
+        core[:, :2] += 0.5 * _LOOK_M * np.stack([core[:, 3], -core[:, 2]], axis=1)
+        core[:, 5] += 0.5 * _LOOK_M
+        return not (
+            overlap(box, self.solids, gap).any()
+            or overlap(core, self.solids).any()
+            or overlap(box, self.wet, gap).any()
+            or overlap(box, self.hot, gap).any()
+        )
 
     def take(self, boxes: Array) -> bool:
         """Take up space, unless that narrows a path too much."""
@@ -125,6 +164,8 @@ class Arrangement:
         on_wall = np.array([item.on == "wall" for item in group.items])
         if on_wall.any():
             free &= ~on_wall | self._backed(boxes)
+            for columns in (self.wet, self.hot):
+                free &= ~on_wall | ~overlap(boxes, columns).any(axis=-1)
         free &= boxes[..., 7] <= self.shell.height - 0.02 + 0.02 * hung
         if len(self.solids):
             free &= ~overlap(boxes, self.solids, _GROUP_GAP_M).any(axis=-1)
@@ -167,6 +208,7 @@ class Arrangement:
         self.solids = np.concatenate([self.solids, boxes])
         self.zones = np.concatenate([self.zones, posed(group.zones, [pose])[0]])
         self.items.append((group.title, items))
+        self.know(items)
         return True
 
 

@@ -24,10 +24,11 @@ from openrooms_usd.generation.placement import Arrangement
 from openrooms_usd.generation.polygons import floor_plan
 from openrooms_usd.generation.programs import PROGRAMS, Program, Want
 from openrooms_usd.generation.shapes import Shapes
-from openrooms_usd.generation.shell import Shell
+from openrooms_usd.generation.shell import WALL_THICKNESS, Shell
 from openrooms_usd.generation.walls import ceiling_lamps, hang
 from openrooms_usd.library.styles.assignment.weights import drawn
 from openrooms_usd.library.styles.interiors import INTERIORS, Interior
+from openrooms_usd.spelling import did_you_mean
 
 # What is screwed on through tiles is flush to the wall, and may sink in by so much.
 _THICK_M: Final = 0.004
@@ -153,7 +154,8 @@ def program_of(room_type: str) -> Program:
     """
     if room_type not in PROGRAMS:
         raise InputError(
-            f"no room type is named {room_type!r}", remedy=f"known: {', '.join(PROGRAMS)}"
+            f"no room type is named {room_type!r}{did_you_mean(room_type, PROGRAMS)}",
+            remedy=f"known: {', '.join(PROGRAMS)}",
         )
     return PROGRAMS[room_type]
 
@@ -173,6 +175,7 @@ def generate(
     *,
     seen: bool = True,
     shapes: Shapes | None = None,
+    thickness: float = WALL_THICKNESS,
 ) -> Generated:
     """Make a room; equal arguments give equal rooms, in any process.
 
@@ -184,18 +187,22 @@ def generate(
         clutter: How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.
         seen: Whether the room is seen at its own moment, by which curtains close.
         shapes: Takes in the forms of all things that are built on the way.
+        thickness: Of the walls, metres.
 
     Raises:
         InputError: There is no such room type or style, or no room of that area can be made.
     """
     style = style or style_of(room_type, seed)
     if style not in INTERIORS:
-        raise InputError(f"no style is named {style!r}", remedy=f"known: {', '.join(INTERIORS)}")
+        raise InputError(
+            f"no style is named {style!r}{did_you_mean(style, INTERIORS)}",
+            remedy=f"known: {', '.join(INTERIORS)}",
+        )
     best: tuple[Generated, Arrangement] | None = None
     shapes = shapes or Shapes(seed)
     closed = seen and closes(room_type, seed)
     for attempt in range(_MAX_DRAFTS):
-        shell, rows = draw_shell(room_type, seed, area, attempt)
+        shell, rows = draw_shell(room_type, seed, area, attempt, thickness)
         finish = finishing(room_type, seed, shell, style)
         shell = finished(shell, finish)
         made, room = _furnished(room_type, shapes, shell, attempt, style, closed)
@@ -218,7 +225,11 @@ def _lived_in(room: Generated, arrangement: Arrangement, shapes: Shapes, clutter
 
 
 def draw_shell(
-    room_type: str, seed: int, area: float | None = None, attempt: int = 0
+    room_type: str,
+    seed: int,
+    area: float | None = None,
+    attempt: int = 0,
+    thickness: float = WALL_THICKNESS,
 ) -> tuple[Shell, list[dict[str, Any]]]:
     """Walls and openings alone.
 
@@ -236,7 +247,7 @@ def draw_shell(
     wanted = float(rng.triangular(least, usual, most)) if area is None else area
     corners = floor_plan(rng, wanted, program.aspect, program.shapes)
     height = round(float(rng.uniform(*program.height)), 2)
-    return openings(rng, Shell(corners, height), program)
+    return openings(rng, Shell(corners, height, thickness=thickness), program)
 
 
 def furnish(

@@ -18,6 +18,8 @@ from openrooms_usd.generation.boxes import NONE, Array, box
 from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.geometry.polygons import counter_clockwise
 
+WALL_THICKNESS: Final = 0.2
+"""Of outer walls, where nobody says; metres."""
 # What a door's leaf and its handles need beside the opening, and before them, metres.
 _BESIDE_DOOR_M: Final = 0.13
 _BEFORE_DOOR_M: Final = 0.08
@@ -121,7 +123,7 @@ class Shell:
     fixed: Array = field(default_factory=lambda: NONE)
     beams: Array = field(default_factory=lambda: NONE)
     casing: float = 0.0
-    thickness: float = 0.2
+    thickness: float = WALL_THICKNESS
 
     def with_fixed(self, fixed: Array, beams: Array, casing: float) -> "Shell":
         """The same with what is fixed in it."""

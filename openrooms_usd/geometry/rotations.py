@@ -14,17 +14,17 @@ def in_plan(radians: ArrayLike) -> Array:
 
 def about_x(radians: float) -> Array:
     """(3, 3) a turn about X, from Y to Z."""
-    return _about(0, radians)
+    return about_axis(0, radians)
 
 
 def about_y(radians: float) -> Array:
     """(3, 3) a turn about Y, from Z to X."""
-    return _about(1, radians)
+    return about_axis(1, radians)
 
 
 def about_z(radians: float) -> Array:
     """(3, 3) a turn about the vertical, counter-clockwise from above: a yaw."""
-    return _about(2, radians)
+    return about_axis(2, radians)
 
 
 def tilted(forward: float, right: float) -> Array:
@@ -32,7 +32,8 @@ def tilted(forward: float, right: float) -> Array:
     return about_y(np.radians(right)) @ about_x(np.radians(forward))
 
 
-def _about(axis: int, radians: float) -> Array:
+def about_axis(axis: int, radians: float) -> Array:
+    """(3, 3) a turn about X, Y or Z, by its number."""
     matrix = np.eye(3)
     j, k = (axis + 1) % 3, (axis + 2) % 3
     c, s = np.cos(radians), np.sin(radians)

@@ -14,6 +14,7 @@ from openrooms_usd.rendering.compact import is_compact
 from openrooms_usd.rendering.exr import Pixels
 from openrooms_usd.rendering.manifest_schema import Manifest, StoredEntry, ViewEntry
 from openrooms_usd.rendering.reading import RenderedView
+from openrooms_usd.spelling import did_you_mean
 
 _REMEDY: Final = "ask for channels that are there, or render it with them"
 
@@ -61,7 +62,8 @@ def _is_of(name: str, channels: Sequence[str]) -> bool:
 def _scope(name: str) -> str:
     if name not in CHANNELS:
         raise InputError(
-            f"there is no channel {name!r}", remedy="'orusd channels' lists them by their names"
+            f"there is no channel {name!r}{did_you_mean(name, CHANNELS)}",
+            remedy="'orusd channels' lists them by their names",
         )
     return CHANNELS[name].scope
 

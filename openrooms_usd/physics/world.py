@@ -77,6 +77,7 @@ class Link:
         mass: Its mass, centre and inertia in its own frame; None where it never moves.
         shapes: What collides.
         visuals: What is seen.
+        between: Whether it is only there to part two joints of one child, whose frame it has.
     """
 
     name: str
@@ -85,6 +86,24 @@ class Link:
     mass: MassProperties | None
     shapes: tuple[Shape, ...] = ()
     visuals: tuple[Visual, ...] = ()
+    between: bool = False
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A spring and a motor of a joint; what damps the joint is the motor's gain.
+
+    Attributes:
+        stiffness: N m/rad or N/m.
+        target: Where the spring is at rest, from the pose of the stage, radians or metres.
+        speed: What the damping draws the joint to, rad/s or m/s.
+        force: The most that stiffness and damping give together, N m or N; may be infinite.
+    """
+
+    stiffness: float
+    target: float = 0.0
+    speed: float = 0.0
+    force: float = np.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +119,8 @@ class Joint:
         limits: From the pose of the stage: radians or metres.
         damping: N m s/rad or N s/m.
         friction: N m or N that it takes to move it at all.
+        drive: A spring or a motor; None without one.
+        speed: At first, rad/s or m/s.
     """
 
     name: str
@@ -110,6 +131,8 @@ class Joint:
     limits: tuple[float, float]
     damping: float = 0.0
     friction: float = 0.0
+    drive: Drive | None = None
+    speed: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +147,8 @@ class Body:
         joints: A tree over the links.
         fixed: Whether its base never moves.
         category: What it is; empty where nobody says.
+        velocity: Of its base at first: (3,) of the centre of mass, m/s, and (3,) about the world's
+            axes, rad/s.
     """
 
     name: str
@@ -133,10 +158,27 @@ class Body:
     joints: tuple[Joint, ...] = ()
     fixed: bool = False
     category: str = ""
+    velocity: tuple[Array, Array] = (np.zeros(3), np.zeros(3))
 
 
 LinkName = tuple[str, str]
 """The name of a body, and that of one of its links."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A joint that closes a loop: points of two links that stay together.
+
+    Attributes:
+        path: Its prim.
+        links: What it holds together, also of two bodies.
+        points: (N, 3) in the world, in the pose of the stage: one of a ball, two of a hinge, three
+            of what is held as a whole.
+    """
+
+    path: str
+    links: tuple[LinkName, LinkName]
+    points: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,9 +190,11 @@ class World:
         gravity: (3,) m/s2.
         losses: (prim path, ``approximated`` or ``skipped``, reason).
         apart: Links of different bodies that pass through each other; those of one body always do.
+        loops: Joints that close a loop.
     """
 
     bodies: tuple[Body, ...]
     gravity: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))
     losses: tuple[tuple[str, Literal["approximated", "skipped"], str], ...] = ()
     apart: tuple[tuple[LinkName, LinkName], ...] = ()
+    loops: tuple[Loop, ...] = ()

@@ -15,6 +15,7 @@ from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.rendering.coco import masks
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.rendering.rle import tight_box
+from openrooms_usd.usd.places.ancestry import above
 from openrooms_usd.usd.places.frames import local_to_world, world_from_stage
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 from openrooms_usd.version import __version__
@@ -140,7 +141,7 @@ def _things(render: RenderedScene, stage: Usd.Stage) -> dict[str, _Thing]:
     for mesh in read_meshes(stage):
         owner = mesh.path
         while owner not in wanted and owner:
-            owner = owner.rpartition("/")[0]
+            owner = above(owner)
         if owner:
             meshes[owner].append(mesh)
     return {path: _thing(stage, path, found) for path, found in meshes.items()}

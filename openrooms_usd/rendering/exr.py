@@ -15,8 +15,6 @@ from openrooms_usd.untrusted import checked
 
 Pixels = NDArray[np.float32]
 
-ZIP: Final = "zip"
-
 # Written at once: a multiple of the 16 rows that zip compression packs together, and few where
 # there are many channels.
 _ROWS_PACKED: Final = 16
@@ -29,7 +27,9 @@ _MOST_RATIO: Final = 520
 _MOST_DWA_RATIO: Final = 32 * _MOST_RATIO
 _AGAIN: Final = "render again"
 
-_MOST_HALF: Final = 65504.0
+# The largest power of two in halves: what is rounded never becomes infinite.
+_MOST_ROUNDED: Final = np.float32(32768.0)
+_DIGITS_OF_FLOATS: Final = 23
 
 # Rec.709 primaries and D65, x and y of red, green, blue and white.
 _CHROMATICITIES: Final = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
@@ -54,10 +54,7 @@ def exr_channels(name: str) -> list[str]:
 
 
 def write_channels(
-    path: Path,
-    images: Mapping[str, Rows],
-    samples: Mapping[str, str] | None = None,
-    compression: str = ZIP,
+    path: Path, images: Mapping[str, Rows], samples: Mapping[str, str] | None = None
 ) -> None:
     """Write channels of the table into one part.
 
@@ -65,7 +62,6 @@ def write_channels(
         path: The file.
         images: (height, width, components) by channel name.
         samples: ``half`` or ``float`` by channel name; by default what the table says.
-        compression: OpenEXR's, as OpenImageIO names it.
 
     Raises:
         OutputError: The file cannot be written.
@@ -73,35 +69,36 @@ def write_channels(
     names = [part for channel in images for part in exr_channels(channel)]
     kinds = samples or {name: definition(name).storage for name in images}
     storage = [kinds[name] for name in images for _ in definition(name).components]
-    _write(path, names, storage, list(images.values()), compression)
+    _write(path, names, storage, list(images.values()))
 
 
-def write_rgb(path: Path, pixels: Rows, sample: str = "float", compression: str = ZIP) -> None:
+def write_rgb(path: Path, pixels: Rows, sample: str = "float") -> None:
     """Write plain R, G, B, for any viewer.
 
     Args:
         path: The file.
         pixels: (height, width, 3) scene-linear.
         sample: ``half`` or ``float``.
-        compression: OpenEXR's, as OpenImageIO names it.
 
     Raises:
         OutputError: The file cannot be written.
     """
-    _write(path, ["R", "G", "B"], [sample] * 3, [pixels], compression)
+    _write(path, ["R", "G", "B"], [sample] * 3, [pixels])
 
 
 @dataclass(frozen=True, eq=False)
-class Scaled:
-    """A picture times a number, multiplied row by row as it is written.
+class Rounded:
+    """A picture in few binary digits, rounded row by row as it is written.
 
     Attributes:
         pixels: (height, width, components).
-        scale: The number.
+        scale: A power of two that numbers are multiplied by; 32,768 is the most that they become.
+        digits: Binary digits behind the first one, at most 10.
     """
 
     pixels: Pixels
     scale: float
+    digits: int
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -110,13 +107,16 @@ class Scaled:
 
     def __getitem__(self, which: slice) -> Pixels:
         # Numbers that are infinite, or none, have no place in a lossy file.
-        rows = self.pixels[which] * np.float32(self.scale)
-        return np.asarray(np.nan_to_num(rows, posinf=_MOST_HALF, neginf=-_MOST_HALF), np.float32)
+        rows = np.nan_to_num(self.pixels[which] * np.float32(self.scale))
+        rows = np.clip(rows, -_MOST_ROUNDED, _MOST_ROUNDED)
+        # Half of the last digit that is kept is added, and what lies below it cut off: this is
+        # rounding, of either sign, and what is carried over makes the exponent one larger.
+        dropped = np.uint32(_DIGITS_OF_FLOATS - self.digits)
+        numbers = (rows.view(np.uint32) + (np.uint32(1) << (dropped - 1))) >> dropped << dropped
+        return np.asarray(numbers.view(np.float32))
 
 
-def _write(
-    path: Path, names: list[str], storage: Sequence[str], planes: list[Rows], compression: str
-) -> None:
+def _write(path: Path, names: list[str], storage: Sequence[str], planes: list[Rows]) -> None:
     import OpenImageIO
 
     height, width = planes[0].shape[:2]
@@ -126,7 +126,7 @@ def _write(
     spec = OpenImageIO.ImageSpec(width, height, len(names), kinds[0])
     spec.channelnames = tuple(names)
     spec.channelformats = tuple(kinds)
-    spec.attribute("compression", compression)
+    spec.attribute("compression", "zip")
     spec.attribute("DateTime", "")  # otherwise the writer adds the time of day
     spec.attribute("whiteLuminance", 1.0)  # cd/m2 of (1, 1, 1): radiance is in nits
     spec.attribute("chromaticities", OpenImageIO.TypeDesc("float[8]"), _CHROMATICITIES)

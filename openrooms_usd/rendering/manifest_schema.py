@@ -166,9 +166,9 @@ class StoredEntry(_Part):
     """`openrooms_usd.rendering.storage.Way` as it is written."""
 
     file: _File | None = None
-    compression: str = ""
     sample: str = ""
     scale: Annotated[float, Field(ge=1e-37, le=1e37)] = 1.0
+    bound: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     sources: tuple[str, ...] = ()
 
 

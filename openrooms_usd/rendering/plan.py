@@ -1,8 +1,7 @@
 """What a run shall render: which channels, which cameras, and about how many paths that takes."""
 
-import difflib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from openrooms_usd.channels import CHANNELS, FLOWS
@@ -12,6 +11,7 @@ from openrooms_usd.geometry.hemisphere import HEMISPHERE
 from openrooms_usd.rendering.contract import RenderRequest
 from openrooms_usd.rendering.denoise import DENOISED
 from openrooms_usd.rendering.given import remedy_for
+from openrooms_usd.spelling import did_you_mean
 
 FRAMING: Final = "framing"  # the view's name where a stage has no camera and the scene is framed
 
@@ -60,7 +60,9 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
     for name in asked:
         if name not in CHANNELS:
             raise InputError(
-                f"no channel is named {name!r}", place="channels", remedy=_nearest(name, CHANNELS)
+                f"no channel is named {name!r}{did_you_mean(name, CHANNELS)}",
+                place="channels",
+                remedy=f"there are: {', '.join(CHANNELS)}",
             )
         if name in _MADE:
             raise InputError(
@@ -128,14 +130,7 @@ def _find(text: str, names: Mapping[str, str]) -> str:
             remedy=f"give a path: {', '.join(found)}",
         )
     raise InputError(
-        f"no camera is named {text!r}",
+        f"no camera is named {text!r}{did_you_mean(text, [*names.values(), *names])}",
         place="camera",
-        remedy=_nearest(text, [*names, *names.values()], shown=list(names.values())),
+        remedy=f"there are: {', '.join(names.values()) or 'none'}",
     )
-
-
-def _nearest(text: str, known: Iterable[str], shown: Iterable[str] | None = None) -> str:
-    near = difflib.get_close_matches(text, list(known), n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
-    listed = ", ".join(shown if shown is not None else known)
-    return f"{hint}there are: {listed or 'none'}"

@@ -4,7 +4,6 @@ A render with the channel ``radiance_i`` holds what every light causes with all 
 weighted sum is the picture in which the lights have these weights.
 """
 
-import difflib
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -23,6 +22,7 @@ from openrooms_usd.rendering.manifest import write_json
 from openrooms_usd.rendering.previews import preview
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.rendering.scene.lights import LightRecord
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.version import __version__
 
 FILES: Final = {"radiance": "radiance.exr", "preview": "radiance.png"}
@@ -178,12 +178,10 @@ def blackbody(kelvin: float) -> NDArray[np.float64]:
 
 def _check_light(name: str, known: Mapping[str, LightRecord], place: Path) -> None:
     if name not in known:
-        near = difflib.get_close_matches(name, known, n=1)
-        hint = f"did you mean {near[0]!r}? " if near else ""
         raise InputError(
-            f"no light is named {name!r}",
+            f"no light is named {name!r}{did_you_mean(name, known)}",
             place=place,
-            remedy=f"{hint}there are: {', '.join(known) or 'none'}",
+            remedy=f"there are: {', '.join(known) or 'none'}",
         )
     if not known[name].on:
         raise InputError(

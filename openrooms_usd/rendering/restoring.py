@@ -75,7 +75,7 @@ def restored(name: str, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array
 
     Returns:
         (height, width, components): lengths within 2e-6 of the distance from the camera and of its
-        place, directions within 2e-3, light as exact as its parts.
+        place, directions within 2e-3, light as exact as its parts and never negative.
     """
     images = [parts[source].astype(np.float64) for source in sources_of(name)]
     base = definition(name).name
@@ -83,7 +83,8 @@ def restored(name: str, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array
     with np.errstate(over="ignore", invalid="ignore"):
         if base in _GEOMETRY:
             return _GEOMETRY[base][1](images[0], K, pose).astype(np.float32)
-        return np.asarray(_LIGHT[base][1](*images), dtype=np.float32)
+        # Where two that were rounded cancel, less than nothing may remain.
+        return np.maximum(_LIGHT[base][1](*images), 0.0).astype(np.float32)
 
 
 def follows(

@@ -197,13 +197,12 @@ def _stored_files(
     jobs: list[tuple[Any, ...]] = []
     for file, inner in by_file(ways).items():
         planes = {name: way.rows(pixels[name]) for name, way in inner.items()}
-        way = next(iter(inner.values()))
-        if definition(next(iter(inner))).scope == "grid":
-            rows = next(iter(planes.values()))
-            jobs.append((exr.write_rgb, target / file, rows, way.sample, way.compression))
+        samples = {name: way.sample for name, way in inner.items()}
+        first = next(iter(inner))
+        if definition(first).scope == "grid":
+            jobs.append((exr.write_rgb, target / file, planes[first], samples[first]))
         else:
-            samples = {name: one.sample for name, one in inner.items()}
-            jobs.append((exr.write_channels, target / file, planes, samples, way.compression))
+            jobs.append((exr.write_channels, target / file, planes, samples))
     return jobs
 
 

@@ -1,9 +1,10 @@
 """How the channels of a view lie on disk: complete, or compact, for datasets of many views.
 
 Complete storage keeps every number as the table of channels says. Compact storage keeps labels,
-masks, depth, geometry and materials as they are; light goes through OpenEXR's DWA compression,
-which is lossy as JPEG is but works in half floats, and what follows from other channels is left
-out (`restoring`). What that saves and costs stands in docs/storage.md.
+masks, depth, geometry and materials as they are; light is rounded to few binary digits, each pixel
+by itself, and what follows from other channels is left out (`restoring`). So no light becomes
+negative, and sums of lights are as exact as their parts. What that saves and costs stands in
+docs/storage.md.
 """
 
 import math
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from openrooms_usd.channels import Channel, definition
 from openrooms_usd.description.rendering import COMPLETE, StorageName
 from openrooms_usd.rendering.contract import View
-from openrooms_usd.rendering.exr import ZIP, Rows, Scaled
+from openrooms_usd.rendering.exr import Rounded, Rows
 from openrooms_usd.rendering.folder import (
     CHANNELS_FILE,
     DENOISED_FILES,
@@ -32,16 +33,12 @@ from openrooms_usd.rendering.restoring import follows, sources_of
 
 Pixels = NDArray[np.float32]
 
-LOSSY: Final = {"view": "dwaa:100", "light": "dwaa:200", "grid": "dwaa:1000"}
-"""The compression of light by the scope of its channel, with its level: more is lossier."""
+DIGITS: Final = {"view": 6, "light": 5, "grid": 2}
+"""Binary digits of light behind the first one, by the scope of its channel."""
 
-# Black nearly everywhere: there halves alone take less, and lose next to nothing.
-SPARSE: Final = ("environment_direct",)
-
-# Brought there by a power of two, channels of any unit meet the same steps of DWA, which are
-# relative above 1 and finer below.
+# Brought there by a power of two, channels of any unit lie well inside the range of halves.
 _MEAN: Final = 8.0
-# The largest number in half precision is twice this: the compression overshoots at edges.
+# What a file holds at most (`Rounded`).
 _MOST: Final = 32768.0
 _MOST_EXPONENT: Final = 120
 
@@ -52,22 +49,24 @@ class Way:
 
     Attributes:
         file: In the folder of its view; empty where it is left out.
-        compression: ``zip``, without loss, or ``dwaa:`` and a level.
         sample: ``half`` or ``float``.
         scale: What the channel is multiplied by before it is stored.
+        bound: A number is off by at most this share of itself, or of 2^-13 / ``scale`` where it is
+            smaller; 0 without loss.
         sources: The channels that it follows from, where it is left out.
     """
 
     file: str = ""
-    compression: str = ZIP
     sample: str = "float"
     scale: float = 1.0
+    bound: float = 0.0
     sources: tuple[str, ...] = ()
 
     def rows(self, pixels: Pixels) -> Rows:
         """The channel as it is stored."""
-        lossy = self.compression != ZIP or self.scale != 1.0
-        return Scaled(pixels, self.scale) if lossy else pixels
+        if not self.bound:
+            return pixels
+        return Rounded(pixels, self.scale, round(-math.log2(self.bound)) - 1)
 
 
 @dataclass(frozen=True)
@@ -126,8 +125,8 @@ def storing(view: View, profile: StorageName = COMPLETE) -> Storing:
     files = {scope: file for file, scope in DENOISED_FILES}
     denoised = {}
     for name, pixels in clean.items():
-        lossy = _lossy(name, pixels) if profile != COMPLETE else (ZIP, definition(name).storage)
-        denoised[name] = Way(files[definition(name).scope], *lossy)
+        sample = (definition(name).storage,) if profile == COMPLETE else _rounded(name, pixels)
+        denoised[name] = Way(files[definition(name).scope], *sample)
     return Storing(profile, ways, denoised)
 
 
@@ -151,21 +150,20 @@ def _compact(name: str, pixels: Pixels) -> Way:
     if not _is_light(row):
         return Way(MASKS_FILE if row.scope == "light" else CHANNELS_FILE, sample=row.storage)
     file = {"view": LIGHT_FILE, "light": LIGHTS_FILE, "grid": grid_file(name)}[row.scope]
-    return Way(file, *_lossy(name, pixels))
+    return Way(file, *_rounded(name, pixels))
 
 
 def _is_light(row: Channel) -> bool:
     return row.kind == "light" or row.unit in ("nit", "lux")
 
 
-def _lossy(name: str, pixels: Pixels) -> tuple[str, str, float]:
-    """Compression, sample type and scale of light."""
-    compression = ZIP if name in SPARSE else LOSSY[definition(name).scope]
-    return compression, "half", scale_of(pixels)
+def _rounded(name: str, pixels: Pixels) -> tuple[str, float, float]:
+    """Sample type, scale and bound of light."""
+    return "half", scale_of(pixels), 0.5 ** (DIGITS[definition(name).scope] + 1)
 
 
 def scale_of(pixels: Pixels) -> float:
-    """The power of two that brings a channel's mean to where it is stored best.
+    """The power of two that brings a channel's mean well inside the range of halves.
 
     Args:
         pixels: (height, width, components).

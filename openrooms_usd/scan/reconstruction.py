@@ -19,6 +19,7 @@ from openrooms_usd.scan.placement.correcting import moved_by, place
 from openrooms_usd.scan.placement.fitting import LeftOut
 from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.mainpart import main_part
 from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.registration.alignment import Rejected, align
@@ -136,8 +137,9 @@ def _standing(
     cloud: Cloud, options: LayoutOptions, up: Array | None
 ) -> tuple[Cloud, Level, Storey | None]:
     """The thinned cloud, in the scan's frame, with the level frame on the floor of its storey."""
-    thinned = thin(cloud, VOXEL_M)
-    return thinned, *_storey(thinned, level(thinned, up), options.storey)
+    main, thinned = main_part(cloud), thin(cloud, VOXEL_M)
+    inside = thinned if main is cloud else thin(main, VOXEL_M)
+    return thinned, *_storey(inside, level(inside, up), options.storey)
 
 
 def _storey(cloud: Cloud, stands: Level, wanted: int | None) -> tuple[Level, Storey | None]:

@@ -69,7 +69,9 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
             place=target,
             remedy="give a USD file of its own, such as -o settled.usda",
         )
-    stronger, weaker = _around(path, target, source.GetRootLayer()) if composed else ([], [path])
+    stronger, weaker = (
+        _around(path, {target, own}, source.GetRootLayer()) if composed else ([], [path])
+    )
     layer = Sdf.Layer.CreateAnonymous(".usda")
     for key in _METADATA:
         if source.GetRootLayer().pseudoRoot.HasInfo(key):
@@ -83,8 +85,10 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
         for key in _METADATA:
             if layer.pseudoRoot.HasInfo(key):
                 stage.GetRootLayer().pseudoRoot.SetInfo(key, layer.pseudoRoot.GetInfo(key))
+        # Poses of an earlier run do not count, wherever these will lie.
+        earlier = {target.resolve(), own.resolve()} if composed else {target.resolve()}
         for used in stage.GetUsedLayers():
-            if used.realPath and Path(used.realPath) == target.resolve():
+            if used.realPath and Path(used.realPath).resolve() in earlier:
                 stage.MuteLayer(used.identifier)
         yield SettledRoom(stage, layer, target, path.parent if ours else None)
 
@@ -95,11 +99,12 @@ def _is_composed(path: Path, root: Sdf.Layer) -> bool:
     return path.name == names.SCENE and known and not root.rootPrims
 
 
-def _around(path: Path, target: Path, root: Sdf.Layer) -> tuple[list[Path], list[Path]]:
-    """The layers of a composed room above the new one, and those below."""
+def _around(path: Path, without: set[Path], root: Sdf.Layer) -> tuple[list[Path], list[Path]]:
+    """The layers of a composed room above the new one, and those below, some left out."""
     files = [path.parent / str(name) for name in root.subLayerPaths]
     edits = f"{names.EDITS}.usda"
-    others = [file for file in files if file.resolve() != target.resolve()]
+    left_out = {file.resolve() for file in without}
+    others = [file for file in files if file.resolve() not in left_out]
     return [f for f in others if f.name == edits], [f for f in others if f.name != edits]
 
 

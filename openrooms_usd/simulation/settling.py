@@ -19,7 +19,7 @@ from openrooms_usd.engines import (
     Simulation,
 )
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.physics.world import Body, World
+from openrooms_usd.physics.world import Body, Link, World
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
@@ -46,8 +46,8 @@ class Moved:
     Attributes:
         body: Its name.
         path: Its prim.
-        millimetres: Of the point of its collision shapes that has moved most, joints left out.
-        degrees: By how much it has turned.
+        millimetres: Of the point of its collision shapes that has moved most, on joints too.
+        degrees: By how much it, or the link that turned most, has turned.
         joints: Degrees or millimetres by which its joints have moved.
         speed: Of its base at the end, m/s.
     """
@@ -89,7 +89,7 @@ class Settled:
     def __repr__(self) -> str:
         first = self.moved[0] if self.moved else None
         most = f", by at most {first.millimetres:.1f} mm: {first.body}" if first else ""
-        said = f"{len(self.moved)} bodies that can move{most}"
+        said = f"{len(self.moved)} movable objects{most}"
         return f"Settled({self.seconds:g} s in {self.engine}, {said}; layer: {self.out})"
 
 
@@ -168,13 +168,19 @@ def displacements(world: World, simulation: Simulation) -> Iterator[Moved]:
         if body.fixed and not body.joints:
             continue
         pose = poses[body.name]
-        motion = pose.world_from_body @ np.linalg.inv(body.world_from_body)
-        points = corners(body)
-        shift = points @ motion[:3, :3].T + motion[:3, 3] - points
+        bases = {body.links[0].name: pose.world_from_body}
+        placed = simulation.links(body.name) if body.joints else bases
+        far = turned = 0.0
+        for link in body.links:
+            if link.between:
+                continue
+            motion = placed[link.name] @ np.linalg.inv(body.world_from_body @ link.body_from_link)
+            points = _points(body, link)
+            shift = points @ motion[:3, :3].T + motion[:3, 3] - points
+            far = max(far, 1e3 * float(np.linalg.norm(shift, axis=1).max()))
+            turned = max(turned, _degrees(motion))
         speed = float(np.linalg.norm(velocities[body.name].linear))
-        far = 1e3 * float(np.linalg.norm(shift, axis=1).max())
-        joints = dict(_joint_ways(body, pose))
-        yield Moved(body.name, body.path, far, _degrees(motion), joints, speed)
+        yield Moved(body.name, body.path, far, turned, dict(_joint_ways(body, pose)), speed)
 
 
 def _joint_ways(body: Body, pose: Pose) -> Iterator[tuple[str, float]]:
@@ -204,7 +210,7 @@ def motions(world: World, simulation: Simulation) -> "Iterator[Motion]":
         links = simulation.links(body.name) if body.joints else {}
         for link in body.links[1:]:
             was = body.world_from_body @ link.body_from_link
-            if link.path != body.path:
+            if link.path and link.path != body.path:
                 yield Motion(link.path, links[link.name] @ np.linalg.inv(was), "after")
 
 
@@ -264,10 +270,11 @@ def guard_of(world: World) -> Guard:
 
 
 def corners(body: Body) -> Array:
-    """(N, 3) the corners of a body's shapes and its own origin, in the world."""
-    origins = [np.zeros((1, 3))]
-    for link in body.links:
-        M = link.body_from_link
-        origins += [shape.mesh.points @ M[:3, :3].T + M[:3, 3] for shape in link.shapes]
-    M = body.world_from_body
-    return np.asarray(np.concatenate(origins) @ M[:3, :3].T + M[:3, 3])
+    """(N, 3) the corners of a body's shapes and its links' origins, in the world."""
+    return np.concatenate([_points(body, link) for link in body.links])
+
+
+def _points(body: Body, link: Link) -> Array:
+    M = body.world_from_body @ link.body_from_link
+    points = np.concatenate([np.zeros((1, 3)), *(shape.mesh.points for shape in link.shapes)])
+    return np.asarray(points @ M[:3, :3].T + M[:3, 3])

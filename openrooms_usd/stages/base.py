@@ -14,12 +14,13 @@ import numpy as np
 
 from openrooms_usd import adapters, names
 from openrooms_usd.codedigest import code_digest
-from openrooms_usd.description.naming import did_you_mean
+from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.scanned import CapturedSection
 from openrooms_usd.draws import generator
-from openrooms_usd.errors import DescriptionError, InputError
+from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.untrusted import check_path, kind_of
 
 if TYPE_CHECKING:
@@ -113,6 +114,7 @@ class StageContext:
         """
         from openrooms_usd.usd.files.layers import is_deactivated
 
+        wrong = []
         for name in attrgetter(key)(self.room):
             path = f"{names.FURNITURE}/{name}"
             if name in known:
@@ -120,13 +122,14 @@ class StageContext:
             if is_deactivated(self.stage, path):
                 self.notes.append(f"{name}: deactivated, {off}")
                 continue
-            missing = f"there is no {kind or 'object'} {name!r}{did_you_mean(name, known)}"
-            raise DescriptionError(
-                f"{name} {lacking}" if lacking and self.stage.GetPrimAtPath(path) else missing,
-                place=f"{key}.{name}",
-                remedy=f"{f'{kind}s' if kind else 'there'} are: "
-                f"{', '.join(list(known)[:30]) or 'none'}",
-            )
+            said = f"there is no {kind or 'object'} {name!r}{did_you_mean(name, known)}"
+            if lacking and self.stage.GetPrimAtPath(path):
+                said = f"{name} {lacking}"
+            there = ", ".join(list(known)[:30]) or "none"
+            given = f"{said}; {f'{kind}s' if kind else 'there'} are: {there}"
+            wrong.append(((*key.split("."), name), given))
+        if wrong:
+            raise FieldsError(*wrong)
 
 
 def input_file(source: Path, relative: str, *, folders: bool = False) -> Path:

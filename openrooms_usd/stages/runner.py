@@ -81,7 +81,7 @@ def run(
     workers: int,
     progress: Progress = silent,
 ) -> Sequence[str]:
-    """Author one stage's layer into a draft.
+    """Author one stage's layer into a draft; its record keeps the notes.
 
     Args:
         stage: The stage.
@@ -115,7 +115,16 @@ def run(
             kept = set(context.kept())
             arrays = usd_layers.arrays_file(layer, folder)
             kept |= {arrays.name} if arrays else set()
-            _write_record(layer, stage.name, room, whole, kept, counted)
+            record = {
+                "fingerprint": whole,
+                "seed": str(room.seed),
+                "version": __version__,
+                "files": Vt.StringArray(sorted(kept)),
+                "counted": Vt.StringArray(sorted(counted)),
+                "notes": Vt.StringArray(context.notes),
+            }
+            custom = {names.NAMESPACE: {"stages": {stage.name: record}}}
+            layer.customLayerData = {**layer.customLayerData, **custom}
             draft.export(layer, stage.name, kept)
     except Tf.ErrorException as error:
         message = f"USD refuses what the stage {stage.name} writes: {reason(error)}"
@@ -157,24 +166,25 @@ def _reactivated(path: Path, stage: str) -> Sdf.Layer | None:
     return edits if off else None
 
 
-def _write_record(
-    layer: Sdf.Layer,
-    stage: str,
-    room: Room,
-    fingerprint: str,
-    kept: Iterable[str],
-    counted: Iterable[str],
-) -> None:
-    custom = dict(layer.customLayerData)
-    record = {
-        "fingerprint": fingerprint,
-        "seed": str(room.seed),
-        "version": __version__,
-        "files": Vt.StringArray(sorted(kept)),
-        "counted": Vt.StringArray(sorted(counted)),
-    }
-    custom[names.NAMESPACE] = {"stages": {stage: record}}
-    layer.customLayerData = custom
+def notes_of(path: Path, stage: str = "") -> tuple[str, ...]:
+    """What was noted when a layer was written.
+
+    Args:
+        path: The layer.
+        stage: Whose layer it is; empty for the root layer, whose notes are about the whole room.
+
+    Returns:
+        The notes; none where the layer is missing or holds none.
+    """
+    try:
+        layer = Sdf.Layer.OpenAsAnonymous(str(path), metadataOnly=True) if path.is_file() else None
+    except Tf.ErrorException:
+        return ()
+    if layer is None:
+        return ()
+    record = record_of(layer, stage) if stage else layer.customLayerData.get(names.NAMESPACE)
+    noted = record.get("notes", ()) if isinstance(record, dict) else ()
+    return tuple(noted) if isinstance(noted, Vt.StringArray) else ()
 
 
 def _write_authorship(stage: Usd.Stage, name: str, room: Room, fingerprint: str) -> None:
@@ -185,33 +195,45 @@ def _write_authorship(stage: Usd.Stage, name: str, room: Room, fingerprint: str)
     record.CreateInputsAttr(["fingerprint", fingerprint, "seed", str(room.seed)])
 
 
-def stack(draft: Draft) -> Sdf.Layer:
-    """The root layer: metadata, and the layers that are there as sublayers."""
+def stack(draft: Draft, notes: Sequence[str] = ()) -> Sdf.Layer:
+    """The root layer: metadata, the layers that are there as sublayers, notes about the room."""
     layer = Sdf.Layer.CreateAnonymous(".usda")
     usd_layers.apply_metadata(layer)
     layer.subLayerPaths = [
         f"./{names.LAYERS}/{name}.usda" for name in names.STACK if draft.layer(name).is_file()
     ]
     layer.pseudoRoot.SetInfo("renderSettingsPrimPath", names.RENDER_SETTINGS)
+    if notes:
+        kept = {names.NAMESPACE: {"notes": Vt.StringArray(notes)}}
+        layer.customLayerData = {**layer.customLayerData, **kept}
     return layer
 
 
-def write_scene(draft: Draft) -> None:
-    """Draft the root layer where it is missing or differs."""
-    layer = stack(draft)
+def write_scene(draft: Draft, notes: Sequence[str] | None = None) -> None:
+    """Draft the root layer where it is missing or differs.
+
+    Args:
+        draft: The composition.
+        notes: What is to be kept of the room as a whole; None for what is there.
+    """
+    layer = stack(draft, notes_of(draft.scene) if notes is None else notes)
     data = layer.ExportToString().encode()
     if not draft.scene.is_file() or draft.scene.read_bytes() != data:
         draft.export_scene(layer)
 
 
-def check(draft: Draft) -> None:
+def check(draft: Draft) -> Usd.Stage:
     """Refuse a composition that USD finds errors in, before it takes the old one's place.
+
+    Returns:
+        The composed stage.
 
     Raises:
         StageError: Something refers to what is not there.
     """
     stack = [draft.layer(name) for name in names.STACK]
-    errors = composition_errors(usd_layers.stacked_files(stack))
+    stage = usd_layers.stacked_files(stack)
+    errors = composition_errors(stage)
     if errors:
         prim, text = errors[0]
         raise StageError(
@@ -219,3 +241,4 @@ def check(draft: Draft) -> None:
             place=draft.scene,
             remedy=f"look into {names.LAYERS}/{names.EDITS}.usda, the layer that people edit",
         )
+    return stage

@@ -1,4 +1,4 @@
-"""Our categories in the class lists of others.
+"""Labels of prims: our categories, our classes in the lists of others, and what others label.
 
 Which classes a category has stands in its record. NYU40: as ScanNet's table of labels
 (scannetv2-labels.combined.tsv) files the same word, so that numbers agree with its label images;
@@ -6,8 +6,12 @@ our side tables are its end tables, our rugs its rugs. OpenRooms: its class of t
 what it rendered such models as; else unlabeled. ADE20K and COCO: the class that the thing is by the
 class's own words, and else unlabeled; what is several of COCO's at once, as cutlery is, is so too.
 A class is known by its number; 0 is ``unlabeled`` in all.
+
+What a thing is others say by ``SemanticsLabelsAPI`` with another name than ours, or by the
+``SemanticsAPI`` of Isaac Sim before 5.0, and in the words of their captures.
 """
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Final
 
@@ -16,7 +20,9 @@ from pxr import Usd, UsdSemantics, Vt
 from openrooms_usd import names
 from openrooms_usd.furniture.record import UNLABELED, Classes
 from openrooms_usd.furniture.registry import record, records
+from openrooms_usd.furniture.words import BROAD, plain, spelled
 from openrooms_usd.tables import read_table
+from openrooms_usd.usd.places.frames import TIME
 
 _TABLES: Final = read_table(__file__, "semantics.toml")
 OPENROOMS45: Final[tuple[str, ...]] = _TABLES["openrooms45"]
@@ -35,6 +41,16 @@ TAXONOMIES: Final[dict[str, dict[int, str]]] = {
     names.COCO: COCO,
 }
 """The names of closed class lists by their numbers, by the name of their taxonomy."""
+
+WORDS: Final = (names.CATEGORY, "class")
+"""Taxonomies whose labels are words for what a thing is: ours, and that of Isaac Sim."""
+
+_SAYING: Final = frozenset((*WORDS, *TAXONOMIES))
+_UNNUMBERED: Final = frozenset((names.PART, names.CAPTURED))
+_LABELS: Final = "semantics:labels:"
+# Isaac Sim before 5.0: an API that USD does not know, and what it wrote.
+_OLD_API: Final = "SemanticsAPI"
+_OLD: Final = "semantic:{}:params:semantic{}"
 
 _NUMBERS: Final = {
     taxonomy: {name: number for number, name in listed.items()}
@@ -98,15 +114,112 @@ def read_label(prim: Usd.Prim, taxonomy: str) -> str | None:
     return None
 
 
-def read_number(prim: Usd.Prim, taxonomy: str) -> int:
-    """The number of a prim's class: as it is labelled, or else as its category says.
+# What others label.
+
+Said = Mapping[str, tuple[str, ...]]
+
+
+def is_labelled(prim: Usd.Prim) -> bool:
+    """Whether a prim itself says what it is, in words or by a class."""
+    return not _SAYING.isdisjoint(own_labels(prim))
+
+
+def own_labels(prim: Usd.Prim) -> Said:
+    """The labels that stand on a prim itself, by their taxonomies."""
+    found: dict[str, tuple[str, ...]] = {}
+    # The second also names what USD does not know.
+    written = prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+    for api in dict.fromkeys((*prim.GetAppliedSchemas(), *written)):
+        kind, _, name = api.partition(":")
+        if kind == "SemanticsLabelsAPI":
+            taxonomy, words = name, prim.GetAttribute(f"{_LABELS}{name}").Get(TIME)
+        elif kind == _OLD_API:
+            said = (prim.GetAttribute(_OLD.format(name, end)) for end in ("Type", "Data"))
+            taxonomy, words = (str(one.Get(TIME) or "") if one else "" for one in said)
+            words = Vt.StringArray([words] if words else [])
+        else:
+            continue
+        # A layer of others may have written anything under this name.
+        if isinstance(words, Vt.TokenArray | Vt.StringArray) and len(words):
+            found[taxonomy] = (*found.get(taxonomy, ()), *map(str, words))
+    return found
+
+
+def read_category(prims: Iterable[Usd.Prim]) -> str | None:
+    """What the first prim that says it is, as the library spells it where it has a word for it.
 
     Args:
-        prim: The prim; labels above it count too.
+        prims: A prim, and what stands above it, the nearest first.
+    """
+    return next(filter(None, (_category(own_labels(prim)) for prim in prims)), None)
+
+
+def _category(said: Said) -> str | None:
+    words = _words(said)
+    return _known(words) or next(reversed(words), None)
+
+
+def _words(said: Said) -> tuple[str, ...]:
+    return tuple(word for taxonomy in WORDS for word in said.get(taxonomy, ()))
+
+
+def _known(words: Sequence[str]) -> str | None:
+    """The most special of words for a thing that anybody knows; hierarchies end with it."""
+    known = [name for word in words if (name := _spelled(word))]
+    special = [name for name in known if name not in BROAD]
+    return next(reversed(special or known), None)
+
+
+@cache
+def _spelled(word: str) -> str | None:
+    """A word as a category or class has it; None where none has."""
+    names_of_it = (word, spelled(word) or "", plain(word))
+    known = (name for test in (record, _is_class) for name in names_of_it if test(name))
+    return next(known, None)
+
+
+def _is_class(name: str) -> bool:
+    return any(name in numbers for numbers in _NUMBERS.values())
+
+
+def read_number(prims: Iterable[Usd.Prim], taxonomy: str) -> int:
+    """The number of a class, as the first prim is labelled that says one, or else a category.
+
+    Args:
+        prims: A prim, and what stands above it, the nearest first.
         taxonomy: A key of `TAXONOMIES`.
 
     Returns:
         The number; 0 for what has no class in the taxonomy.
     """
-    label = read_label(prim, taxonomy)
-    return number_of(label or class_of(read_label(prim, names.CATEGORY) or "", taxonomy), taxonomy)
+    for prim in prims:
+        said = own_labels(prim)
+        if taxonomy in said:
+            return max(number_of(_listed(word, taxonomy), taxonomy) for word in said[taxonomy])
+        if category := _category(said):
+            return number_of(class_of(category, taxonomy), taxonomy)
+    return 0
+
+
+def _listed(word: str, taxonomy: str) -> str:
+    return word if word in _NUMBERS[taxonomy] else plain(word)
+
+
+def unread_labels(prim: Usd.Prim) -> Iterator[str]:
+    """What of a prim's labels nobody here knows, one sentence each."""
+    said = own_labels(prim)
+    for taxonomy, words in said.items():
+        listed = ", ".join(words)
+        if taxonomy in TAXONOMIES:
+            if not any(_listed(word, taxonomy) in _NUMBERS[taxonomy] for word in words):
+                yield f"its label {listed} is no class of {taxonomy}"
+        elif taxonomy not in (*WORDS, *_UNNUMBERED):
+            known = ", ".join((*WORDS, *TAXONOMIES))
+            yield f"its label {listed} is left out: {taxonomy} is none of {known}"
+    if (words := _words(said)) and not _known(words) and TAXONOMIES.keys().isdisjoint(said):
+        yield f"its label {', '.join(words)} is no word that is known: it has no class"
+    applied = prim.GetAppliedSchemas()
+    for attribute in prim.GetAuthoredPropertiesInNamespace(_LABELS.rstrip(":")):
+        name = attribute.GetName()
+        if f"SemanticsLabelsAPI:{name.removeprefix(_LABELS)}" not in applied:
+            yield f"its label {name} is left out: its SemanticsLabelsAPI is not applied"

@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 import openrooms_usd as ou
+from openrooms_usd.dataset.status import status_of
+from openrooms_usd.errors import RenderError
 
 DATASET = """\
 rooms: [{files: [one/room.yaml, two/room.yaml]}]
@@ -15,7 +17,7 @@ retries: 0
 """
 
 
-def test_a_plan_and_what_became_of_it(tmp_path: Path) -> None:
+def test_a_run_all_of_whose_views_fail_is_an_error(tmp_path: Path) -> None:
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "room.yaml").write_text("room: nowhere\n")
@@ -24,10 +26,12 @@ def test_a_plan_and_what_became_of_it(tmp_path: Path) -> None:
     jobs = list(ou.plan_dataset(file))
     assert [job.name for job in jobs] == ["room_one/main", "room_two/main"]
     seen: list[str] = []
-    done = ou.run_dataset(file, tmp_path / "out", progress=lambda name, _: seen.append(name))
-    assert (done.made, done.kept) == (0, 0)
-    assert sorted(done.failed) == sorted(unit for job in jobs for unit in job.units()) == seen
-    assert all("nowhere" in reason for reason in done.failed.values())
+    with pytest.raises(
+        RenderError, match=r"none of 4 views .*; room_one/main/view_0: (?s:.*)nowhere"
+    ):
+        ou.run_dataset(file, tmp_path / "out", progress=lambda name, _: seen.append(name))
+    assert sorted(unit for job in jobs for unit in job.units()) == seen
+    assert len(status_of(tmp_path / "out").failures) == 4
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import rlcompleter
 import subprocess
 import sys
@@ -38,6 +39,19 @@ def loaded(code: str) -> set[str]:
         [sys.executable, "-c", script], capture_output=True, text=True, check=True
     )
     return {name.split(".")[0] for name in json.loads(done.stdout.splitlines()[-1])}
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_paths_are_text_as_well(name: str) -> None:
+    """No argument takes a Path alone; what texts become is `openrooms_usd.api.given`'s."""
+    wanted = {
+        argument.name: {str(one) for one in re.findall(r"\w+", str(argument.annotation))}
+        for argument in inspect.signature(getattr(ou, name)).parameters.values()
+    }
+    narrow = [
+        argument for argument, words in wanted.items() if "Path" in words and "str" not in words
+    ]
+    assert not narrow
 
 
 def test_dir_and_completion_show_it() -> None:

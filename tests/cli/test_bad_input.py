@@ -46,7 +46,7 @@ FAULTY: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "style": (
         f"{OBJECTS}    - {{category: chair, at: [1, 1], style: baroque}}\n",
-        ("chair_0", "no chair has the style 'baroque'", "known: "),
+        ("room.yaml:3:44", "no chair has the style 'baroque'", "known: "),
     ),
     "circle": (
         f"{OBJECTS}    - {{name: a, category: table, at: [1, 1], on: b}}\n"
@@ -59,7 +59,7 @@ FAULTY: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "wide window": (
         f"layout:\n  polygon: {SQUARE}\n  openings: [{{kind: window, wall: 0, width: 9}}]\n",
-        ("window_0", "9.000 m wide", "remedy: "),
+        ("window_0", "9.000 m wide", "it is free"),
     ),
     "lamp": ("lights: {lamps: {nolamp: {lumen: 3}}}\n", ("lights.lamps.nolamp", "'nolamp'")),
     "no lamp": (
@@ -69,7 +69,7 @@ FAULTY: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     ),
     "black sky": (
         f"lights: {{environment: {{color: [0, 0, 0], illuminance: 9}}}}\n{COARSE}",
-        ("lights.environment.color", "remedy: "),
+        ("lights.environment.color", "give a color"),
     ),
     "no panorama": (
         f"lights: {{environment: {{file: nosuch.hdr}}}}\n{COARSE}",
@@ -201,7 +201,7 @@ def test_a_mesh_file(
     (tmp_path / name).write_bytes(content)
     room = tmp_path / "room.yaml"
     room.write_text(lab.OTHER_ROOM.replace("category: chair,", f"category: chair, file: {name},"))
-    refuse_to_compose(orusd, lab, room, INPUT, name, fragment, "remedy: ")
+    refuse_to_compose(orusd, lab, room, INPUT, name, fragment, "; ")
 
 
 def test_stages_alone(orusd: Any, lab: Any, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room, parse_room
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import DescriptionError
 from openrooms_usd.names import STAGES
 
 ROOM = """\
@@ -50,9 +50,10 @@ def test_a_room_finds_its_files_however_it_is_given(
 def test_a_file_that_is_not_there_is_named_where_it_was_looked_for(
     described: Path, tmp_path: Path
 ) -> None:
-    with pytest.raises(InputError) as refused:
+    with pytest.raises(DescriptionError) as refused:
         compose_room(parse_room(ROOM), tmp_path / "out", base=tmp_path)
-    assert refused.value.place == str(tmp_path / "thing.obj")
+    said = f"3:43: alignment.objects[0].file: {tmp_path / 'thing.obj'}: no such file"
+    assert said in str(refused.value)
 
 
 def test_progress_goes_from_nothing_to_the_whole(described: Path, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from openrooms_usd.dataset.store import Store
 from openrooms_usd.dataset.variants import LeftOutError, captured_room, coverage_of
 from openrooms_usd.description import load_dataset, load_room
 from openrooms_usd.description.layout import ScanLayout
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import DescriptionError, InputError
 
 TEXT = """\
 name: scans
@@ -66,7 +66,7 @@ def test_a_scan_that_cannot_be_read_has_failed_and_is_not_left_out(tmp_path: Pat
     text = TEXT.replace("from: captures, files: [room.npz]", "files: [room.yaml]")
     (tmp_path / "dataset.yaml").write_text(text.replace("COVERAGE", "0.5"))
     (job,) = plan_jobs(load_dataset(tmp_path / "dataset.yaml"))
-    with pytest.raises(InputError, match="no such file") as refused:
+    with pytest.raises(DescriptionError, match="no such file") as refused:
         coverage_of(job, load_room(tmp_path / "room.yaml"), tmp_path, tmp_path / "scene")
     assert not isinstance(refused.value, LeftOutError)
 

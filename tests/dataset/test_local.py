@@ -1,5 +1,8 @@
 """The executor of this machine: processes that keep what they loaded, and may die."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import closing
 from importlib import import_module
@@ -60,3 +63,24 @@ def test_tasks_are_taken_when_a_worker_is_free() -> None:
 @pytest.mark.parametrize("names", [[], ["a"]])
 def test_fewer_tasks_than_workers(names: list[str]) -> None:
     assert [name for name, _ in told(names, 3)] == [name for name in names for _ in range(2)]
+
+
+def test_a_script_without_a_guard_runs_once(tmp_path: Path) -> None:
+    """As people paste it: nothing asks for ``if __name__ == "__main__"``."""
+    script = tmp_path / "t.py"
+    script.write_text(
+        "from openrooms_usd.dataset.executor import Wanted\n"
+        "from openrooms_usd.dataset.local import LocalExecutor\n"
+        "from executor_tasks import work\n"
+        "print('begun')\n"
+        "with LocalExecutor().hired(Wanted(1)) as crew:\n"
+        "    print([told for _, told in crew.run([{'name': 'a'}], work)][1:])\n"
+    )
+    path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
+    done = subprocess.run(
+        [sys.executable, script],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )
+    assert (done.stdout, done.stderr) == ("begun\n[{'ended': 'a'}]\n", "")

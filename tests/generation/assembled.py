@@ -13,6 +13,7 @@ from openrooms_usd.composing import compose_room
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.description.alignment import LibraryObject, ObjectList, named_objects
 from openrooms_usd.furniture import Order, category
+from openrooms_usd.generation.rooms import Generated, named
 from openrooms_usd.generation.shapes import Shape, Shapes
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.stages.alignment.placement import Placement, Supports
@@ -44,6 +45,21 @@ def assembled(text: str, shapes: Shapes, folder: Path) -> Scene:
         what = placements[name].asset.category
         scene.objects.append(Body(name, what, known[shape], pose))
     return scene
+
+
+def arranged(room: Generated, shapes: Shapes) -> tuple[Scene, dict[str, str]]:
+    """The objects alone of a room from nothing, as they were arranged, and what carries them."""
+    known: dict[Shape, Form] = {}
+    scene = Scene([], [], [], [], [], room.shell.corners, room.shell.height)
+    supports = {}
+    for _, name, item, on in named(room.furnishing.groups):
+        shape = shapes.of(item.category, item.size, item.style, item.order)
+        if shape not in known:
+            known[shape] = _form(shape)
+        pose = matrix_of(item.x, item.y, item.z, item.yaw, item.tilt)
+        scene.objects.append(Body(name, item.category, known[shape], pose))
+        supports[name] = on
+    return scene, supports
 
 
 def _shapes(room: Room, shapes: Shapes) -> list[Shape]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from tests.generation.building import misbuilt
+from tests.generation.hanging import misplaced
 from tests.generation.plans import inside
 from tests.generation.resting import floating
 from tests.generation.scenes import Body, Scene
@@ -46,6 +47,7 @@ def violations(
         *swings(scene),
         *blocked(scene),
         *misbuilt(scene, supports),
+        *misplaced(scene, supports),
     ]
 
 

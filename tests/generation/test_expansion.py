@@ -10,7 +10,6 @@ from openrooms_usd.composing import compose_room
 from openrooms_usd.description import dump_room, load_room, parse_room
 from openrooms_usd.description.alignment import ObjectList
 from openrooms_usd.description.layout import PolygonLayout
-from openrooms_usd.errors import DescriptionError
 from openrooms_usd.generation import expanded, generate, write
 from openrooms_usd.generation.shell import shell_of
 
@@ -68,12 +67,6 @@ def test_given_lamps_keep_what_is_said_of_them() -> None:
     assert room.lights.lamps["ceiling_lamp"].lumen == 5
 
 
-def test_captured_rooms_are_not_furnished() -> None:
-    text = "layout: {from: roomplan, file: x.json}\nalignment: {from: generate}\n"
-    with pytest.raises(DescriptionError, match="not for captured ones"):
-        expanded(parse_room(text))
-
-
 @pytest.mark.slow
 def test_composing_sees_the_expanded_room(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text("room: closet\nseed: 2\nlayout: {from: generate}\n" + SMALL)
@@ -125,7 +118,23 @@ def test_things_lie_about_in_described_rooms_too() -> None:
     assert expanded(bare) == bare
 
 
-def test_nothing_is_laid_into_captured_rooms() -> None:
-    text = "clutter: 1\nlayout: {from: roomplan, file: room.json}\n"
-    with pytest.raises(DescriptionError, match="not in captured ones"):
-        expanded(parse_room(text + "alignment: {from: roomplan, file: room.json}\n"))
+@pytest.mark.parametrize("layout", ["{from: generate, area: 9}", "{from: polygon}"])
+def test_clutter_lies_on_what_a_description_lists(layout: str) -> None:
+    text = f"room: office\nseed: 2\nlayout: {layout}\nalignment: {{objects: [{{category: table, "
+    text += "at: [2, 1.4], size: [1.6, 0.8, 0.74]}]}\n"
+    counts = [
+        len(expanded(parse_room(f"clutter: {level}\n{text}")).alignment.objects) for level in (0, 3)
+    ]
+    assert counts[0] == 1 < counts[1]
+
+
+def test_composing_lays_clutter_or_says_that_it_cannot(tmp_path: Path) -> None:
+    told = []
+    for level, out in ((3, "full"), (1, "bare"), (1, "bare")):
+        room = parse_room(f"room: office\nseed: 2\nclutter: {level}\n")
+        compose_room(room, tmp_path / out, only="layout")
+        told.append(compose_room(room, tmp_path / out, only="alignment").notes)
+    full, bare = (tmp_path / out / "layers/alignment.usda" for out in ("full", "bare"))
+    assert full.read_text().count("references = @") > bare.read_text().count("references = @") == 0
+    assert not any(note.startswith("clutter") for note in told[0])
+    assert told[1][0].startswith("clutter: nothing was laid") and told[2] == told[1]

@@ -185,6 +185,28 @@ def test_inside_out_faces_follow_their_normals(tmp_path: Path) -> None:
     np.testing.assert_allclose(mesh.normals, [[0, -1, 0]] * 3, atol=1e-6)
 
 
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_normals_of_a_wrong_sign_follow_the_faces_of_a_solid(
+    tmp_path: Path, inside_out: bool
+) -> None:
+    """The faces bound it from outside whichever of both was written wrongly."""
+    corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    quads = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners]
+    sign = 1 if inside_out else -1
+    lines += [
+        f"vn {sign * (2 * x - 1)} {sign * (2 * y - 1)} {sign * (2 * z - 1)}" for x, y, z in corners
+    ]
+    for quad in quads:
+        order = quad[::-1] if inside_out else quad
+        lines.append("f " + " ".join(f"{corner}//{corner}" for corner in order))
+    (mesh,) = read_model(_write(tmp_path / "box.obj", "\n".join(lines) + "\n")).parts.values()
+    assert mesh.volume() == pytest.approx(1.0)
+    outward = mesh.points[mesh.indices] - mesh.points.mean(axis=0)
+    assert mesh.normals is not None
+    assert np.einsum("ij,ij->i", outward, mesh.normals).min() > 0.5
+
+
 def test_a_sheet_is_seen_from_both_sides(tmp_path: Path) -> None:
     text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n"
     assert read_model(_write(tmp_path / "flat.obj", text), size=(1, 1, 1)).double_sided

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from pxr import UsdGeom, UsdLux
+from pxr import Gf, UsdGeom, UsdLux
 
 from openrooms_usd.usd.light.lights import define_mesh_light
 from orusd_mitsuba.transport import sampling
 from orusd_mitsuba.transport.bands import Band
 from tests import small
-from tests.mitsuba.rendering import shown
+from tests.mitsuba.rendering import session_of, shown
 from tests.mitsuba.statistics import lambert
 from tests.pictures import save_picture
 from tests.small import square
@@ -324,3 +324,17 @@ def test_the_glow_of_a_lamps_material_is_counted_once(shoot):
     for view in views[1:]:
         for name, image in views[0].images.items():
             np.testing.assert_array_equal(view.images[name].pixels, image.pixels, name)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_tilted_normal_sees_the_sky_but_what_the_surface_hides(vectorized, sign):
+    """pi (1 + cos) / 2 of a normal beside the plate's, also where it was written with -1."""
+    made = small.patch()
+    made.dome()
+    mesh = UsdGeom.Mesh(made.stage.GetPrimAtPath("/Patch"))
+    mesh.CreateNormalsAttr([Gf.Vec3f(0.6 * sign, 0.0, 0.8 * sign)])
+    mesh.SetNormalsInterpolation("constant")
+    found = session_of(made.stage, variant="llvm")
+    images = shown(found, "irradiance", "normal", samples=64).images
+    assert np.allclose(images["normal"].pixels, (0.6, 0.0, 0.8), atol=1e-6)
+    assert images["irradiance"].pixels.mean() == pytest.approx(np.pi * 1.8 / 2, rel=0.02)

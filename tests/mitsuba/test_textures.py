@@ -1,6 +1,7 @@
 """Textures: where a pixel of the picture lands, and that all who look it up agree."""
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -49,35 +50,41 @@ def test_the_top_row_of_the_picture_is_at_t_one(shoot, tmp_path):
 ALONG = {"repeat": "wrap", "mirror": "symmetric", "clamp": "edge", "black": "constant"}
 
 
-@pytest.mark.parametrize(
-    "wraps",
-    [
-        ("repeat", "repeat"),
-        ("mirror", "mirror"),
-        ("clamp", "clamp"),
-        ("black", "black"),
-        ("repeat", "mirror"),
-        ("mirror", "repeat"),
-        ("black", "clamp"),
-        ("clamp", "black"),
-    ],
-)
-def test_wrap_modes_beyond_the_picture(shoot, tmp_path, wraps):
-    pixels = speckled()
-    texture = Texture(
-        save_picture(tmp_path / "paper.png", pixels),
-        wrap_s=wraps[0],
-        wrap_t=wraps[1],
-        uv_translation=(-1.0, -1.0),
-    )
-    made = from_above(texture, st_scale=3.0)
-    size = 3 * SIDE
-    seen = shoot(made.stage, "base_color", width=size, height=size).images["base_color"].pixels
+def beyond(pixels, wraps):
+    """(3 H, 3 W, C) the picture and what lies around it."""
     sides = ((0, 0), (SIDE, SIDE), (0, 0)), ((SIDE, SIDE), (0, 0), (0, 0))
     expected = pixels / 255.0
     for wrap, side in zip(wraps, sides, strict=True):
         expected = np.pad(expected, side, mode=ALONG[wrap])
-    assert np.abs(seen - expected).max() < 1e-3
+    return expected
+
+
+@pytest.mark.parametrize("wraps", list(product(ALONG, ALONG)))
+def test_wrap_modes_beyond_the_picture(shoot, tmp_path, wraps):
+    pixels = speckled()
+    file, size = save_picture(tmp_path / "paper.png", pixels), 3 * SIDE
+    texture = Texture(file, wrap_s=wraps[0], wrap_t=wraps[1], uv_translation=(-1.0, -1.0))
+    made = from_above(texture, st_scale=3.0)
+    seen = shoot(made.stage, "base_color", width=size, height=size).images["base_color"].pixels
+    assert np.abs(seen - beyond(pixels, wraps)).max() < 1e-3
+
+
+@pytest.mark.parametrize("wraps", [("repeat", "clamp"), ("black", "mirror")])
+@pytest.mark.parametrize("relief", [False, True])
+def test_light_sees_wraps_that_differ(shoot, tmp_path, wraps, relief):
+    """Of surfaces of the table, and by a texture of its own."""
+    pixels = speckled()
+    file, size = save_picture(tmp_path / "paper.png", pixels), 3 * SIDE
+    texture = Texture(file, wrap_s=wraps[0], wrap_t=wraps[1], uv_translation=(-1.0, -1.0))
+    made = from_above(texture, st_scale=3.0, **({"normal": (1e-4, 0.0, 1.0)} if relief else {}))
+    made.dome()
+    seen = shoot(made.stage, "radiance", width=size, height=size, samples=64).images["radiance"]
+    # What lies between the centres of texels is linear, and pixels are means.
+    expected = beyond(pixels, wraps)
+    for axis in (0, 1):
+        around = np.roll(expected, 1, axis) + np.roll(expected, -1, axis)
+        expected = 0.75 * expected + 0.125 * around
+    assert np.abs(seen.pixels - expected)[1:-1, 1:-1].mean() < 0.03
 
 
 def test_transform_scales_then_turns_then_moves(shoot, tmp_path):

@@ -9,6 +9,7 @@ import pytest
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.reconstruction import without_rooms
 from orusd_scans.plainscan import Standing, find_standing, upright
 from orusd_scans.scanaxes import UNITS, Asked, unit_named
 from tests.scan.scanned_rooms import RoomScan
@@ -120,6 +121,61 @@ def test_a_room_upside_down_is_never_silent(room: Cloud) -> None:
 @pytest.mark.parametrize("unit", ["mm", "cm", "in", "ft", "km"])
 def test_other_units_are_found_or_asked_for(room: Cloud, unit: str) -> None:
     assert outcome(room, Z, 1.0 / UNITS[unit]) in ("right, told", "refused")
+
+
+def strays(room: np.ndarray) -> np.ndarray:
+    """One point in a hundred anywhere, up to 300 metres away."""
+    rng = np.random.default_rng(0)
+    away = rng.normal(size=(len(room) // 100, 3))
+    away *= 300.0 * rng.random((len(away), 1)) / np.linalg.norm(away, axis=1, keepdims=True)
+    return room.mean(axis=0) + away
+
+
+def street(room: np.ndarray) -> np.ndarray:
+    """The ground and a house 30 metres away, as a laser sees them through a window."""
+    rng = np.random.default_rng(0)
+    a, b = rng.random((2, len(room) // 25))
+    ground = np.column_stack([20.0 * a - 8.0, 8.0 + 20.0 * b**2, np.full(len(a), -0.5)])
+    return np.concatenate(
+        [ground, np.column_stack([60.0 * a - 28.0, np.full(len(a), 30.0), 12 * b])]
+    )
+
+
+def target(room: np.ndarray) -> np.ndarray:
+    """Half of all points on a ball of 14 centimetres."""
+    around = np.random.default_rng(0).normal(size=room.shape)
+    return 0.07 * around / np.linalg.norm(around, axis=1, keepdims=True) + (3.0, 2.0, 1.2)
+
+
+@pytest.mark.parametrize("unit", ["m", "mm", "cm", "ft"])
+@pytest.mark.parametrize("outside", [strays, street, target])
+def test_what_lies_outside_changes_nothing(room: Cloud, outside: Callable, unit: str) -> None:
+    seen = np.concatenate([room.points, outside(room.points)])
+    assert outcome(Cloud(seen), Z, 1.0 / UNITS[unit]) == ("right" if unit == "m" else "right, told")
+
+
+def test_the_floor_is_that_of_the_room_and_not_the_street(room: Cloud) -> None:
+    seen = Cloud(np.concatenate([room.points, street(room.points)]))
+    assert without_rooms(seen).level.point[2] == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("width", "depth", "height"), [(28, 15, 9), (60, 30, 12), (30, 2, 2.6), (80, 60, 15)]
+)
+def test_metres_are_believed_of_what_may_be_so_large(
+    width: float, depth: float, height: float
+) -> None:
+    corners = ((0, 0), (width, 0), (width, depth), (0, depth))
+    hall = RoomScan(corners, height=height, spacing=np.sqrt(width * depth) / 130).cloud()
+    found = stands(Cloud(hall.points))
+    assert found.unit == 1.0
+    assert (found.up == Z).all()
+
+
+def test_a_unit_that_was_said_is_believed_of_what_is_no_usual_room() -> None:
+    top = np.random.default_rng(0).random((6000, 3)) * (1200.0, 800.0, 2.0)
+    assert stands(Cloud(top), unit="mm").unit == 0.001
+    assert stands(Cloud(0.001 * top)).unit == 1.0
 
 
 @pytest.mark.parametrize("scale", [0.01, 0.3048])

@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdGeom
 from openrooms_usd import adapters, names
 from openrooms_usd.capture import Capture, CapturedBox
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import DescriptionError
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.stages.alignment.stage import AlignmentStage
@@ -227,7 +227,7 @@ def test_a_broken_mesh_leaves_the_layer_as_it_was(tmp_path: Path) -> None:
     _compose(tmp_path, [{"category": "chair", "at": [1, 1]}])
     before = _digests(tmp_path)
     (tmp_path / "thing.obj").write_text("v 0 0 0\nf 1 2 3\n")
-    with pytest.raises(InputError):
+    with pytest.raises(DescriptionError, match=r"objects\[0\]: piano_0: .*thing.obj:2"):
         _compose(
             tmp_path, [{"from": "file", "category": "piano", "file": "thing.obj", "at": [1, 1]}]
         )
@@ -235,7 +235,7 @@ def test_a_broken_mesh_leaves_the_layer_as_it_was(tmp_path: Path) -> None:
 
 
 def test_an_unknown_style_names_the_known_ones(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
+    with pytest.raises(DescriptionError) as caught:
         _compose(tmp_path, [{"category": "chair", "at": [1, 1], "style": "throne"}])
     assert "slat" in str(caught.value)
     assert "chair_0" in str(caught.value)

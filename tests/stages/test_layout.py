@@ -194,9 +194,9 @@ def test_equal_descriptions_give_equal_bytes() -> None:
     [
         (
             "[{kind: window, wall: 2, width: 3, name: big}]",
-            ["openings[0] (big) in wall 2 is 3.000 m wide", "2.760 m of its 3.000 m", "0.020 m"],
+            ["openings[0]: big in wall 2 is 3.000 m wide", "2.760 m of its 3.000 m", "0.020 m"],
         ),
-        ("[{kind: door, wall: 0, at: 0.3}]", ["(door_0) in wall 0 reaches beyond the right end"]),
+        ("[{kind: door, wall: 0, at: 0.3}]", ["door_0 in wall 0 reaches beyond the right end"]),
         (
             "[{kind: window, wall: 0, height: 2.5}]",
             ["reaches up to 3.400 m", "ceiling is at 2.600"],
@@ -216,7 +216,6 @@ def test_openings_that_do_not_fit_are_refused_with_numbers(openings: str, words:
         author(f"layout:\n  polygon: {L_SHAPE}\n  openings: {openings}")
     text = str(error.value)
     assert "layout.openings" in text
-    assert "remedy" in text
     assert all(word in text for word in words), text
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from pxr import Sdf, Usd, UsdGeom, UsdLux
+from pydantic import ValidationError
 
 from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
@@ -108,10 +109,8 @@ def test_an_edit_that_lays_the_sky_on_its_side_is_noted(tmp_path: Path) -> None:
 def test_a_black_night(tmp_path: Path) -> None:
     stage, _ = compose(tmp_path, room(environment={"from": "constant", "illuminance": 0}))
     assert dome(stage).radiance.tolist() == [0.0, 0.0, 0.0]
-    with pytest.raises(DescriptionError, match="black sky cannot give 5 lux"):
-        compose(
-            tmp_path, room(environment={"from": "constant", "illuminance": 5, "color": [0, 0, 0]})
-        )
+    with pytest.raises(ValidationError, match="a black sky shines on nothing"):
+        room(environment={"from": "constant", "illuminance": 5, "color": [0, 0, 0]})
 
 
 def test_a_panorama_gives_its_lux(tmp_path: Path) -> None:
@@ -217,8 +216,8 @@ def test_a_coloured_lamp_keeps_its_lumens(tmp_path: Path) -> None:
         luminance(lamps(white)["reading"].radiance), rel=1e-4
     )
     black = {"lumen": 500, "color": [0, 0, 0]}
-    with pytest.raises(DescriptionError, match="no hue"):
-        compose(tmp_path / "black", room(lamps={"reading": black}))
+    with pytest.raises(ValidationError, match="no hue"):
+        room(lamps={"reading": black})
 
 
 def test_beyond_what_usd_knows_is_noted(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.geometry.solids import box, sphere
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports, top_at
@@ -86,9 +86,9 @@ def test_what_stands_beside_its_support_is_noted() -> None:
 
 
 def test_circles_and_unknown_supports_are_refused() -> None:
-    with pytest.raises(InputError, match="circle: a, b, a"):
+    with pytest.raises(DescriptionError, match="circle: a, b, a"):
         _heights(_item("a", on="b"), _item("b", on="a"))
-    with pytest.raises(InputError, match="'c', which is no object"):
+    with pytest.raises(DescriptionError, match="'c', which is no object"):
         _heights(_item("a", on="c"))
     with pytest.raises(StageError, match="no ceiling"):
         _heights(_item("a", on="ceiling"), ceiling=None)

@@ -82,8 +82,8 @@ def test_trim_is_labelled_and_stays_below_the_ceiling() -> None:
         "Beams": "beam",
         "cladding_0": None,
     }
-    assert read_number(trim.GetChild("Skirting"), "openrooms45") == 43
-    assert read_number(trim.GetChild("Beams"), "nyu40") == 38
+    assert read_number([trim.GetChild("Skirting")], "openrooms45") == 43
+    assert read_number([trim.GetChild("Beams")], "nyu40") == 38
     tiles = trim.GetChild("cladding_0").GetChildren()
     assert [prim.GetName() for prim in tiles] == [f"wall_{i}" for i in range(6)]
     assert {read_label(prim, "category") for prim in tiles} == {"cladding"}

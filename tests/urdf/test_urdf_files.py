@@ -119,6 +119,25 @@ def test_names_are_plain_and_unique_in_any_case(world: World, tmp_path: Path) ->
     assert all(name.isascii() for kind in names.values() for name in kind)
 
 
+def test_words_that_formats_keep_for_themselves_are_no_names(
+    make: SimpleNamespace, tmp_path: Path, mujoco_model: Any
+) -> None:
+    """MuJoCo calls what never moves ``world``, and refuses another one."""
+    places = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [2.0, 0.0, 1.0]])
+    called = ("world", "World", "__world__")
+    bodies = tuple(make.block(name, at) for name, at in zip(called, places, strict=True))
+    world = World((make.ground(0.5, name="world_1"), make.cabinet(), *bodies))
+    model = mujoco_model(world)
+    names = json.loads((tmp_path / "mjcf/names.json").read_text())["bodies"]
+    for body, at in zip(bodies, places, strict=True):
+        (name,) = (name for name, path in names.items() if path == body.path)
+        np.testing.assert_allclose(model.body(name).pos, at)
+        assert name == "World" or name != body.name
+    write_urdf(world, tmp_path / "urdf", looks={})
+    scene = json.loads((tmp_path / "urdf/scene.json").read_text())
+    assert not {"world", "__world__"} & {name for e in scene["bodies"] for name in e["links"]}
+
+
 @pytest.mark.parametrize("write", [write_urdf, write_mjcf])
 def test_the_same_world_gives_the_same_bytes(world: World, tmp_path: Path, write: object) -> None:
     for name in ("a", "b"):

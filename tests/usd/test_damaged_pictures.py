@@ -2,6 +2,7 @@
 
 import struct
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,15 +10,20 @@ import OpenImageIO
 import pytest
 from pxr import Sdf, Usd, UsdShade, UsdUtils
 
+from openrooms_usd import untrusted
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
-from openrooms_usd.rendering.scene.pictures import load
+from openrooms_usd.imagefile import write_png
+from openrooms_usd.rendering.scene.pictures import evaluate, load
+from openrooms_usd.rendering.scene.translate import translate
+from openrooms_usd.rendering.scene.unseen import is_alarming
 from openrooms_usd.usd.shading import textures
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import Texture, define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface
 from openrooms_usd.usd.shading.textures import picture_facts, read_codes, read_texture
 from orusd_scans.formats.depthpicture import picture_size
+from tests import small
 
 
 def png(path: Path, width: int, height: int) -> Path:
@@ -154,3 +160,114 @@ def test_tiles_that_are_not_there(tmp_path: Path) -> None:
     stage = authored(tmp_path, Texture("./none.<UDIM>.png", fallback=(0.5, 0.25, 0.125, 1.0)))
     found, losses = read(stage)
     assert found.base_color == (0.5, 0.25, 0.125) and "none.<UDIM>.png is missing" in losses[0]
+
+
+# Files that are no pictures.
+
+
+def spoilt(path: Path, how: str) -> Path:
+    """What stands in place of a picture."""
+    write_png(path, np.random.default_rng(1).integers(0, 255, (64, 64, 3), dtype=np.uint8))
+    data = {
+        "empty": b"",
+        "pointer": b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n",
+        "page": b"\n<!DOCTYPE html><html></html>",
+        "noise": b"nothing",
+        "cut": path.read_bytes()[:4000],
+    }
+    path.unlink()
+    if how == "folder":
+        path.mkdir()
+    elif how != "missing":
+        path.write_bytes(data[how])
+    return path
+
+
+HOW = {
+    "missing": "is missing",
+    "empty": "the file is empty",
+    "pointer": "git lfs pull",
+    "page": "a page of a website",
+    "noise": "not a readable picture",
+    "cut": "unreadable picture",
+    "folder": "a folder",
+}
+
+
+@pytest.mark.parametrize("how", HOW)
+def test_what_cannot_be_read_is_as_if_it_was_missing(tmp_path: Path, how: str) -> None:
+    texture = Texture(str(spoilt(tmp_path / "skin.png", how)))
+    made = small.Stage()
+    inputs = {"base_color": texture, "roughness": texture, "opacity": replace(texture, channel="r")}
+    made.quad("/Q", small.square((0, 0, 0), 1.0, "+Z"), material=made.material("/M", **inputs))
+    scene = translate(made.stage)
+    surface, st = scene.patches[0].surface, np.array([[0.5, 0.5]])
+    assert evaluate(surface.base_color, st, 3) == pytest.approx(np.full((1, 3), 0.18), abs=1e-3)
+    assert evaluate(surface.roughness, st, 1) == pytest.approx(0.5, abs=1e-3)
+    assert evaluate(surface.opacity, st, 1) == 1.0
+    told = [why for prim, _, why in scene.report.losses() if prim == "/M"]
+    assert HOW[how] in told[0] and any(map(is_alarming, told[0].split("; ")))
+    # Once for each node, or for all of them.
+    assert told[0].count(HOW[how]) == (1 if how == "cut" else 3)
+
+
+def test_a_fallback_that_is_authored_counts(tmp_path: Path) -> None:
+    for how in ("missing", "cut"):
+        file = str(spoilt(tmp_path / f"{how}.png", how))
+        made = small.Stage()
+        texture = Texture(file, fallback=(0.5, 0.25, 0.125, 1.0))
+        material = made.material("/M", base_color=texture)
+        made.quad("/Q", small.square((0, 0, 0), 1.0, "+Z"), material=material)
+        surface = translate(made.stage).patches[0].surface
+        found = evaluate(surface.base_color, np.array([[0.5, 0.5]]), 3)
+        assert found[0] == pytest.approx((0.5, 0.25, 0.125), abs=1e-3)
+
+
+def test_pointers_of_git_lfs_are_named_at_the_door(tmp_path: Path) -> None:
+    file = spoilt(tmp_path / "any.png", "pointer")
+    with pytest.raises(InputError) as error:
+        untrusted.read_bytes(file, "usd")
+    assert "Git LFS" in error.value.message and "git lfs pull" in str(error.value.remedy)
+
+
+# Paths of other systems.
+
+STRAYED = {
+    ".\\textures\\Wood Oak.png": "textures/Wood Oak.png",
+    "textures/Wood%20Oak.png": "textures/Wood Oak.png",
+    "Textures/wood oak.PNG": "textures/Wood Oak.png",
+    "C:\\shot\\textures\\Wood Oak.png": "textures/Wood Oak.png",
+    "file:///shot/beside.png": "beside.png",
+    "/shot/Beside.PNG": "beside.png",
+    "textures/none.png": "",
+    "..\\outside.png": "",
+    "textures\\..\\..\\outside.png": "",
+}
+
+
+@pytest.mark.parametrize("said", STRAYED)
+def test_paths_of_other_systems_are_found_beside_their_layer(tmp_path: Path, said: str) -> None:
+    home = tmp_path / "scene"
+    (home / "textures").mkdir(parents=True)
+    for file in ("scene/textures/Wood Oak.png", "scene/beside.png", "outside.png"):
+        write_png(tmp_path / file, np.zeros((2, 2, 3), np.uint8))
+    found, losses = read(authored(home, Texture(said)))
+    assert f"{said} is missing" in losses[0] and len(losses) == 1
+    if not STRAYED[said]:
+        assert found.base_color == (0.18, 0.18, 0.18)
+    else:
+        assert isinstance(found.base_color, Texture)
+        assert Path(found.base_color.file) == home / STRAYED[said]
+        assert Path(STRAYED[said]).name in losses[0]
+
+
+def test_a_folder_above_the_layer_counts_within_the_scene(tmp_path: Path) -> None:
+    for folder in ("parts", "textures"):
+        (tmp_path / folder).mkdir()
+    write_png(tmp_path / "textures/a.png", np.zeros((2, 2, 3), np.uint8))
+    authored(tmp_path / "parts", Texture("..\\textures\\a.png"))
+    stage = Usd.Stage.CreateNew(str(tmp_path / "scene.usda"))
+    stage.DefinePrim("/M").GetReferences().AddReference("./parts/a.usda")
+    texture = read(stage)[0].base_color
+    assert isinstance(texture, Texture)
+    assert Path(texture.file) == tmp_path / "textures/a.png"

@@ -1,6 +1,9 @@
 """Lights: nits, lux, areas and directions against closed forms, in any unit and up axis."""
 
 import math
+import pickle
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,8 +22,10 @@ from openrooms_usd.usd.light.emitters import (
     nits_from_lumen,
     world_area,
 )
+from openrooms_usd.usd.light.lightreader import read_light
 from openrooms_usd.usd.light.lights import define_dome, define_mesh_light, read_lights
 from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
+from tests.rendering.scene.schemas import write_files
 
 WEIGHTS = (0.2126, 0.7152, 0.0722)
 
@@ -326,3 +331,65 @@ def test_dome_pictures_of_other_layouts_are_named(stage: Usd.Stage) -> None:
     assert dome.texture is None and "angular" in dome.losses[0]
     light.CreateTextureFormatAttr("automatic")
     assert read_lights(stage)[0].texture == __file__
+
+
+# Names of before USD 21.02.
+
+
+def otherwise(attribute: Usd.Attribute, folder: Path) -> object:
+    """A value that an input of a light does not have by itself."""
+    value = attribute.Get()
+    match value:
+        case bool():
+            return not value
+        case float():
+            return value + 0.25 if math.isfinite(value) else 2.0
+        case Gf.Vec3f():
+            return Gf.Vec3f(0.5, 0.25, 0.75)
+        case str():
+            return "latlong"
+    is_profile = "ies" in attribute.GetName()
+    return Sdf.AssetPath(str(folder / ("other.ies" if is_profile else "one.png")))
+
+
+LIT = ("RectLight", "DiskLight", "SphereLight", "CylinderLight", "DistantLight", "DomeLight")
+
+
+@pytest.mark.parametrize("kind", LIT)
+def test_inputs_are_read_by_their_old_names(kind: str, tmp_path: Path) -> None:
+    write_files(tmp_path)
+    stages = [Usd.Stage.CreateInMemory() for _ in range(3)]
+    now, old, usual = (stage.DefinePrim("/L", kind) for stage in stages)
+    for prim in (now, old):
+        for api in ("ShapingAPI", "ShadowAPI"):
+            prim.ApplyAPI(api)
+    inputs = [name for name in now.GetPropertyNames() if name.startswith("inputs:")]
+    assert len(inputs) > 17
+    for name in inputs:
+        attribute = now.GetAttribute(name)
+        attribute.Set(otherwise(attribute, tmp_path))
+        made = old.CreateAttribute(name.removeprefix("inputs:"), attribute.GetTypeName())
+        made.Set(attribute.Get())
+    meant, read = read_light(now), read_light(old)
+    *losses, told = (loss for loss in read.losses if loss.startswith("names of"))
+    assert not losses
+    assert all(name.removeprefix("inputs:") in told for name in inputs)
+    same = [pickle.dumps(replace(light, losses=())) for light in (meant, read, read_light(usual))]
+    assert same[0] == same[1] != same[2]
+    assert set(read.losses) - {told} == set(meant.losses)
+
+
+def test_an_input_counts_before_its_old_name(stage: Usd.Stage) -> None:
+    light = UsdLux.RectLight.Define(stage, "/L")
+    for name in ("intensity", "inputs:intensity", "filters"):
+        if name == "filters":
+            light.GetPrim().CreateRelationship(name).SetTargets(["/F"])
+        else:
+            made = light.GetPrim().CreateAttribute(name, Sdf.ValueTypeNames.Float)
+            made.Set(10.0 * len(name))
+    [read] = read_lights(stage)
+    assert read.radiance.tolist() == [160.0] * 3
+    assert read.losses == ("light:filters: light filters are left out",)
+    shape = UsdGeom.Cylinder.Define(stage, "/Shape").GetPrim()
+    UsdLux.MeshLightAPI.Apply(shape)
+    assert not [loss for loss in read_light(shape).losses if "21.02" in loss]

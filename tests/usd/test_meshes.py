@@ -310,6 +310,59 @@ def test_mirrored_and_left_handed_surfaces_keep_their_outside() -> None:
         np.testing.assert_allclose(placed.mesh.normals, np.repeat(outward[:, None], 3, axis=1))
 
 
+def _wrong_normals(mesh: UsdGeom.Mesh, how: str) -> None:
+    normals = np.array(mesh.GetNormalsAttr().Get())
+    if how == "all":
+        normals *= -1.0
+    elif how == "some faces":
+        normals[4:12] *= -1.0
+    elif how == "some corners":
+        normals[::4] *= -1.0
+    elif how == "left-handed, not turned":
+        mesh.GetOrientationAttr().Set("leftHanded")
+    mesh.GetNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals))
+
+
+@pytest.mark.parametrize(
+    ("how", "told"),
+    [
+        ("none", None),
+        ("all", "of all triangles"),
+        ("some faces", "of 4 of 12 triangles"),
+        ("some corners", "of all triangles"),
+        ("left-handed, not turned", "of all triangles"),
+    ],
+)
+@pytest.mark.parametrize("scale", [(1, 1, 1), (-1, 2, 1)])
+def test_normals_against_their_triangle_are_turned_round(
+    how: str, told: str | None, scale: tuple[float, float, float]
+) -> None:
+    """They are the triangle's own, whichever of both was written wrongly."""
+    stage = new_stage()
+    mesh = define_mesh(stage, "/World/mesh", cuboid())
+    mesh.AddScaleOp().Set(Gf.Vec3f(*scale))
+    _wrong_normals(mesh, how)
+    reading = read_meshes(stage)
+    found = reading.meshes[0].mesh
+    a, b, c = np.moveaxis(found.points[found.triangles], 1, 0)
+    front = np.cross(b - a, c - a)
+    front /= np.linalg.norm(front, axis=1, keepdims=True)
+    np.testing.assert_allclose(found.normals, np.repeat(front[:, None], 3, axis=1), atol=1e-6)
+    assert [told in reason for _, _, reason in reading.losses] == ([True] if told else [])
+
+
+def test_smooth_normals_a_little_below_their_triangle_stay() -> None:
+    stage = new_stage()
+    mesh = define_mesh(stage, "/World/mesh", cuboid())
+    normals = np.array(mesh.GetNormalsAttr().Get())
+    normals[0] = (0.3, 0.95, 0.0)  # of the face that looks along -X
+    normals[0] /= np.linalg.norm(normals[0])
+    mesh.GetNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals))
+    found = only(read_meshes(stage)).mesh
+    assert found.normals is not None
+    np.testing.assert_allclose(found.normals[0, 0], normals[0], atol=1e-6)
+
+
 def test_flattened_transforms_are_skipped_with_a_reason() -> None:
     stage = new_stage()
     define_mesh(stage, "/World/flat", cuboid()).AddScaleOp().Set(Gf.Vec3f(1, 0, 1))
@@ -480,12 +533,14 @@ def test_primvars_reach_their_corners(interpolation: str, indexed: bool, handed:
         primvar.Set(vt)
         if indexed:
             primvar.SetIndices(Vt.IntArray.FromNumpy(order.astype(np.int32)))
-    placed = only(read_meshes(stage)).mesh
+    placed = read_meshes(stage).meshes[0].mesh
     assert list(placed.uvs) == ["st", "map1"]  # the usual one first
     for name, found in (("normals", placed.normals), *placed.uvs.items()):
-        np.testing.assert_allclose(
-            found, expected_corners(placed, interpolation, values[name]), atol=1e-6
-        )
+        assert found is not None
+        expected = expected_corners(placed, interpolation, values[name])
+        if name == "normals":  # random ones: half of them stand against their triangle
+            expected *= np.sign(np.sum(expected * found, axis=2, keepdims=True))
+        np.testing.assert_allclose(found, expected, atol=1e-6)
 
 
 def test_primvar_normals_win_over_the_attribute() -> None:
@@ -495,8 +550,9 @@ def test_primvar_normals_win_over_the_attribute() -> None:
         )
         primvar.Set([(0, 0, 2)])
 
-    normals = only(broken(change)).mesh.normals
-    np.testing.assert_allclose(normals, np.broadcast_to([0.0, 0, 1], (12, 3, 3)))
+    normals = broken(change).meshes[0].mesh.normals
+    assert normals is not None  # those of the lower face are turned round
+    np.testing.assert_allclose(np.abs(normals), np.broadcast_to([0.0, 0, 1], (12, 3, 3)))
 
 
 def test_normals_that_point_nowhere_become_those_of_the_face() -> None:

@@ -144,6 +144,17 @@ def test_what_is_no_file_is_not_waited_for(name: str, kind: str, tmp_path: Path)
         layers.open_stage(tmp_path / "a.usda")
 
 
+def test_who_names_a_description_or_a_folder_is_told_the_stage(tmp_path: Path) -> None:
+    (tmp_path / "room.yaml").write_text("room: office\n")
+    with pytest.raises(InputError, match=r"compose it first: orusd compose .*room\.yaml -o OUT"):
+        layers.open_stage(tmp_path / "room.yaml")
+    with pytest.raises(InputError, match="give the path of a regular file"):
+        layers.open_stage(tmp_path)
+    (tmp_path / "scene.usda").write_text(HEAD)
+    with pytest.raises(InputError, match=r"remedy: name .*scene\.usda"):
+        layers.open_stage(tmp_path)
+
+
 def test_what_is_missing_is_left_to_usd(tmp_path: Path) -> None:
     (tmp_path / "a.usda").write_text(HEAD + ARCS["reference"])
     assert composition_errors(layers.open_stage(tmp_path / "a.usda"))

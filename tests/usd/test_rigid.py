@@ -245,22 +245,71 @@ def test_what_cannot_be_read_is_refused_or_told() -> None:
         read_world(stage)
     stage = new()
     stage.RemovePrim(f"{body(stage, 'hollow')}/shapes")
-    with pytest.raises(InputError, match="no volume and no mass"):
+    with pytest.raises(InputError, match="nothing says what this body weighs"):
         read_world(stage)
 
 
-def test_loops_and_joints_of_other_kinds() -> None:
-    ends = {"body0": "/World/a", "body1": "/World/b"}
-    stage, _ = hinged(UsdPhysics.SphericalJoint.Define, **ends)
+def bare(stage: Usd.Stage) -> None:
+    stage.RemovePrim("/World/thing/shapes")
+
+
+def disabled(stage: Usd.Stage) -> None:
+    stage.GetPrimAtPath(CUBE).GetAttribute("physics:collisionEnabled").Set(False)
+
+
+def drawn(stage: Usd.Stage) -> None:
+    stage.GetPrimAtPath(CUBE).RemoveAPI(UsdPhysics.CollisionAPI)
+
+
+def line(stage: Usd.Stage) -> None:
+    """A hull of two points, which no triangle joins."""
+    bare(stage)
+    mesh = UsdGeom.Mesh.Define(stage, "/World/thing/line")
+    mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0)])
+    UsdPhysics.CollisionAPI.Apply(mesh.GetPrim())
+    UsdPhysics.MassAPI.Apply(mesh.GetPrim()).CreateMassAttr(3.0)
+
+
+CUBE = "/World/thing/shapes/cube"
+BALL = 0.4 * 0.05**2
+WEIGHED = {
+    "a frame of a mass": (bare, 3.0, (0, 0, 0), 3.0 * BALL),
+    "a line of a mass": (line, None, (0, 0, 0), 3.0 * BALL),
+    "a disabled collider": (disabled, 3.0, (1, 0, 0), 3.0 / 6.0),
+    "no collider": (drawn, 3.0, (1, 0, 0), 3.0 / 6.0),
+    "neither collider nor mass": (drawn, None, (1, 0, 0), 1000.0 / 6.0),
+}
+
+
+@pytest.mark.parametrize("kind", list(WEIGHED))
+def test_without_a_collider_what_is_drawn_is_weighed(kind: str) -> None:
+    """A cube of side 1 m has a sixth of its mass about every axis, a ball 0.4 m r2."""
+    change, said, centre, moment = WEIGHED[kind]
+    stage = new()
+    prim = stage.GetPrimAtPath(body(stage, "thing"))
+    body(stage, "other")
+    if said is not None:
+        UsdPhysics.MassAPI.Apply(prim).CreateMassAttr(said)
+    change(stage)
     world = read_world(stage)
-    assert len(world.bodies) == 2
-    assert ("/World/joint", "skipped") in [row[:2] for row in world.losses]
-    for name in ("first", "second"):
-        joint = UsdPhysics.RevoluteJoint.Define(stage, f"/World/{name}")
-        joint.CreateBody0Rel().SetTargets(["/World/a"])
-        joint.CreateBody1Rel().SetTargets(["/World/b"])
-    with pytest.raises(InputError, match="closes a loop"):
-        read_world(stage)
+    found = link(world, "thing").mass
+    assert found is not None and found.mass == pytest.approx(said or (3.0 if moment < 1 else 1e3))
+    np.testing.assert_allclose(found.centre, centre, atol=1e-6)
+    np.testing.assert_allclose(found.inertia, moment * np.eye(3), atol=1e-5 * moment)
+    assert ("/World/thing", "approximated") in [row[:2] for row in world.losses]
+
+
+def test_joints_that_hold_nothing_are_told() -> None:
+    ends = {"body0": "/World/a", "body1": "/World/b"}
+    for make, why in (
+        (UsdPhysics.DistanceJoint.Define, "distance"),
+        (UsdPhysics.Joint.Define, "every direction free"),
+    ):
+        stage, _ = hinged(make, **ends)
+        world = read_world(stage)
+        assert len(world.bodies) == 2
+        (told,) = world.losses
+        assert told[:2] == ("/World/joint", "skipped") and why in told[2]
 
 
 @pytest.mark.parametrize("missing", ["/World/none/at/all", "/World/a.visibility"])

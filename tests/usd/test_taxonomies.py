@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from pxr import Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdSemantics
 
 from openrooms_usd import names
 from openrooms_usd.description.categories import LibraryCategory
@@ -18,10 +18,13 @@ from openrooms_usd.usd.semantics import (
     UNLABELED,
     class_of,
     classes,
+    is_labelled,
     label,
     number_of,
+    read_category,
     read_label,
     read_number,
+    unread_labels,
 )
 
 
@@ -147,7 +150,7 @@ def test_a_prim_is_labelled_in_every_taxonomy() -> None:
     numbers = {names.NYU40: 35, names.OPENROOMS45: 32, names.ADE20K: 37}
     for taxonomy, number in numbers.items():
         assert read_label(shade, taxonomy) == "lamp"
-        assert read_number(shade, taxonomy) == number
+        assert read_number([shade, lamp], taxonomy) == number
     assert read_label(shade, names.COCO) == UNLABELED
 
 
@@ -155,8 +158,97 @@ def test_what_a_label_says_counts_more_than_the_table() -> None:
     stage = Usd.Stage.CreateInMemory()
     prim = UsdGeom.Xform.Define(stage, "/thing").GetPrim()
     label(prim, "side_table")
-    assert read_number(prim, names.NYU40) == NYU40.index("table")
+    assert read_number([prim], names.NYU40) == NYU40.index("table")
     prim.GetAttribute("semantics:labels:nyu40").Set(["night_stand"])
-    assert read_number(prim, names.NYU40) == NYU40.index("night_stand") == 32
+    assert read_number([prim], names.NYU40) == NYU40.index("night_stand") == 32
     bare = UsdGeom.Xform.Define(stage, "/bare").GetPrim()
-    assert read_number(bare, names.NYU40) == 0
+    assert read_number([bare], names.NYU40) == 0
+
+
+# What others label.
+
+KNOWN = {
+    ("category", ("chair",)): "chair",
+    ("class", ("chair",)): "chair",
+    ("class", ("Chair",)): "chair",
+    ("category", ("couch",)): "sofa",
+    ("class", ("Dining Table",)): "table",
+    ("class", ("officeChair",)): "office_chair",
+    ("class", ("light",)): "lamp",
+    ("class", ("Person",)): "person",
+    ("category", ("furniture", "chair")): "chair",
+    ("category", ("chair", "furniture")): "chair",
+    ("category", ("armchair", "chair")): "armchair",
+    ("category", ("chair", "armchair")): "armchair",
+    ("category", ("furniture", "lamp", "floor_lamp")): "floor_lamp",
+}
+
+
+@pytest.mark.parametrize(("taxonomy", "words"), KNOWN)
+def test_words_of_others_are_read(taxonomy: str, words: tuple[str, ...]) -> None:
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/thing")
+    UsdSemantics.LabelsAPI.Apply(prim, taxonomy).CreateLabelsAttr(list(words))
+    expected = KNOWN[taxonomy, words]
+    assert read_category([prim]) == expected
+    ours = stage.DefinePrim("/ours")
+    label(ours, expected)
+    for listed in TAXONOMIES:
+        assert read_number([prim], listed) == read_number([ours], listed)
+    assert (is_labelled(prim), list(unread_labels(prim))) == (True, [])
+
+
+def _of_old_isaac(prim: Usd.Prim, *said: tuple[str, str]) -> None:
+    applied = Sdf.TokenListOp()
+    applied.explicitItems = [f"SemanticsAPI:Semantics_{n}" for n in range(len(said))]
+    prim.SetMetadata("apiSchemas", applied)
+    for number, pair in enumerate(said):
+        for end, value in zip(("Type", "Data"), pair, strict=True):
+            name = f"semantic:Semantics_{number}:params:semantic{end}"
+            prim.CreateAttribute(name, Sdf.ValueTypeNames.String).Set(value)
+
+
+def test_labels_of_isaac_before_5_are_read() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/thing")
+    _of_old_isaac(prim, ("class", "furniture"), ("class", "Sofa"), ("color", "red"))
+    assert read_category([prim]) == "sofa"
+    assert read_number([prim], names.COCO) == 63
+    (told,) = unread_labels(prim)
+    assert "red" in told and "color" in told
+
+
+@pytest.mark.parametrize(
+    ("taxonomy", "words", "expected"),
+    [
+        ("wikidata_qcode", ["Q15026"], "Q15026"),
+        ("class", ["frob", "nicator"], "nicator"),
+        ("nyu40", ["no_such"], "no_such"),
+    ],
+)
+def test_labels_that_nobody_knows_are_told(taxonomy: str, words: list[str], expected: str) -> None:
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/thing")
+    UsdSemantics.LabelsAPI.Apply(prim, taxonomy).CreateLabelsAttr(words)
+    assert read_number([prim], names.NYU40) == 0
+    (told,) = unread_labels(prim)
+    assert expected in told
+
+
+def test_a_label_without_its_schema_is_told() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/thing")
+    kind = Sdf.ValueTypeNames.TokenArray
+    prim.CreateAttribute("semantics:labels:class", kind).Set(["chair"])
+    assert not is_labelled(prim)
+    (told,) = unread_labels(prim)
+    assert "semantics:labels:class" in told
+
+
+def test_the_nearest_prim_that_says_anything_counts() -> None:
+    stage = Usd.Stage.CreateInMemory()
+    bed, chair = stage.DefinePrim("/bed"), stage.DefinePrim("/bed/chair")
+    label(bed, "bed")
+    UsdSemantics.LabelsAPI.Apply(chair, "class").CreateLabelsAttr(["chair"])
+    assert read_number([chair, bed], names.NYU40) == NYU40.index("chair")
+    assert not list(unread_labels(bed))

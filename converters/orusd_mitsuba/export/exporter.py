@@ -18,7 +18,13 @@ from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.rendering.scene.cameras import clipping_loss, stage_resolution
 from openrooms_usd.rendering.scene.instances import Instances
-from openrooms_usd.rendering.scene.models import report_simplified, with_model, without_shaping
+from openrooms_usd.rendering.scene.models import (
+    report_one_way,
+    report_principled,
+    report_simplified,
+    with_model,
+    without_shaping,
+)
 from openrooms_usd.rendering.scene.pictures import Array, Picture
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.rendering.scene.triangles import Triangles
@@ -100,6 +106,8 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
     # What loads the file knows Mitsuba's own plugins alone.
     scene = without_shaping(with_model(translate(stage, default_light=True), "preview"))
     report_simplified(scene)
+    report_one_way(scene)
+    report_principled(scene)
     with atomic.filling(file.parent) as folder:
         _write_scene(stage, scene, folder / file.name)
     return scene.report
@@ -246,7 +254,7 @@ class _Export:
             "type": "bitmap",
             "filename": self._picture(value.pixels, f"texture_{len(self._files) + 1}"),
             "raw": True,
-            "wrap_mode": value.wrap,
+            "wrap_mode": value.ways[0],
         }
         return texture if value.is_plain else texture | {"to_uv": value.uv}
 

@@ -13,7 +13,7 @@ from openrooms_usd.rendering.scene.instances import Instances, joined
 from openrooms_usd.rendering.scene.pictures import Array, Picture
 from openrooms_usd.rendering.scene.surfaces import Surface
 from openrooms_usd.rendering.scene.triangles import Triangles
-from orusd_mitsuba.plugins import material_table, meshes, openrooms_bsdf
+from orusd_mitsuba.plugins import material_table, meshes, openrooms_bsdf, preview_bsdf
 from orusd_mitsuba.plugins import portal_environment as portals
 from orusd_mitsuba.plugins.descriptions import (
     Description,
@@ -23,9 +23,10 @@ from orusd_mitsuba.plugins.descriptions import (
     describe_sun,
 )
 from orusd_mitsuba.plugins.light_weights import LightWeights, brightest_beam, light_weights
-from orusd_mitsuba.plugins.material_table import MaterialTable, shape_number
+from orusd_mitsuba.plugins.material_table import MaterialTable, PreviewTable, shape_number
 from orusd_mitsuba.plugins.shaped_area import shaped_area
 from orusd_mitsuba.plugins.sun_disk import sun_disk
+from orusd_mitsuba.plugins.two_ways import two_ways
 
 
 class Builder:
@@ -37,9 +38,15 @@ class Builder:
 
     def __init__(self, origin: Array) -> None:
         self._origin = origin
-        self._openrooms = openrooms_bsdf.register(str(mi.variant()))
+        variant = str(mi.variant())
+        self._openrooms, self._preview = (
+            plugin.register(variant) for plugin in (openrooms_bsdf, preview_bsdf)
+        )
+        # A scalar variant would call Python for every scattering.
+        self._by_formula = not variant.startswith("scalar")
         self._table: MaterialTable | None = None
         self._rows: dict[int, int] = {}
+        self._tables: list[tuple[MaterialTable, dict[int, int]]] = []
         self._textures: dict[tuple[Any, ...], Any] = {}
         self._bsdfs: dict[int, Any] = {}
         self._shaped: dict[str, Any] = {}
@@ -107,25 +114,30 @@ class Builder:
 
     def _tabulate(self, scene: Scene) -> None:
         """One BSDF for all surfaces that can share it; scalar variants gain nothing by that."""
-        surfaces = {id(patch.surface): patch.surface for patch in scene.patches}
-        rows = [surface for surface in surfaces.values() if material_table.fits(surface)]
-        if not rows or str(mi.variant()).startswith("scalar"):
+        if not self._by_formula:
             return
-        self._table = MaterialTable(rows)
-        shared = self._openrooms(mi.Properties(), self._table)
-        self._rows = {id(surface): row for row, surface in enumerate(rows)}
-        self._bsdfs |= dict.fromkeys(self._rows, shared)
+        surfaces = {id(patch.surface): patch.surface for patch in scene.patches}.values()
+        if rows := [surface for surface in surfaces if material_table.fits(surface)]:
+            self._table = MaterialTable(rows)
+            self._rows = self._share(rows, self._table, self._openrooms)
+        if rows := [surface for surface in surfaces if material_table.fits_preview(surface)]:
+            self._share(rows, PreviewTable(rows), self._preview)
+
+    def _share(self, surfaces: list[Surface], table: MaterialTable, kind: Any) -> dict[int, int]:
+        """Which row of a table each surface is; all have one BSDF."""
+        rows = {id(surface): row for row, surface in enumerate(surfaces)}
+        self._tables.append((table, rows))
+        self._bsdfs |= dict.fromkeys(rows, kind(mi.Properties(), table))
+        return rows
 
     def _bind(self, scene: Scene, built: Any) -> None:
-        if self._table is None:
-            return
-        pairs = zip(built.shapes(), scene.patches, strict=True)
-        found = [
-            (shape, self._rows[id(patch.surface)])
-            for shape, patch in pairs
-            if id(patch.surface) in self._rows
-        ]
-        self._table.bind(*zip(*found, strict=True))
+        for table, rows in self._tables:
+            found = [
+                (shape, rows[id(patch.surface)])
+                for shape, patch in zip(built.shapes(), scene.patches, strict=True)
+                if id(patch.surface) in rows
+            ]
+            table.bind(*zip(*found, strict=True))
 
     def _move(self, arrays: Any, patch: Patch) -> None:
         whole, shared = self._apart(patch.triangles)
@@ -211,7 +223,7 @@ class Builder:
         """The BSDF of a surface; equal ones share one."""
         key = id(surface)
         if key not in self._bsdfs:
-            made = mi.load_dict(self._resolved(describe_bsdf(surface)))
+            made = mi.load_dict(self._resolved(describe_bsdf(surface, by_formula=self._by_formula)))
             self._bsdfs[key] = one_sided(made) if surface.one_sided else made
         return self._bsdfs[key]
 
@@ -241,17 +253,19 @@ class Builder:
         # Materials that differ in tint or place share their texels.
         key = id(picture.texels), picture.wrap, picture.uv.tobytes(), picture.coding
         if key not in self._textures:
-            plugin = {
-                "type": "bitmap",
-                "bitmap": mi.Bitmap(picture.halves()),
-                "raw": True,
-                "wrap_mode": picture.wrap,
-            }
-            if not picture.is_plain:
-                plugin["to_uv"] = mi.ScalarTransform3f(picture.uv.tolist())
             # The picture is kept with it, so that its identity is not given to another.
-            self._textures[key] = mi.load_dict(plugin), picture
+            self._textures[key] = _bitmap(picture), picture
         return self._textures[key][0]
+
+
+def _bitmap(picture: Picture) -> Any:
+    if len(set(picture.ways)) > 1:
+        return two_ways(picture)
+    bitmap = mi.Bitmap(picture.halves())
+    plugin = {"type": "bitmap", "bitmap": bitmap, "raw": True, "wrap_mode": picture.wrap}
+    if not picture.is_plain:
+        plugin["to_uv"] = mi.ScalarTransform3f(picture.uv.tolist())
+    return mi.load_dict(plugin)
 
 
 def _matrix(values: Array) -> Any:

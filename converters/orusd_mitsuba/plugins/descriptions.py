@@ -8,20 +8,25 @@ import numpy as np
 from openrooms_usd.rendering.scene.arrays import Sun
 from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.surfaces import Surface, mean_luminance
+from openrooms_usd.usd.shading.surfaces import f0_of
 
 Description = dict[str, Any]
 
 
-def describe_bsdf(surface: Surface) -> Description:
+def describe_bsdf(surface: Surface, *, by_formula: bool = False) -> Description:
     """The BSDF of a surface: nested dictionaries of plugins, numbers and pictures.
 
-    UsdPreviewSurface's base and specular lobes are those of ``principled``: a GGX lobe with
-    alpha = R^2 over a diffuse one. Without any specular lobe it is exactly Lambertian. OpenRooms'
-    model is our own plugin (`orusd_mitsuba.plugins.openrooms_bsdf`).
+    Without any specular lobe it is exactly Lambertian. OpenRooms' model is our own plugin
+    (`orusd_mitsuba.plugins.openrooms_bsdf`).
+
+    Args:
+        surface: What it shows.
+        by_formula: Whether a UsdPreviewSurface is our own plugin (`preview_bsdf`), too. Else that
+            of Mitsuba stands for it that is nearest.
     """
     if surface.pane is not None:
         return _pane(surface.ior, surface.pane)
-    bsdf = _by_model(surface)
+    bsdf = _by_model(surface, by_formula)
     if surface.opacity == 1.0:
         return bsdf
     return {"type": "mask", "opacity": surface.opacity, "bsdf": bsdf}
@@ -33,10 +38,12 @@ def _pane(ior: float, tint: tuple[float, float, float]) -> Description:
     return {"type": "thindielectric", "int_ior": ior, "specular_transmittance": tinted}
 
 
-def _by_model(surface: Surface) -> Description:
+def _by_model(surface: Surface, by_formula: bool) -> Description:
     if surface.f0 is not None:
         return _openrooms(surface)
-    return _cloth(surface) if surface.transmission > 0.0 else _opaque(surface)
+    return (
+        _cloth(surface, by_formula) if surface.transmission > 0.0 else _opaque(surface, by_formula)
+    )
 
 
 def _openrooms(surface: Surface) -> Description:
@@ -58,14 +65,33 @@ def transmitted(surface: Surface) -> float:
     return surface.transmission / mean_luminance(surface.base_color)
 
 
-def _opaque(surface: Surface) -> Description:
+def _opaque(surface: Surface, by_formula: bool) -> Description:
+    if by_formula and not surface.is_diffuse:
+        return _preview(surface)
     bsdf = _lobes(surface)
     if surface.normal is not None:
         bsdf = {"type": "normalmap", "normalmap": stored(surface.normal), "bsdf": bsdf}
     return {"type": "twosided", "bsdf": bsdf}
 
 
-def _cloth(surface: Surface) -> Description:
+def _preview(surface: Surface) -> Description:
+    described = {
+        "type": "usd_preview",
+        "base_color": describe_color(surface.base_color),
+        "roughness": surface.roughness,
+        "metallic": surface.metallic,
+        "f0": f0_of(surface.ior),
+        "clearcoat": surface.clearcoat,
+        "clearcoat_roughness": surface.clearcoat_roughness,
+    }
+    if surface.specular is not None:
+        described["specular"] = describe_color(surface.specular)
+    if surface.normal is not None:
+        described["normal"] = stored(surface.normal)
+    return described
+
+
+def _cloth(surface: Surface, by_formula: bool) -> Description:
     """A sheet that reflects its base colour and transmits a part in the same hue.
 
     A mixture of both in proportion to their luminance: each side then has the colour of the sum,
@@ -80,7 +106,7 @@ def _cloth(surface: Surface) -> Description:
         "diff_trans": 2.0,
     }
     share = surface.transmission / (reflected + surface.transmission)
-    return {"type": "blendbsdf", "weight": share, "a": _opaque(mixed), "b": through}
+    return {"type": "blendbsdf", "weight": share, "a": _opaque(mixed, by_formula), "b": through}
 
 
 def _times(color: Value, factor: float) -> Value:
@@ -113,6 +139,7 @@ def describe_sun(sun: Sun, weight: float) -> Description:
 
 
 def _lobes(surface: Surface) -> Description:
+    """What of Mitsuba's is nearest to the formula; its diffuse part and its coat are Disney's."""
     if surface.is_diffuse:
         return {"type": "diffuse", "reflectance": describe_color(surface.base_color)}
     lobes = {
@@ -120,7 +147,7 @@ def _lobes(surface: Surface) -> Description:
         "base_color": describe_color(surface.base_color),
         "roughness": surface.roughness,
         "metallic": surface.metallic,
-        "eta": max(surface.ior, 1.001),
+        "eta": max(surface.dielectric, 1.001),
     }
     if surface.clearcoat > 0.0:
         # Its lobe is as wide as GGX of that roughness, between 0.1 and 0.001.

@@ -18,12 +18,16 @@ from numpy.typing import NDArray
 
 from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.surfaces import Surface
+from openrooms_usd.usd.shading.surfaces import f0_of
 from orusd_mitsuba.plugins.descriptions import transmitted
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.plugins.openrooms_bsdf import Matter
+from orusd_mitsuba.plugins.preview_bsdf import Inputs as PreviewInputs
 
-_PICTURED: Final = ("base_color", "roughness", "metallic", "normal")
+_PICTURED: Final = ("base_color", "roughness", "metallic", "normal", "specular")
+# Two bits for each direction, then whether codes are sRGB.
 _WRAPS: Final = ("repeat", "mirror", "clamp")
+_SRGB: Final = 16
 
 
 def fits(surface: Surface) -> bool:
@@ -34,6 +38,17 @@ def fits(surface: Surface) -> bool:
     return (
         (surface.f0 is not None or (surface.is_diffuse and surface.normal is None))
         and not surface.lets_through
+        and all(picture.coding is not None for picture in _pictures(surface))
+    )
+
+
+def fits_preview(surface: Surface) -> bool:
+    """Whether a surface can be a row of a `PreviewTable`: a UsdPreviewSurface, opaque, as above."""
+    return (
+        surface.f0 is None
+        and not surface.is_diffuse
+        and not surface.lets_through
+        and surface.transmission == 0.0
         and all(picture.coding is not None for picture in _pictures(surface))
     )
 
@@ -52,7 +67,7 @@ class MaterialTable:
 
     def __init__(self, surfaces: Sequence[Surface]) -> None:
         self._row_of_shape = mi.UInt32(0)
-        numbers = np.array([_numbers(surface) for surface in surfaces], dtype=np.float32)
+        numbers = np.array([self._row(surface) for surface in surfaces], dtype=np.float32)
         self._numbers = mi.Float(aligned(numbers))
         store = _Store(picture for surface in surfaces for picture in _pictures(surface))
         self._texels = mi.UInt32(aligned(store.words))
@@ -75,21 +90,42 @@ class MaterialTable:
 
     def __call__(self, si: Any, active: Any) -> Matter:
         """The matter at surface interactions."""
-        shape: Any = dr.reinterpret_array(mi.UInt32, si.shape)
-        row = dr.gather(mi.UInt32, self._row_of_shape, shape, active)
-        color = dr.gather(mi.Vector4f, self._numbers, 2 * row, active)
-        others = dr.gather(mi.Vector4f, self._numbers, 2 * row + 1, active)
-        base = mi.Vector3f(color.x, color.y, color.z)
-        base = self._value("base_color", row, si.uv, base, active)
+        row, base, rough, others = self._looked_up(si, 2, active)
         return Matter(
             mi.Color3f(base.x, base.y, base.z),
-            self._value("roughness", row, si.uv, mi.Vector3f(color.w), active).x,
-            self._value("metallic", row, si.uv, mi.Vector3f(others.x), active).x,
-            others.y,
-            others.z,
+            rough,
+            self._value("metallic", row, si.uv, mi.Vector3f(others[0].x), active).x,
+            others[0].y,
+            others[0].z,
             self._value("normal", row, si.uv, mi.Vector3f(0.0, 0.0, 1.0), active),
-            others.w,
+            others[0].w,
         )
+
+    def _looked_up(self, si: Any, width: int, active: Any) -> tuple[Any, Any, Any, list[Any]]:
+        """The row, its base colour and roughness, and all but the first of its fours of numbers."""
+        shape: Any = dr.reinterpret_array(mi.UInt32, si.shape)
+        row = dr.gather(mi.UInt32, self._row_of_shape, shape, active)
+        color, *others = (
+            dr.gather(mi.Vector4f, self._numbers, width * row + k, active) for k in range(width)
+        )
+        base = mi.Vector3f(color.x, color.y, color.z)
+        base = self._value("base_color", row, si.uv, base, active)
+        rough = self._value("roughness", row, si.uv, mi.Vector3f(color.w), active).x
+        return row, base, rough, others
+
+    @staticmethod
+    def _row(surface: Surface) -> list[float]:
+        """Eight numbers; what is a picture is 0."""
+        scalars = [_constant(value, 1)[0] for value in (surface.roughness, surface.metallic)]
+        lobe = 0.0 if surface.f0 is None else 1.0
+        through = transmitted(surface)
+        return [
+            *_constant(surface.base_color, 3),
+            *scalars,
+            float(surface.f0 or 0.0),
+            through,
+            lobe,
+        ]
 
     def traverse(self, callback: Any) -> None:
         """Show nothing to Mitsuba: rows are no parameters."""
@@ -99,12 +135,45 @@ class MaterialTable:
         return constant if found is None else found.value(self._texels, row, uv, constant, active)
 
 
-def _numbers(surface: Surface) -> list[float]:
-    """Eight numbers; what is a picture is 0."""
-    base = _constant(surface.base_color, 3)
-    scalars = [_constant(value, 1)[0] for value in (surface.roughness, surface.metallic)]
-    lobe = 0.0 if surface.f0 is None else 1.0
-    return [*base, *scalars, float(surface.f0 or 0.0), transmitted(surface), lobe]
+class PreviewTable(MaterialTable):
+    """The inputs of surfaces that are all `fits_preview`, likewise.
+
+    Args:
+        surfaces: One a row.
+    """
+
+    def __init__(self, surfaces: Sequence[Surface]) -> None:
+        super().__init__(surfaces)
+        self._colored = any(surface.specular is not None for surface in surfaces)
+        self._coated = any(surface.clearcoat > 0.0 for surface in surfaces)
+
+    def __call__(self, si: Any, active: Any) -> PreviewInputs:  # type: ignore[override]
+        """The inputs at surface interactions."""
+        row, base, rough, (first, second) = self._looked_up(si, 3, active)
+        specular = None
+        if self._colored:
+            color = mi.Vector3f(second.x, second.y, second.z)
+            color = self._value("specular", row, si.uv, color, active)
+            specular = mi.Color3f(color.x, color.y, color.z), second.w
+        return PreviewInputs(
+            mi.Color3f(base.x, base.y, base.z),
+            rough,
+            self._value("metallic", row, si.uv, mi.Vector3f(first.x), active).x,
+            first.y,
+            self._value("normal", row, si.uv, mi.Vector3f(0.0, 0.0, 1.0), active),
+            specular,
+            (first.z, first.w) if self._coated else None,
+        )
+
+    @staticmethod
+    def _row(surface: Surface) -> list[float]:
+        """Twelve numbers; what is a picture is 0."""
+        scalars = [_constant(value, 1)[0] for value in (surface.roughness, surface.metallic)]
+        coat = surface.clearcoat, surface.clearcoat_roughness
+        colored = surface.specular is not None
+        color = _constant(surface.specular, 3) if surface.specular is not None else [0.0] * 3
+        base = _constant(surface.base_color, 3)
+        return [*base, *scalars, f0_of(surface.ior), *coat, *color, float(colored)]
 
 
 def _constant(value: Value, channels: int) -> list[float]:
@@ -180,7 +249,7 @@ class _Input:
             None
             if plain
             else mi.Float(aligned(np.array([_turn(p) for p in pictures], np.float32))),
-            frozenset(picture.wrap for picture in present),
+            frozenset(way for picture in present for way in picture.ways),
             any(picture.coding is not None and picture.coding.srgb for picture in present),
         )
 
@@ -200,7 +269,7 @@ class _Input:
         for right in (0, 1):
             for up in (0, 1):
                 cell = [
-                    self._wrapped(corner[k] + step, size[k], place.w)
+                    self._wrapped(corner[k] + step, size[k], place.w >> (2 * k))
                     for k, step in enumerate((right, up))
                 ]
                 index = place.x + mi.UInt32(cell[1]) * place.y + mi.UInt32(cell[0])
@@ -214,7 +283,7 @@ class _Input:
         if self.srgb:
             power = ((codes + 0.055) / 1.055) ** 2.4
             linear = dr.select(codes <= 0.04045, codes / 12.92, power)
-            codes = dr.select(kind >= 4, linear, codes)
+            codes = dr.select(kind >= _SRGB, linear, codes)
         values = codes * mi.Vector3f(scale.x, scale.y, scale.z) + mi.Vector3f(
             bias.x, bias.y, bias.z
         )
@@ -237,7 +306,8 @@ def _place(picture: Picture | None, store: _Store) -> list[int]:
     if picture is None or picture.coding is None:
         return [0] * 4
     height, width, _ = picture.texels.shape
-    kind = _WRAPS.index(picture.wrap) + 4 * picture.coding.srgb
+    across, up = map(_WRAPS.index, picture.ways)
+    kind = across + 4 * up + _SRGB * picture.coding.srgb
     return [store.start(picture), width, height, kind]
 
 

@@ -129,7 +129,9 @@ def view_of(si: Any, relief: Any) -> View:
     side = dr.select(dr.dot(true, si.wi) >= 0.0, mi.Float(1.0), mi.Float(-1.0))
     normal = dr.normalize(mi.Vector3f(relief.x, relief.y, relief.z * side))
     bent = normal - dr.minimum(dr.dot(normal, si.wi), 0.0) * si.wi
-    frame = mi.Frame3f(bent * dr.rsqrt(dr.maximum(dr.squared_norm(bent), 1e-12)))
+    # What looks straight away names no side to bend to.
+    bent = dr.select(dr.squared_norm(bent) > 1e-12, bent, true * side)
+    frame = mi.Frame3f(dr.normalize(bent))
     wi = frame.to_local(si.wi)
     wi.z = dr.maximum(wi.z, 0.0)
     return View(frame, wi, true * side)

@@ -39,8 +39,9 @@ def lying_in(
     shapes = Shapes(seed)
     items = list(_Described(objects, shell, shapes, folder).items())
     room = Arrangement(shell)
-    room.solids = taken_by(items, Surfaces(shapes)).boxes
-    room.floor = room.floor.with_boxes(room.solids)
+    room.floor = room.floor.with_boxes(taken_by(items, Surfaces(shapes)).boxes)
+    room.solids = np.array([item.box for item in items]).reshape(-1, 8)
+    room.know(items)
     full = lived_in([("described", items)], room, shapes, room_type, seed, level)
     everything = [item for _, group in full for item in group]
     known = {item.key: item for item in everything}

@@ -59,7 +59,8 @@ class Ground:
             x, y = side.point(at, 0.5 * thing.size[1]).tolist()
             box = thing.standing((x, y, side.yaw), low)
             half = 0.5 * thing.size[0] + _HANGING_GAP_M
-            if half < at < side.length - half and not self._meets(box, _HANGING_GAP_M, -0.002):
+            free = half < at < side.length - half and self.room.shows(box, _HANGING_GAP_M)
+            if free and not self._meets(box, _HANGING_GAP_M, -0.002):
                 return x, y, side.yaw
         return None
 

@@ -88,7 +88,8 @@ def mended(mesh: Mesh) -> Mesh | None:
     """A mesh that is fit for use: triangles with an area, shared points, outward unit normals.
 
     Points at the same place become one; faces whose normals all look the other way are turned
-    round; normals that are missing, zero or on the wrong side of their face are computed.
+    round, or the normals where all do so of faces that bound a solid; normals that are missing,
+    zero or on the wrong side of their face are computed.
 
     Returns:
         The mended mesh; None when no face has an area.
@@ -139,6 +140,9 @@ def _with_sound_normals(mesh: Mesh) -> Mesh | None:
         return with_normals(mesh)
     facing = _facing(mesh, mesh.normals)
     turned = (facing.reshape(-1, 3) < 0.0).all(axis=1)
+    if turned.all() and mesh.volume() > 0.0:
+        # The faces bound a solid as they are: it is the normals that have the wrong sign.
+        return _with_sound_normals(replace(mesh, normals=-mesh.normals))
     rows = np.arange(len(mesh.indices)).reshape(-1, 3)
     rows[turned] = rows[turned][:, ::-1]
     order = rows.reshape(-1)

@@ -6,7 +6,7 @@ it then holds is read as a stage's materials are (`usd.mtlxlayers`, `usd.materia
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, Final
 from xml.etree import ElementTree
@@ -26,7 +26,7 @@ from openrooms_usd.library.ownmaterials.mtlxtext import included, located, outli
 from openrooms_usd.library.ownmaterials.normalmaps import read_relief
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.mtlxlayers import MATERIALS, layer_of
-from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
+from openrooms_usd.usd.shading.surfaces import SHUFFLED, PreviewSurface, Texture
 
 _SURFACES: Final = ("standard_surface", "open_pbr_surface", "gltf_pbr", "UsdPreviewSurface")
 # What a surface may say, and a material of rooms does not take.
@@ -200,6 +200,8 @@ def _fit(surface: PreviewSurface, losses: list[str]) -> PreviewSurface:
         if getattr(surface, name) != getattr(PreviewSurface, name):
             losses.append(loss)
             surface = replace(surface, **{name: getattr(PreviewSurface, name)})
+    given = (getattr(surface, item.name) for item in fields(surface))
+    losses += [SHUFFLED for value in given if isinstance(value, Texture) and value.is_shuffled]
     if not isinstance(surface.normal, Texture):
         return surface
     relief = read_relief(surface.normal.file, "up")

@@ -1,7 +1,6 @@
 """All families by substance, how a material is ordered by its name, and laid over metres."""
 
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Final
 
 import numpy as np
@@ -23,6 +22,7 @@ from openrooms_usd.library.textures import (
 from openrooms_usd.library.textures.base.family import Color, Family, Order
 from openrooms_usd.library.textures.base.maps import Maps, TextureSet, encoded, with_mean
 from openrooms_usd.library.textures.base.noise import Field, smooth_noise, smoothstep, standardized
+from openrooms_usd.spelling import did_you_mean
 
 # A small picture is laid many times without the eye finding its repeat. What repeats visibly is not
 # the threads but the clouds in them. So the long waves of the small picture are taken out, and
@@ -168,9 +168,10 @@ def substance_of(name: str) -> Substance:
         InputError: There is no such family.
     """
     if name not in _SUBSTANCES:
-        near = get_close_matches(name, _SUBSTANCES, 3)
-        remedy = f"did you mean {' or '.join(near)}?" if near else "`orusd materials list` has all"
-        raise InputError(f"no material family {name!r}", remedy=remedy)
+        raise InputError(
+            f"no material family {name!r}{did_you_mean(name, _SUBSTANCES)}",
+            remedy="`orusd materials list` has all",
+        )
     return _SUBSTANCES[name]
 
 

@@ -21,7 +21,7 @@ from openrooms_usd.rendering.scene.pictures import (
     placed,
 )
 from openrooms_usd.rendering.scene.wrapping import framed
-from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture, chosen
 from openrooms_usd.usd.shading.textures import read_codes
 
 _OPAQUE_CODE: Final = 255
@@ -77,7 +77,10 @@ def _read(
     codes = read_codes(file)
     if codes is None:
         return None
-    picked, which = _picked(codes, channel, channels)
+    which = chosen(channel, channels)
+    if 3 in which and len(set(which)) > 1:
+        return None
+    picked = _picked(codes, which)
     smaller = max(codes.shape[:2]) > side
     if smaller:
         picked = _shrunk(picked, side, is_srgb=is_srgb and 3 not in which)
@@ -107,17 +110,14 @@ def _shrunk(codes: NDArray[np.uint8], side: int, *, is_srgb: bool) -> NDArray[np
     return found
 
 
-def _picked(
-    codes: NDArray[np.uint8], channel: str, channels: int
-) -> tuple[NDArray[np.uint8], tuple[int, ...]]:
-    """The channels that are asked for, and which of r, g, b, a they are."""
+def _picked(codes: NDArray[np.uint8], which: tuple[int, ...]) -> NDArray[np.uint8]:
+    """The channels that are asked for, of r, g, b and a."""
     count = codes.shape[2]
-    which = tuple(range(channels)) if channel == "rgb" else ("rgba".index(channel),) * channels
     if which[0] == 3:
         alpha = codes[..., -1:] if count in (2, 4) else np.full_like(codes[..., :1], _OPAQUE_CODE)
-        return np.repeat(alpha, channels, axis=2), which
+        return np.repeat(alpha, len(which), axis=2)
     stored = [index if count >= 3 else 0 for index in which]
-    return codes if stored == list(range(count)) else codes[..., stored], which
+    return codes if stored == list(range(count)) else codes[..., stored]
 
 
 def _is_normal_map(texture: Texture, codes: NDArray[np.uint8]) -> bool:

@@ -21,6 +21,9 @@ _OPENGL: Final = np.diag([1.0, -1.0, -1.0])
 # The label channels, in the order of a piece's numbers.
 _LABELS: Final = tuple(label.name for label in fields(Piece))
 
+# The sine between a normal and the view below which it names no side.
+_NO_SIDE: Final = 1e-6
+
 
 class GroundTruth:
     """The channels that one ray through each pixel's centre gives; each made when asked for.
@@ -103,7 +106,7 @@ class GroundTruth:
                 # Behind a surface its relief is the mirror image: only the height turns round.
                 relief[:, 2:] *= outward[here]
                 normals[here] = np.einsum("ri,rij->rj", relief, self._tangents(here, smooth[here]))
-        return _facing(unit(normals), unit(hits.directions))
+        return _facing(unit(normals), unit(hits.directions), self._normal_geometric())
 
     def _tangents(self, here: NDArray[np.bool_], normals: Array) -> Array:
         """(R, 3, 3) rows: along u, across it, the normal; what normal maps are in."""
@@ -144,7 +147,12 @@ _CHANNELS: Final[dict[str, Callable[[GroundTruth], Array]]] = {
 }
 
 
-def _facing(normals: Array, directions: Array) -> Array:
-    """Normals bent to the horizon where interpolation or relief turns them away from the camera."""
+def _facing(normals: Array, directions: Array, flat: Array) -> Array:
+    """Normals bent to the horizon where interpolation or relief turns them away from the camera.
+
+    The surface's own, ``flat``, where they look straight away and say no side to bend to.
+    """
     away = np.einsum("ij,ij->i", normals, directions)[:, None]
-    return np.where(away > 0, unit(normals - away * directions), normals)
+    bent = normals - np.maximum(away, 0.0) * directions
+    straight = np.linalg.norm(bent, axis=1, keepdims=True) < _NO_SIDE
+    return np.where(straight, flat, np.where(away > 0, unit(bent), normals))

@@ -1,21 +1,24 @@
 """Numbers for objects, parts, materials and classes, and what they mean."""
 
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Callable
 
-from pxr import Usd, UsdShade
+from pxr import Sdf, Usd, UsdShade
 
-from openrooms_usd import names
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.rendering.scene.arrays import Piece
 from openrooms_usd.rendering.scene.legend import Legend
-from openrooms_usd.usd.semantics import TAXONOMIES, read_label, read_number
+from openrooms_usd.usd.places.ancestry import Ancestry, Stand
+from openrooms_usd.usd.semantics import TAXONOMIES, is_labelled, read_category, read_number
 
 
 class Labels:
-    """Numbers whatever is seen, from 1, in the order in which it is met."""
+    """Numbers whatever is seen, from 1, in the order in which it is met.
 
-    def __init__(self) -> None:
+    Args:
+        stage: The composed stage.
+    """
+
+    def __init__(self, stage: Usd.Stage) -> None:
         self.pieces: list[Piece] = []
         self._rows: dict[Piece, int] = {}
         self._instances: dict[str, int] = {}
@@ -23,17 +26,17 @@ class Labels:
         self._materials: dict[str, int] = {}
         self._categories: dict[int, str] = {}
         self._objects: dict[str, tuple[int, tuple[int, ...]]] = {}
-        self._owners: dict[str, _Owner] = {}
+        self._ancestry = Ancestry(stage)
+        self._labelled: dict[Sdf.Path, bool] = {}
 
-    def row(self, path: str, prim: Usd.Prim, material: str | None) -> int:
+    def row(self, path: str, material: str | None) -> int:
         """The row in `pieces` of a surface.
 
         Args:
             path: Where it stands.
-            prim: Its prim; below a point instancer that is the prototype's.
             material: Path of its material, if it has one.
         """
-        instance, numbers = self._object(path, prim)
+        instance, numbers = self._object(path)
         piece = Piece(
             instance,
             _number(self._parts, path),
@@ -56,62 +59,34 @@ class Labels:
             category=dict(self._categories),
         )
 
-    def _object(self, path: str, prim: Usd.Prim) -> tuple[int, tuple[int, ...]]:
-        """Instance number and classes of the object that a surface is part of."""
-        at = str(prim.GetPath())
-        if at not in self._owners:
-            self._owners[at] = _Owner.of(prim)
-        owner = self._owners[at]
-        stands = path if owner.levels == 0 else path.rsplit("/", owner.levels)[0]
+    def _object(self, path: str) -> tuple[int, tuple[int, ...]]:
+        """Instance number and classes of the object that a surface is part of.
+
+        That is the nearest labelled prim, else the nearest component, else the surface itself.
+        """
+        chain = self._ancestry.of(path)
+        labelled = _from_first(chain, self._is_labelled)
+        owner = labelled or _from_first(chain, Usd.Prim.IsComponent)
+        stands = owner[0][0] if owner else path
         if stands not in self._objects:
             instance = _number(self._instances, stands)
-            if owner.category:
-                self._categories[instance] = owner.category
-            self._objects[stands] = instance, owner.classes
+            prims = [prim for _, prim in labelled]
+            if category := read_category(prims):
+                self._categories[instance] = category
+            classes = tuple(read_number(prims, name) for name in CLASS_CHANNELS)
+            self._objects[stands] = instance, classes
         return self._objects[stands]
 
-
-_LABELS: Final = frozenset(
-    f"SemanticsLabelsAPI:{kind}" for kind in (names.CATEGORY, *CLASS_CHANNELS)
-)
-
-
-@dataclass(frozen=True)
-class _Owner:
-    """The object that a surface is part of: levels above it, its category, numbers of classes."""
-
-    levels: int
-    category: str | None
-    classes: tuple[int, ...]
-
-    @staticmethod
-    def of(prim: Usd.Prim) -> "_Owner":
-        owner, levels = _owner(prim)
-        if not _is_labelled(owner):
-            # Then nothing above it is labelled either.
-            return _Owner(levels, None, (0,) * len(CLASS_CHANNELS))
-        classes = tuple(read_number(owner, name) for name in CLASS_CHANNELS)
-        return _Owner(levels, read_label(owner, names.CATEGORY), classes)
+    def _is_labelled(self, prim: Usd.Prim) -> bool:
+        path = prim.GetPath()
+        if path not in self._labelled:
+            self._labelled[path] = is_labelled(prim)
+        return self._labelled[path]
 
 
-def _owner(prim: Usd.Prim) -> tuple[Usd.Prim, int]:
-    """The prim of the object that a surface is part of, and how many levels above it stands.
-
-    That is the nearest labelled prim, else the nearest component, else the surface itself.
-    """
-    chain = [prim]
-    while not chain[-1].GetParent().IsPseudoRoot():
-        chain.append(chain[-1].GetParent())
-    tests = (_is_labelled, Usd.Prim.IsComponent)
-    for test in tests:
-        for levels, candidate in enumerate(chain):
-            if test(candidate):
-                return candidate, levels
-    return prim, 0
-
-
-def _is_labelled(prim: Usd.Prim) -> bool:
-    return not _LABELS.isdisjoint(prim.GetAppliedSchemas())
+def _from_first(chain: tuple[Stand, ...], test: Callable[[Usd.Prim], bool]) -> tuple[Stand, ...]:
+    """From the first of a chain for which a test holds; empty where it holds for none."""
+    return next((chain[at:] for at, (_, prim) in enumerate(chain) if test(prim)), ())
 
 
 def material_path(material: UsdShade.Material | None) -> str | None:

@@ -23,6 +23,7 @@ from openrooms_usd.rendering.scene.surroundings import (
 )
 from openrooms_usd.rendering.scene.window_lobes import Lit, fitted
 from openrooms_usd.usd.light.emitters import world_from_prim
+from openrooms_usd.usd.light.inputs import light_input
 from openrooms_usd.usd.light.lights import Portal
 from openrooms_usd.usd.places.frames import TIME
 
@@ -164,9 +165,9 @@ def _kelvin(stage: Usd.Stage, scene: Scene, patches: Sequence[Patch]) -> float |
     for part in sorted(parts):
         path = scene.legend.part[part]
         prim = stage.GetPrimAtPath(path) if "[" not in path else None
-        light = UsdLux.LightAPI(prim) if prim and prim.HasAPI(UsdLux.LightAPI) else None
-        if light and light.GetEnableColorTemperatureAttr().Get(TIME):
-            return float(light.GetColorTemperatureAttr().Get(TIME))
+        is_light = prim and prim.HasAPI(UsdLux.LightAPI)
+        if is_light and light_input(prim, "inputs:enableColorTemperature").Get(TIME):
+            return float(light_input(prim, "inputs:colorTemperature").Get(TIME))
     return None
 
 

@@ -19,7 +19,7 @@ from openrooms_usd.usd.shading.materials import (
     material_key,
     parts_by_material,
 )
-from openrooms_usd.usd.shading.surfaces import PreviewSurface
+from openrooms_usd.usd.shading.surfaces import PreviewSurface, completed
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 
 Parts = list[Part]
@@ -61,7 +61,8 @@ class MeshSurfaces:
         for _, parts in found:
             for _, material in parts:
                 if material is not None and material_key(material) not in self._previews:
-                    self._previews[material_key(material)] = read_preview_surface(material)
+                    preview, lost = read_preview_surface(material)
+                    self._previews[material_key(material)] = completed(preview), lost
         self._reader.prefetch(preview for preview, _ in self._previews.values())
         return found
 

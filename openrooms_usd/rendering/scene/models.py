@@ -56,6 +56,31 @@ def report_simplified(scene: Scene) -> None:
     scene.report.lose(dict.fromkeys(suns, "its angle is left out: shadows are sharp"))
 
 
+def report_principled(scene: Scene) -> None:
+    """Say in the report what surfaces lose that Mitsuba's ``principled`` shows."""
+    lost = {}
+    for path, surface in scene.owners:
+        if surface.f0 is None and surface.pane is None and not surface.is_diffuse:
+            why = "Mitsuba's principled stands for UsdPreviewSurface: brighter at grazing angles"
+            why += "; its specularColor has no hue" if surface.specular is not None else ""
+            why += "; its clearcoat is Disney's, at most as rough as 0.32" * bool(surface.clearcoat)
+            lost[path] = why
+    scene.report.lose(lost)
+
+
+def report_one_way(scene: Scene) -> None:
+    """Say in the report whose pictures go on in one way where they should in two."""
+    why = "its pictures go on along t as along s"
+    scene.report.lose(
+        {
+            path: why
+            for path, surface in scene.owners
+            for value in vars(surface).values()
+            if isinstance(value, Picture) and len(set(value.ways)) > 1
+        }
+    )
+
+
 def _even(patch: Patch) -> Patch:
     if patch.shaping is None or patch.radiance is None:
         return patch
@@ -77,9 +102,10 @@ def _shown_as(model: Model, surface: Surface) -> tuple[Surface, str]:
         lost = f"OpenRooms' model is shown by UsdPreviewSurface with ior {surface.ior:.4g}"
         return replace(surface, f0=None), lost
     # What has no specular lobe is Lambertian in both.
-    if model == "openrooms" and surface.f0 is None and surface.ior != 1.0:
-        f0 = f0_of(surface.ior)
+    if model == "openrooms" and surface.f0 is None and surface.dielectric != 1.0:
+        f0 = f0_of(surface.dielectric)
         lost = f"UsdPreviewSurface is taken as OpenRooms' model with F0 {f0:.3g}"
         lost += "; its clearcoat is left out" if surface.clearcoat else ""
+        lost += "; its specularColor has no hue" if surface.specular is not None else ""
         return replace(surface, f0=f0), lost
     return surface, ""

@@ -8,6 +8,7 @@ import numpy as np
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.triangles import Triangles
+from openrooms_usd.usd.places.ancestry import above
 
 # Entries of a motion that differ by less, metres or ratios, are the same: an engine's noise at
 # rest moves nothing.
@@ -67,7 +68,7 @@ class MovingScene:
     def _nearest(self, path: str) -> str:
         """The prim whose motion a part follows: itself, or the nearest above; else nothing."""
         while path and path not in self._motions:
-            path = path.rpartition("/")[0]
+            path = above(path)
         return path
 
     def _placed(self, triangles: Triangles, moved_by: list[str]) -> Triangles:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.wrapping import framed
-from openrooms_usd.usd.shading.surfaces import Texture
-from openrooms_usd.usd.shading.textures import read_texture
+from openrooms_usd.usd.shading.surfaces import BLACK, Texture, chosen
+from openrooms_usd.usd.shading.textures import read_texture, told
 
 Array = NDArray[np.float64]
 Limits = tuple[float, float]
@@ -33,7 +33,8 @@ class Picture:
     Attributes:
         texels: (H, W, C) values in half or float32, or the rows of ``coding`` in 8 bits; C = 1 or
             3, the first row at v = 0 (the bottom).
-        wrap: ``repeat``, ``mirror`` or ``clamp``, in both directions.
+        wrap: ``repeat``, ``mirror`` or ``clamp`` in both directions; ``repeat clamp`` or
+            ``clamp repeat`` where u and v differ.
         uv: (3, 3) from the mesh's texture coordinates to the picture's.
         losses: What could not be kept, in words.
         coding: What texels of 8 bits mean; None where they are values.
@@ -62,6 +63,12 @@ class Picture:
         return int(self.texels.shape[2])
 
     @property
+    def ways(self) -> tuple[str, str]:
+        """How it goes on in u and in v."""
+        across, _, up = self.wrap.partition(" ")
+        return across, up or across
+
+    @property
     def is_plain(self) -> bool:
         """Whether it takes the mesh's texture coordinates as they are."""
         return np.array_equal(self.uv, np.eye(3))
@@ -80,8 +87,9 @@ class Picture:
         x, y = uv[..., 0] * width - 0.5, uv[..., 1] * height - 0.5
         x0, y0 = np.floor(x), np.floor(y)
         fx, fy = (x - x0)[..., None], (y - y0)[..., None]
-        columns = [_wrapped(x0 + step, width, self.wrap) for step in (0, 1)]
-        rows = [_wrapped(y0 + step, height, self.wrap) for step in (0, 1)]
+        across, up = self.ways
+        columns = [_wrapped(x0 + step, width, across) for step in (0, 1)]
+        rows = [_wrapped(y0 + step, height, up) for step in (0, 1)]
         low, high = (
             self._values(self.texels[row, columns[0]]) * (1 - fx)
             + self._values(self.texels[row, columns[1]]) * fx
@@ -141,6 +149,34 @@ def evaluate(value: Value, st: Array, channels: int) -> Array:
     return np.broadcast_to(np.asarray(value, dtype=np.float64), (*st.shape[:-1], channels))
 
 
+def times(color: Value, share: Value) -> Value:
+    """A colour where it is there in part, as large as the finer of both pictures.
+
+    Args:
+        color: Of three channels.
+        share: Of one channel. Where both are pictures it says how these go on.
+    """
+    if share == 1.0:
+        return color
+    if not isinstance(share, Picture):
+        if not isinstance(color, Picture):
+            red, green, blue = (np.asarray(color) * share).tolist()
+            return red, green, blue
+        pixels = (color.pixels * share).astype(color.pixels.dtype)
+        return Picture(pixels, color.wrap, color.uv, color.losses)
+    sizes = [one.texels.shape[:2] for one in (color, share) if isinstance(one, Picture)]
+    height, width = np.max(sizes, axis=0).tolist()
+    u, v = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
+    st = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(share.uv).T
+    pixels = evaluate(color, st[..., :2], 3) * share.lookup(st[..., :2])
+    losses: tuple[str, ...] = share.losses
+    if isinstance(color, Picture):
+        losses = (*color.losses, *losses)
+        if color.wrap != share.wrap or not np.array_equal(color.uv, share.uv):
+            losses = (*losses, "emissiveColor goes on beyond the picture as opacity does")
+    return Picture(pixels.astype(np.float32), share.wrap, share.uv, losses)
+
+
 def load(
     texture: Texture, channels: int, limits: tuple[float, float], uv: Array, side: int = MAX_SIDE
 ) -> Picture:
@@ -157,8 +193,8 @@ def load(
     try:
         stored = read_texture(texture.file)
     except InputError as error:
-        losses.append(f"{texture.file}: {error.message}; its fallback colour is used")
-        values = np.array(texture.fallback, dtype=np.float32).reshape(1, 1, 4)
+        losses.append(told(error))
+        values = np.array(texture.fallback or BLACK, dtype=np.float32).reshape(1, 1, 4)
     else:
         if max(stored.shape[:2]) > side:
             losses.append(made_smaller(texture.file, side))
@@ -235,11 +271,7 @@ def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _picked(rgba: NDArray[np.float32], channel: str, channels: int) -> NDArray[np.float32]:
-    if channel == "rgb":
-        # A single number that is fed by a colour takes its first channel, as Hydra does.
-        return rgba[..., :channels]
-    index = "rgba".index(channel)
-    return np.repeat(rgba[..., index : index + 1], channels, axis=2)
+    return rgba[..., list(chosen(channel, channels))]
 
 
 def made_smaller(file: str, side: int) -> str:

@@ -13,7 +13,7 @@ from openrooms_usd import names
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.codes import Known, load_picture
-from openrooms_usd.rendering.scene.pictures import MAX_SIDE, Array, Limits, Picture, Value
+from openrooms_usd.rendering.scene.pictures import MAX_SIDE, Array, Limits, Picture, Value, times
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, ior_of
 from openrooms_usd.usd.shading.textures import texture_size
 
@@ -30,8 +30,8 @@ _NEEDS: Final[dict[str, tuple[int, Limits]]] = {
     "opacity": (1, _UNIT_RANGE),
     "normal": (3, _NORMAL_RANGE),
     "emissive": (3, _POSITIVE_RANGE),
-    # Of these a mean is taken.
     "specular": (3, _UNIT_RANGE),
+    # Of these a mean is taken.
     "clearcoat": (1, _UNIT_RANGE),
     "clearcoat_roughness": (1, _UNIT_RANGE),
 }
@@ -41,6 +41,7 @@ _MOST_TEXEL_BYTES: Final = 2.0e9
 _BYTES_OF_A_TEXEL: Final = 3
 _LEAST_SIDE: Final = 256
 _MOST_REFLECTANCE: Final = 0.9
+_DARK: Final = (0.0, 0.0, 0.0)
 _FLAT_NORMAL: Final = (0.0, 0.0, 1.0)
 CLEAR: Final = "opacity lets light straight through; clear parts reflect nothing"
 """What is lost of a surface that is partly clear."""
@@ -55,6 +56,8 @@ class Surface:
         roughness: Perceptual roughness R; alpha = R^2.
         metallic: 0 dielectric to 1 metal.
         ior: Index of refraction; 1 leaves the diffuse part alone.
+        specular: Reflectance of a dielectric at normal incidence, a colour; None where ``ior``
+            says it.
         clearcoat: Weight of the second specular lobe.
         clearcoat_roughness: Its perceptual roughness.
         opacity: 0 absent to 1 there.
@@ -76,6 +79,7 @@ class Surface:
     roughness: Value = 0.5
     metallic: Value = 0.0
     ior: float = 1.5
+    specular: Value | None = None
     clearcoat: float = 0.0
     clearcoat_roughness: float = 0.01
     opacity: Value = 1.0
@@ -92,7 +96,16 @@ class Surface:
     @property
     def is_diffuse(self) -> bool:
         """Whether nothing but the Lambertian part is there."""
-        return self.ior == 1.0 and self.metallic == 0.0 and self.clearcoat == 0.0
+        plain = self.ior == 1.0 and self.specular is None
+        return plain and self.metallic == 0.0 and self.clearcoat == 0.0
+
+    @property
+    def dielectric(self) -> float:
+        """The index of refraction, which the mean of a specular colour stands for."""
+        if self.specular is None:
+            return self.ior
+        colors = self.specular.pixels if isinstance(self.specular, Picture) else self.specular
+        return ior_of(min(float(np.mean(colors, dtype=np.float64)), _MOST_REFLECTANCE))
 
     @property
     def lets_through(self) -> bool:
@@ -142,18 +155,22 @@ class SurfaceReader:
             # Its opacity stands in for it where panes are not known.
             preview = replace(preview, opacity=1.0)
         primvar, uv = _common_mapping(preview)
-        emission = self._value(preview, "emissive", uv)
+        emission, opacity = self._value(preview, "emissive", uv), self._opacity(preview, uv)
+        absent = preview.opacity_threshold > 0.0 or preview.opacity_mode == "presence"
+        if absent and emission != _DARK:
+            # What is not there sends nothing; clear glass may glow.
+            emission = times(emission, opacity)
         values: dict[str, Any] = {
             "base_color": self._value(preview, "base_color", uv),
             "roughness": self._value(preview, "roughness", uv),
             "metallic": self._value(preview, "metallic", uv),
-            "opacity": self._opacity(preview, uv),
+            "opacity": opacity,
             "normal": self._normal(preview, uv),
-            "emission": None if emission == (0.0, 0.0, 0.0) else emission,
+            "emission": None if emission == _DARK else emission,
         }
-        ior, losses = _ior(preview, self._mean(preview, "specular", uv))
+        ior, losses = _ior(preview.ior)
         if preview.specular is not None:
-            values["metallic"] = 0.0
+            values |= {"metallic": 0.0, "specular": self._value(preview, "specular", uv)}
         losses += [text for found, text in _LOST if found(preview)]
         values["transmission"], lost = _transmission(preview.transmission, values["base_color"])
         losses += lost
@@ -276,18 +293,11 @@ def _relative(texture: Texture, uv: Array) -> Array:
     return np.eye(3) if np.array_equal(matrix, uv) else matrix @ np.linalg.inv(uv)
 
 
-def _ior(preview: PreviewSurface, specular: float) -> tuple[float, list[str]]:
-    """The index of refraction, by the mean of the specular colour where that is given."""
-    if preview.specular is None:
-        if preview.ior >= 1.0:
-            return min(preview.ior, _MOST_IOR), []
-        return 1.0, [f"ior {preview.ior:g} is taken as 1"]
-    found = ior_of(min(specular, _MOST_REFLECTANCE))
-    if isinstance(preview.specular, Texture):
-        return found, ["a textured specular colour is taken as its mean, a colourless ior"]
-    if len(set(preview.specular)) == 1 and specular <= _MOST_REFLECTANCE:
-        return found, []
-    return found, ["the specular colour is taken as a colourless ior"]
+def _ior(wanted: float) -> tuple[float, list[str]]:
+    """An index of refraction that is one, and what was lost."""
+    if wanted >= 1.0:
+        return min(wanted, _MOST_IOR), []
+    return 1.0, [f"ior {wanted:g} is taken as 1"]
 
 
 def _transmission(wanted: float, base_color: Value) -> tuple[float, list[str]]:
@@ -324,10 +334,6 @@ def _many_primvars(preview: PreviewSurface) -> bool:
 
 
 _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
-    (
-        lambda preview: preview.clearcoat != 0.0,
-        "its clearcoat is Disney's, which is dimmer at an angle and at most as rough as 0.32",
-    ),
     (_is_textured("clearcoat"), "a textured clearcoat is taken as its mean"),
     (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as its mean"),
     (_is_clear, CLEAR),

@@ -94,11 +94,11 @@ def _translated(
     lights = read_lights(stage)
     report = Report()
     surfaces = MeshSurfaces(SurfaceReader(texture_side), passed_on(stage), report)
-    work = _Translation(LightLinks(stage, lights), surfaces, report)
+    work = _Translation(stage, LightLinks(stage, lights), surfaces, report)
     # 1. Light, first: a mesh has to know whether it emits.
     for light in lights:
-        work.add_light(stage, light)
-    work.add_portals(stage)
+        work.add_light(light)
+    work.add_portals()
     # 2. Surfaces, instances expanded.
     reading = read_meshes(stage, purposes=asked_purposes(stage), outside=outside)
     for path, outcome, reason in reading.losses:
@@ -119,11 +119,14 @@ def _translated(
 class _Translation:
     """Gathers what will be the scene."""
 
-    def __init__(self, links: LightLinks, surfaces: MeshSurfaces, report: Report) -> None:
+    def __init__(
+        self, stage: Usd.Stage, links: LightLinks, surfaces: MeshSurfaces, report: Report
+    ) -> None:
+        self._stage = stage
         self._links = links
         self._surfaces = surfaces
         self._report = report
-        self._labels = Labels()
+        self._labels = Labels(stage)
         self._responses: dict[str, tuple[float, float]] = {}
         self._groups: dict[tuple[int, str, bool, tuple[str, ...]], Gathered] = {}
         self._emitting: dict[str, MeshLight] = {}
@@ -150,8 +153,8 @@ class _Translation:
 
     # Light.
 
-    def add_portals(self, stage: Usd.Stage) -> None:
-        self._portals = read_portals(stage)
+    def add_portals(self) -> None:
+        self._portals = read_portals(self._stage)
         for portal in self._portals:
             self._report.add(portal.path, "translated")
 
@@ -168,7 +171,7 @@ class _Translation:
         self._exposure = EXPOSURE
         self._report.add("/", "approximated", TOLD)
 
-    def add_light(self, stage: Usd.Stage, light: Light) -> None:
+    def add_light(self, light: Light) -> None:
         losses = list(light.losses)
         self._responses[light.path] = light.response
         if isinstance(light, MeshLight):
@@ -188,11 +191,11 @@ class _Translation:
                 self._report.add(light.path, "skipped", reason)
                 return
             radiance, lost = lamps.radiance(light)
-            source = stage.GetPrimAtPath(light.prim)
+            source = self._stage.GetPrimAtPath(light.prim)
             surface = _surface_of(source)
             is_body = surface != source
             stands = str(surface.GetPath()) if is_body else light.path
-            row = self._labels.row(stands, surface, None)
+            row = self._labels.row(stands, None)
             dark = _BLACK if is_body else _LAMP
             group = self._group(light.path, dark, radiance, shaping=light.shaping)
             group.add(lamps.shape(light, row))
@@ -216,7 +219,7 @@ class _Translation:
                 losses.append("a clear pane emits nothing")
             if radiance is not None and mesh.double_sided:
                 losses.append("it emits from its front side only")
-            piece = self._labels.row(mesh.path, mesh.prim, material_path(material))
+            piece = self._labels.row(mesh.path, material_path(material))
             sheet = surface.pane is not None and mesh.double_sided
             bent = None if radiance is None else shaping
             unlit = self._links.unlit_by(mesh.path)

@@ -3,14 +3,17 @@
 from collections.abc import Iterator
 from typing import Any, Final
 
-from pxr import Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
 from openrooms_usd.exporters import Report
 from openrooms_usd.usd import mapping
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
+from openrooms_usd.usd.semantics import unread_labels
+from openrooms_usd.usd.shading.materials import broken_bindings
 
 _PURPOSE: Final = "its purpose is"
+_ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ")
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:
@@ -32,17 +35,22 @@ def is_aside(reason: str) -> bool:
     return reason.startswith(_PURPOSE)
 
 
+def is_alarming(sentence: str) -> bool:
+    """Whether what was lost is likely a mistake, which people want to hear of at once."""
+    return any(mark in sentence for mark in _ALARMING)
+
+
 # Prims.
 
 
 def _hidden(stage: Usd.Stage) -> Iterator[tuple[Usd.Prim, str]]:
-    instancers: list[str] = []
+    instancers: list[Sdf.Path] = []
     for prim in stage.Traverse():
         if prim.IsA(UsdGeom.PointInstancer):
             targets = UsdGeom.PointInstancer(prim).GetPrototypesRel().GetTargets()
-            instancers += map(str, targets)
+            instancers += targets
         if prim.IsA(UsdGeom.Gprim) or prim.HasAPI(UsdLux.LightAPI):
-            inside = any(str(prim.GetPath()).startswith(target) for target in instancers)
+            inside = any(map(prim.GetPath().HasPrefix, instancers))
             if not inside:
                 yield prim, _why(prim)
         elif reason := _foreign(str(prim.GetTypeName())):
@@ -93,6 +101,9 @@ def _losses(prim: Usd.Prim) -> Iterator[str]:
         row = mapping.row_of_property(schemas, name)
         if row is not None and row.is_told_here and _says_something(prim.GetAttribute(name)):
             yield f"{name}: {row.becomes}"
+    yield from unread_labels(prim)
+    for target in broken_bindings(prim):
+        yield f"its material is missing: there is none at {target}"
     if prim.IsA(UsdGeom.Subset) and (lost := _colourless(UsdGeom.Subset(prim))):
         yield lost
     if prim.IsA(UsdShade.Material) and _moves(UsdShade.Material(prim)):

@@ -35,6 +35,11 @@ _BAND_DEG: Final = 4.0
 # goes on beyond the last level.
 _LEVEL_SHARE: Final = 0.2
 _OPEN_SHARE: Final = 0.25
+# Tops are so far from floor and ceiling, in voxels; the lower ones are at this percentile of all,
+# which are at least this part of the surfels.
+_OFF_ENDS: Final = 3.0
+_LOWER_TOPS: Final = 25.0
+_TOPS_SHARE: Final = 0.004
 # A column of the plan is a wall's when so many tenths of the height are occupied.
 _TENTHS: Final = 10
 _WALL_TENTHS: Final = 6
@@ -61,6 +66,8 @@ class Vertical:
         upwards: What speaks for this and against the opposite direction, log odds.
         height: From the floor to the ceiling, in the scan's unit; None where either is not seen.
         extent: (2,) of the scan along the axis, and the larger one across, in the scan's unit.
+        tops: Height of the lower level surfaces away from the walls above the floor, in the scan's
+            unit; None where there are hardly any.
     """
 
     axis: Array
@@ -68,6 +75,7 @@ class Vertical:
     upwards: float
     height: float | None
     extent: tuple[float, float]
+    tops: float | None = None
 
     def reversed(self) -> "Vertical":
         """The opposite direction."""
@@ -155,8 +163,9 @@ def _weighed(pieces: Surfels, axis: Array, odd: Mask, scale: float) -> Vertical 
         min(bottom, low) if below > _OPEN_SHARE else bottom,
         (max(top, high) if above > _OPEN_SHARE else top),
     )
+    stand, tops = _standing(pieces.points, axis, heights, level, span)
     upwards = (
-        _standing(pieces.points, axis, heights, level, span)
+        stand
         + _LID * (float(above > _OPEN_SHARE) - float(below > _OPEN_SHARE))
         + _FLOOR * np.log((shares[0] + 0.02) / (shares[1] + 0.02))
         + _BEYOND * np.log((above + 0.1) / (below + 0.1))
@@ -167,7 +176,12 @@ def _weighed(pieces: Surfels, axis: Array, odd: Mask, scale: float) -> Vertical 
     along = float(np.ptp(np.percentile(heights, (1.0, 99.0))))
     tall = (top - bottom) / scale if closed and top - bottom > 2.0 * _COLUMN else None
     extent = along / scale, float(np.linalg.norm(sizes)) / scale
-    return Vertical(axis, float(line) + named, float(upwards) + way, tall, extent)
+    above_floor = tops - span[0] if upwards >= 0.0 else span[1] - tops
+    off = _OFF_ENDS * VOXEL_M
+    above_floor = above_floor[(above_floor > off) & (above_floor < span[1] - span[0] - off)]
+    shown = len(above_floor) > _TOPS_SHARE * len(pieces)
+    top = float(np.percentile(above_floor, _LOWER_TOPS)) / scale if shown else None
+    return Vertical(axis, float(line) + named, float(upwards) + way, tall, extent, top)
 
 
 def _ends(heights: Array) -> tuple[tuple[float, float], Array] | None:
@@ -189,8 +203,8 @@ def _ends(heights: Array) -> tuple[tuple[float, float], Array] | None:
 
 def _standing(
     points: Array, axis: Array, heights: Array, level: Mask, span: tuple[float, float]
-) -> float:
-    """Whether things, and level surfaces, are rather in the lower than in the upper half.
+) -> tuple[float, Array]:
+    """Whether things, and level surfaces, are rather in the lower half; heights of the latter.
 
     Columns of the plan that are occupied over most of the height, and those near them, are walls
     and what they carry: they say nothing.
@@ -209,8 +223,9 @@ def _standing(
     walls = taken.sum(axis=2) >= _WALL_TENTHS
     free = ~ndimage.binary_dilation(walls, iterations=_NEAR_WALL_COLUMNS)
     things = (taken & free[:, :, None]).sum(axis=(0, 1))
-    tops = np.bincount(tenth[level[kept] & free[columns[:, 0], columns[:, 1]]], minlength=_TENTHS)
-    return _THINGS * _lower(things) + _TOPS * _lower(tops)
+    top = level[kept] & free[columns[:, 0], columns[:, 1]]
+    tops = np.bincount(tenth[top], minlength=_TENTHS)
+    return _THINGS * _lower(things) + _TOPS * _lower(tops), heights[kept][top]
 
 
 def _lower(tenths: NDArray[np.int64]) -> float:

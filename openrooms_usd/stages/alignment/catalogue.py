@@ -9,13 +9,13 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd.description.alignment import FileObject
-from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import (
     CATEGORIES,
     NOTHING_ORDERED,
     Order,
     Size,
     category,
+    check,
     make,
     module_of,
     styles,
@@ -63,9 +63,8 @@ class Catalogue:
         """
         if style is None:
             style = self._drawn.get((name, size)) or self._draw(name, size)
-        elif style not in category(name).styles:
-            known = ", ".join(category(name).styles)
-            raise InputError(f"no {name} has the style {style!r}", remedy=f"known: {known}")
+        else:
+            check(name, size, style, order)
         draws = ("alignment", "details", name, repr(size), style)
         rng = partial(self.context.rng, *draws)
         key: tuple[Any, ...] = (name, *size, style, self.context.room.seed, *draws)

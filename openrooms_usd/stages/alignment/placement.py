@@ -10,11 +10,15 @@ import numpy as np
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Confidence
-from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.description.mistakes import FieldsError
+from openrooms_usd.errors import StageError
 from openrooms_usd.furniture import Size
 from openrooms_usd.geometry.rotations import in_plan, tilted
 from openrooms_usd.library.assets import Asset, Model
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages.alignment.surroundings import Surroundings
+
+_OBJECTS: Final = ("alignment", "objects")
 
 Tilt: TypeAlias = tuple[float, float]
 
@@ -242,14 +246,15 @@ class Supports:
         return {name: self._stands[name] for name in self.placements}
 
     def _check(self, others: Mapping[str, str | None], link: str) -> None:
-        for name, other in others.items():
-            if other is not None and other not in self.placements:
-                raise InputError(
-                    f"{name} {link} {other!r}, which is no object",
-                    place="alignment.objects",
-                    remedy="choose the room's own floor, ceiling or wall, or one of: "
-                    f"{', '.join(sorted(self.placements)[:9])}",
-                )
+        known = sorted(self.placements)
+        wrong = [
+            f"{name} {link} {other!r}, which is no object{did_you_mean(other, known)}; choose the "
+            f"room's own floor, ceiling or wall, or one of: {', '.join(known[:9])}"
+            for name, other in others.items()
+            if other is not None and other not in self.placements
+        ]
+        if wrong:
+            raise FieldsError(*((_OBJECTS, text) for text in wrong))
 
     @cached_property
     def _plan(self) -> dict[str, Placement]:
@@ -356,7 +361,7 @@ def parents_first(parents: Mapping[str, str | None]) -> list[str]:
     """The names in an order in which each comes after its parent.
 
     Raises:
-        InputError: Some are their own ancestors.
+        FieldsError: Some are their own ancestors.
     """
     order: dict[str, None] = {}
     for start in parents:
@@ -365,11 +370,9 @@ def parents_first(parents: Mapping[str, str | None]) -> list[str]:
         while name is not None and name not in order:
             if name in chain:
                 members = [*list(chain)[list(chain).index(name) :], name]
-                raise InputError(
-                    f"objects depend on each other in a circle: {', '.join(members)}",
-                    place="alignment.objects",
-                    remedy="let one of them stand on the floor, in the room's own frame",
-                )
+                said = f"objects depend on each other in a circle: {', '.join(members)}"
+                remedy = "let one of them stand on the floor, in the room's own frame"
+                raise FieldsError((_OBJECTS, f"{said}; {remedy}"))
             chain[name] = None
             name = parents[name]
         order.update(dict.fromkeys(reversed(chain)))

@@ -29,6 +29,7 @@ from openrooms_usd.description.alignment import (
     named_objects,
 )
 from openrooms_usd.description.generate import GeneratedAlignment
+from openrooms_usd.description.mistakes import FieldsError, Steps
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import CATEGORIES, Order, Size, category, part_of
@@ -238,12 +239,17 @@ def _placements(context: StageContext, floor: float) -> Iterator[placement.Place
                 yield aligned.placed_model(context, catalogue, model, thing, capture.source)
             else:
                 yield _placed_capture(catalogue, thing, capture.source)
-    for name, item in named_objects(_described(alignment)):
+    key = "further" if isinstance(alignment, ScanAlignment) else "objects"
+    wrong: list[tuple[Steps, str]] = []
+    for index, (name, item) in enumerate(named_objects(_described(alignment))):
         try:
             yield placement_of(catalogue, name, item)
         except InputError as error:
-            error.place = error.place or f"alignment.objects, {name}"
-            raise
+            place = f"{error.place}: " if error.place else ""
+            remedy = f"; {error.remedy}" if error.remedy else ""
+            wrong.append((("alignment", key, index), f"{name}: {place}{error.message}{remedy}"))
+    if wrong:
+        raise FieldsError(*wrong)
 
 
 def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> placement.Placement:

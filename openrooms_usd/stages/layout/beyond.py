@@ -9,7 +9,7 @@
 """
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,8 +17,7 @@ from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
-from openrooms_usd.building.hallways import SHEET_M, Hallway, door_space, hallway
-from openrooms_usd.building.walls import Wall
+from openrooms_usd.building.hallways import Hallway, Way, door_space, hallway, hallways_behind
 from openrooms_usd.furniture import Size, make, part_of, styles
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.joinery import author_mesh
@@ -28,21 +27,8 @@ from openrooms_usd.usd.light.lights import define_mesh_light
 from openrooms_usd.usd.places.frames import author_placement
 from openrooms_usd.usd.semantics import label
 
-# What is tried, the most liked first: how deep it is, and how far it goes to both sides of the
-# opening's middle; metres.
-_DEPTHS_M: Final = (1.7, 1.4, 1.15, 0.95, 0.8)
-_HALF_LENGTHS_M: Final = (2.2, 1.6, 1.1, 0.75, 0.55)
 # Where the door across stands, from the left to the right.
 _DOORS: Final = (0.08, 0.3, 0.5, 0.7, 0.92)
-# Between it and another opening of its wall, and beside its own; metres.
-_BESIDE_M: Final = 0.12
-# Before windows nothing stands so near, metres.
-_FREE_BEFORE_WINDOWS_M: Final = 3.0
-_HEIGHT_M: Final = 2.5
-# Above the opening, metres.
-_HEADROOM_M: Final = 0.12
-# A leaf that swings out needs its width and this, metres.
-_LEAF_GAP_M: Final = 0.06
 _LUMEN, _KELVIN = 800.0, 3000.0
 # Free wall beside a picture, and the middle of pictures above the floor, metres.
 _MARGIN_M: Final = 0.12
@@ -115,23 +101,29 @@ def author_beyond(context: StageContext, corners: Array, cuts: Sequence[Cut]) ->
         corners: (N, 2) the room's floor, counter-clockwise, metres.
         cuts: All openings.
     """
-    taken = [_zone(cut) for cut in cuts if cut.kind == "window" and not cut.wall.partition]
-    for cut in cuts:
-        if cut.beyond != "hallway" or cut.wall.partition or not _is_seen_through(cut):
+    sizes = hallways_behind(corners, [_way(cut) for cut in cuts])
+    for cut, size in zip(cuts, sizes, strict=True):
+        if not _leads(cut):
             continue
-        size = _fitted(cut, cuts, corners, taken)
         if size is None:
             context.notes.append(
                 f"{cut.name}: there is no space for a hallway behind it; it leads outside"
             )
             continue
-        taken.append(_plan(cut.wall, size))
         rng = context.rng("layout", "beyond", cut.name)
         _author(context.stage, cut, size._replace(door=float(rng.choice(_DOORS))), rng)
 
 
-def _is_seen_through(cut: Cut) -> bool:
-    return cut.kind != "door" or cut.open > 0.0 or cut.style in names.SEE_THROUGH
+def _leads(cut: Cut) -> bool:
+    """Whether a hallway is to be seen through an opening."""
+    seen = cut.kind != "door" or cut.open > 0.0 or cut.style in names.SEE_THROUGH
+    return seen and cut.beyond == "hallway" and not cut.wall.partition
+
+
+def _way(cut: Cut) -> Way:
+    swings_out = cut.kind == "door" and cut.swing == "out" and cut.open > 0.0
+    leaf = cut.hole.right - cut.hole.left if swings_out else 0.0
+    return Way(cut.wall, cut.hole, cut.kind == "window", _leads(cut), leaf)
 
 
 def _author(stage: Usd.Stage, cut: Cut, size: Hallway, rng: np.random.Generator) -> None:
@@ -154,62 +146,3 @@ def author_beyond_lamps(stage: Usd.Stage) -> None:
         if lamp and lamp.IsActive() and (area := world_area(lamp)) > 0.0:
             over = stage.OverridePrim(lamp.GetPath())
             define_mesh_light(over, nits=nits_from_lumen(_LUMEN, area), kelvin=_KELVIN)
-
-
-def _fitted(
-    cut: Cut, cuts: Iterable[Cut], corners: Array, taken: Sequence[Array]
-) -> Hallway | None:
-    """The largest hallway that meets neither the room, nor a window's view, nor another."""
-    import shapely
-
-    wall, middle = cut.wall, 0.5 * (cut.hole.left + cut.hole.right)
-    outer = wall.outer or (0.0, wall.length)
-    low, high = (max(outer[0], 0.0), min(outer[1], wall.length))
-    for other in cuts:
-        if other.wall is not wall or other is cut:
-            continue
-        if other.hole.right < middle:
-            low = max(low, 0.5 * (other.hole.right + cut.hole.left))
-        if other.hole.left > middle:
-            high = min(high, 0.5 * (other.hole.left + cut.hole.right))
-    # The wall itself is touched; what reaches further into the house is in the way.
-    house = shapely.Polygon(corners).buffer(wall.thickness - 0.01, join_style="mitre")
-    ways = [shapely.Polygon(outline) for outline in taken]
-    least = cut.hole.right - cut.hole.left + _LEAF_GAP_M if _swings_out(cut) else 0.0
-    for half in _HALF_LENGTHS_M:
-        left = min(max(middle - half, low + SHEET_M), cut.hole.left - _BESIDE_M)
-        right = max(min(middle + half, high - SHEET_M), cut.hole.right + _BESIDE_M)
-        for depth in _DEPTHS_M:
-            near = wall.thickness
-            height = max(_HEIGHT_M, cut.hole.top + _HEADROOM_M)
-            size = Hallway(left, right, near, near + depth, height)
-            plan = shapely.Polygon(_plan(wall, size))
-            if depth >= least and not any(
-                plan.overlaps(o) or plan.covers(o) or o.covers(plan) for o in (house, *ways)
-            ):
-                return size
-    return None
-
-
-def _swings_out(cut: Cut) -> bool:
-    return cut.kind == "door" and cut.swing == "out" and cut.open > 0.0
-
-
-def _plan(wall: Wall, size: Hallway) -> Array:
-    """(4, 2) what it covers of the land, its walls included."""
-    w = SHEET_M
-    ends = [
-        (size.left - w, size.near),
-        (size.right + w, size.near),
-        (size.right + w, size.far + w),
-        (size.left - w, size.far + w),
-    ]
-    return np.array([wall.to_plan(np.array(end)) for end in ends])
-
-
-def _zone(cut: Cut) -> Array:
-    """(4, 2) what stays free before a window."""
-    near, far = cut.wall.thickness, cut.wall.thickness + _FREE_BEFORE_WINDOWS_M
-    left, right = cut.hole.left - _BESIDE_M, cut.hole.right + _BESIDE_M
-    ends = [(left, near), (right, near), (right, far), (left, far)]
-    return np.array([cut.wall.to_plan(np.array(end)) for end in ends])

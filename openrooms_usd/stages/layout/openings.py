@@ -12,8 +12,8 @@ from openrooms_usd.building.shell import Hole
 from openrooms_usd.building.walls import Wall
 from openrooms_usd.capture import CapturedOpening
 from openrooms_usd.description.layout import USUAL_OPENINGS, Opening, named_openings
+from openrooms_usd.description.mistakes import FieldsError, Steps
 from openrooms_usd.description.naming import captured_names
-from openrooms_usd.errors import DescriptionError
 
 Kind = Literal["window", "door", "opening"]
 
@@ -25,6 +25,7 @@ _MAX_THRESHOLD_M: Final = 0.1
 _REACH, _PARALLEL = 0.5, 0.8
 
 
+_OPENINGS: Final = ("layout", "openings")
 NO_PARTITIONS: Final[Mapping[str, str]] = MappingProxyType({})
 """What a capture without inner walls has."""
 
@@ -82,26 +83,25 @@ def described_cuts(
         DescriptionError: Some do not fit their wall, or come too close to each other.
     """
     cuts: list[Cut] = []
-    mistakes: list[str] = []
+    mistakes: list[tuple[Steps, str]] = []
+    places = {cut.name: _OPENINGS for cut in before}
     for index, (name, opening) in enumerate(named_openings(openings)):
-        field = f"openings[{index}] ({name})"
+        places[name] = field = (*_OPENINGS, index)
         wall = _wanted(opening, walls)
         if isinstance(wall, str):
-            mistakes.append(f"{field}: {wall}")
+            mistakes.append((field, wall))
             continue
         hole = hole_of(opening, wall, clockwise=clockwise)
         if reason := misfit(wall, wall.top(height), hole):
-            mistakes.append(f"{field} in {_words(wall)} {reason}; {_free(wall, clockwise)}")
+            said = f"{name} in {_words(wall)} {reason}; {_free(wall, clockwise)}"
+            mistakes.append((field, said))
             continue
         how = (opening.open, opening.hinge, opening.swing, opening.style)
         cuts.append(Cut(name, opening.kind, wall, hole, *how, beyond=opening.beyond))
-    mistakes += _clashes([*before, *cuts], clockwise)
+    clashes = _clashes([*before, *cuts], clockwise)
+    mistakes += [(places[name], said) for name, said in clashes]
     if mistakes:
-        raise DescriptionError(
-            "\n  ".join(mistakes) if len(mistakes) == 1 else "\n  - ".join(["", *mistakes]),
-            place="layout.openings",
-            remedy="change wall, at, width, height or sill of these openings",
-        )
+        raise FieldsError(*mistakes)
     return cuts
 
 
@@ -160,12 +160,14 @@ def _free(wall: Wall, clockwise: bool) -> str:
     return f"from its start it is free between {ends[0]:.3f} m and {ends[1]:.3f} m"
 
 
-def _clashes(cuts: Sequence[Cut], clockwise: bool) -> Iterator[str]:
+def _clashes(cuts: Sequence[Cut], clockwise: bool) -> Iterator[tuple[str, str]]:
+    """The later of two that overlap, and what is wrong."""
     for i, cut in enumerate(cuts):
         for other in cuts[:i]:
             if other.wall is cut.wall and too_close(other.hole, cut.hole):
                 places = " and ".join(f"{c.name} {_extent(c, clockwise)}" for c in (other, cut))
-                yield f"{other.name} and {cut.name} in {_words(cut.wall)} overlap: {places}"
+                said = f"{other.name} and {cut.name} in {_words(cut.wall)} overlap: {places}; move one, or make it narrower"
+                yield cut.name, said
 
 
 def _extent(cut: Cut, clockwise: bool) -> str:

@@ -17,9 +17,10 @@ from openrooms_usd.building.walls import Wall, walls_of
 from openrooms_usd.capture import Capture, CapturedPartition
 from openrooms_usd.description import layout
 from openrooms_usd.description.layout import CapturedLayout, PolygonLayout, ScanLayout
+from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import DescriptionError, InputError
+from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from openrooms_usd.geometry.uv import centred
@@ -172,16 +173,17 @@ def _drawn(
 ) -> Plan:
     """The plan of a room whose corners a person gave."""
     if reason := defect(polygon):
-        raise DescriptionError(
-            f"the polygon {reason}",
-            place="layout.polygon",
-            remedy="list the inner corners once, in order around the room, at least 1 mm apart",
-        )
+        remedy = "list the inner corners once, in order around the room, at least 1 mm apart"
+        raise FieldsError((("layout", "polygon"), f"the polygon {reason}; {remedy}"))
     corners, numbers = counter_clockwise(polygon)
     walls = walls_of(corners, numbers, layout.wall_thickness)
-    partitions = described_partitions(layout.partitions, corners, height)
-    walls += walls_within(partitions, corners, notes)
     clockwise = signed_area(np.asarray(polygon)) < 0.0
+    try:
+        partitions = described_partitions(layout.partitions, corners, height)
+    except FieldsError as error:
+        _check_outline(layout, walls, height, clockwise, error)
+        raise
+    walls += walls_within(partitions, corners, notes)
     cuts = described_cuts(layout.openings, walls, height, clockwise=clockwise)
     return Plan(
         corners,
@@ -192,6 +194,23 @@ def _drawn(
         finish=_finish(layout),
         clockwise=clockwise,
     )
+
+
+def _check_outline(
+    layout: PolygonLayout | CapturedLayout,
+    walls: Sequence[Wall],
+    height: float,
+    clockwise: bool,
+    error: FieldsError,
+) -> None:
+    """Say what is wrong with openings of the outline together with an error of partitions."""
+    own = [i for i, opening in enumerate(layout.openings) if opening.partition is None]
+    try:
+        openings = [layout.openings[i] for i in own]
+        described_cuts(openings, walls, height, clockwise=clockwise)
+    except FieldsError as other:
+        rows = [((*path[:2], own[int(path[2])]), text) for path, text in other.found]
+        raise FieldsError(*error.found, *rows) from None
 
 
 def _finish(layout: PolygonLayout | CapturedLayout) -> Finish:
@@ -272,12 +291,12 @@ def described_partitions(
         for name, row in layout.named_partitions(described)
     ]
     mistakes = [
-        f"{one.name} {reason}" for one in made if (reason := misplaced(one, corners)) is not None
+        (("layout", "partitions", index, "line"), f"{one.name} {reason}")
+        for index, one in enumerate(made)
+        if (reason := misplaced(one, corners)) is not None
     ]
     if mistakes:
-        raise DescriptionError(
-            "; ".join(mistakes), place="layout.partitions", remedy="change the ends of their lines"
-        )
+        raise FieldsError(*mistakes)
     return made
 
 

@@ -28,7 +28,7 @@ from openrooms_usd.description.lights import (
     SkyEnvironment,
 )
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import DescriptionError, StageError
+from openrooms_usd.errors import StageError
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.styles.beams import BEAMS, beam_profile, lamp_kelvin, profile_text
@@ -124,12 +124,6 @@ def _author_constant(context: StageContext, environment: ConstantEnvironment) ->
     hue = np.array(environment.color)
     brightness = float(luminance(hue))
     nits = environment.illuminance / math.pi
-    if brightness <= 0.0 and nits > 0.0:
-        raise DescriptionError(
-            f"a black sky cannot give {environment.illuminance:g} lux",
-            place="lights.environment.color",
-            remedy="give a color with some light in it, or illuminance: 0",
-        )
     r, g, b = (hue * (nits / brightness if brightness > 0.0 else 0.0)).tolist()
     define_dome(context.stage, names.ENVIRONMENT, radiance=(r, g, b))
 
@@ -228,23 +222,16 @@ def _emission(context: StageContext, root: Usd.Prim, wanted: Lamp, area: float) 
     lumen = _usual_lumen(root) if wanted.lumen is None else wanted.lumen
     nits = nits_from_lumen(lumen, area) if wanted.on else 0.0
     if wanted.color is not None:
-        return {"nits": nits, "color": _hue(wanted.color, root.GetName())}
+        return {"nits": nits, "color": _hue(wanted.color)}
     kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
     if kelvin > _MAX_KELVIN:
         context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_MAX_KELVIN:g} K")
     return {"nits": nits, "kelvin": kelvin}
 
 
-def _hue(color: tuple[float, float, float], name: str) -> tuple[float, float, float]:
+def _hue(color: tuple[float, float, float]) -> tuple[float, float, float]:
     """A colour of luminance 1."""
-    brightness = float(luminance(np.array(color)))
-    if brightness <= 0.0:
-        raise DescriptionError(
-            "a black lamp has no hue",
-            place=f"lights.lamps.{name}.color",
-            remedy="give a color with some light in it, or on: false",
-        )
-    r, g, b = (value / brightness for value in color)
+    r, g, b = (value / float(luminance(np.array(color))) for value in color)
     return r, g, b
 
 

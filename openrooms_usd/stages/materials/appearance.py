@@ -66,7 +66,7 @@ def _extent(value: Texture | Color | float) -> tuple[Field, Field]:
     every = np.arange(_CODES, dtype=np.float32)[:, None] * np.float32(1.0 / (_CODES - 1))
     shown = _shown(every, value).reshape(_CODES, -1)
     used = [0, 1, 2] if codes.shape[-1] >= 3 else [0, 0, 0]
-    used = used if value.channel == "rgb" else [used["rgb".find(value.channel)]]
+    used = [used["rgb".find(name)] for name in value.channel]
     counts = np.stack([np.bincount(codes[..., k].ravel(), minlength=_CODES) for k in used], axis=1)
     mean = (counts * shown).sum(axis=0, dtype=np.float64) / codes[..., 0].size
     return mean, np.where(counts > 0, shown, 0.0).max(axis=0)
@@ -114,7 +114,8 @@ def _shown(stored: Field, value: Texture) -> Field:
     decoded = linear_from_srgb(pixels) if value.color_space == "sRGB" else pixels
     shown: Field = np.clip(decoded * value.scale[:3] + value.bias[:3], 0.0, 1.0)
     # An alpha that drives something is rare enough to be read as blue.
-    return shown if value.channel == "rgb" else shown[..., "rgb".find(value.channel)]
+    which = ["rgb".find(name) for name in value.channel]
+    return shown[..., which if len(which) > 1 else which[0]]
 
 
 def _color(values: Field) -> Color:

@@ -1,6 +1,6 @@
 """What each object wears: overrides, then what people noted, then its own, then the tables."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
@@ -10,10 +10,9 @@ from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.description.materials import Look
-from openrooms_usd.description.naming import did_you_mean
+from openrooms_usd.description.mistakes import Steps
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
-from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library import textures
 from openrooms_usd.library.styles.assignment.annotations import Annotation, read_annotation
 from openrooms_usd.library.styles.assignment.rooms import Place, surface_of
@@ -28,6 +27,7 @@ from openrooms_usd.library.styles.finishes import (
     suite_of,
 )
 from openrooms_usd.library.styles.interiors import INTERIORS
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.looks import Dressed, Part, parts_of
 from openrooms_usd.stages.materials.palette import Swatch
@@ -238,7 +238,6 @@ class Dresser:
         """
         name, category = root.GetName(), read_label(root, names.CATEGORY) or ""
         parts, overrides = parts_of(root), self.context.room.materials.overrides.get(name, {})
-        _check_parts(self.context, root, overrides, parts)
         annotation = self.annotations.get(name) or self.annotations.get(category) or Annotation()
         free = [part for part in parts if not part.bound]
         asset = str(root.GetAssetInfo().get("name", "")) or name
@@ -322,11 +321,20 @@ def read_annotations(context: StageContext) -> dict[str, Annotation]:
     return found
 
 
-def check_names(context: StageContext, known: Iterable[str], categories: Iterable[str]) -> None:
-    """Refuse overrides and annotations of objects that are not there."""
-    section, objects, kinds = context.room.materials, list(known), set(categories)
+def unknown_names(context: StageContext, roots: Sequence[Usd.Prim]) -> Iterator[tuple[Steps, str]]:
+    """Overrides and annotations of objects that are not there, and of parts that they do not have.
+
+    Args:
+        context: The stage's.
+        roots: All objects and openings.
+
+    Yields:
+        The path in the description, and what is wrong there.
+    """
+    section, objects = context.room.materials, {root.GetName(): root for root in roots}
+    kinds = {read_label(root, names.CATEGORY) or "" for root in roots}
     for key, given, valid in (
-        ("overrides", section.overrides, set(objects)),
+        ("overrides", section.overrides, {*objects}),
         ("annotations", section.annotations, {*objects, *kinds}),
     ):
         for name in given:
@@ -337,18 +345,17 @@ def check_names(context: StageContext, known: Iterable[str], categories: Iterabl
                 word = key.removesuffix("s")
                 context.notes.append(f"{name}: deactivated, so its {word} is left out")
             else:
-                raise DescriptionError(
-                    f"there is no object or opening {name!r}{did_you_mean(name, valid)}",
-                    place=f"materials.{key}.{name}",
-                    remedy=f"there are: {', '.join(objects[:30]) or 'none'}",
-                )
+                said = f"there is no object or opening {name!r}{did_you_mean(name, valid)}"
+                there = ", ".join(list(objects)[:30]) or "none"
+                yield ("materials", key, name), f"{said}; there are: {there}"
+    for name in objects.keys() & section.overrides.keys():
+        yield from _unknown_parts(context, objects[name], section.overrides[name])
 
 
-def _check_parts(
-    context: StageContext, root: Usd.Prim, overrides: Mapping[str, Look], parts: list[Part]
-) -> None:
-    """Refuse overrides of parts that an object does not have."""
-    name = root.GetName()
+def _unknown_parts(
+    context: StageContext, root: Usd.Prim, overrides: Mapping[str, Look]
+) -> Iterator[tuple[Steps, str]]:
+    name, parts = root.GetName(), parts_of(root)
     known = sorted({part.name for part in parts} | {ALL})
     handles = {handle for part in parts for handle in part.handles}
     for part in overrides:
@@ -357,8 +364,6 @@ def _check_parts(
         if is_deactivated(context.stage, str(root.GetPath())):
             context.notes.append(f"{name}: parts are deactivated, so {part} is left out")
         else:
-            raise DescriptionError(
-                f"{name} has no part {part!r}{did_you_mean(part, known)}",
-                place=f"materials.overrides.{name}.{part}",
-                remedy=f"it has: {', '.join(known[:30])}",
-            )
+            said = f"{name} has no part {part!r}{did_you_mean(part, known)}"
+            there = ", ".join(known[:30])
+            yield ("materials", "overrides", name, part), f"{said}; it has: {there}"

@@ -4,7 +4,7 @@ With several looks, everything is bound inside the variants of a set ``look``: t
 and the openings on ``/World/Room``, those of each object in the look layer that its root refers to.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from os.path import relpath
 from pathlib import Path
@@ -14,15 +14,20 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.description.materials import Look
-from openrooms_usd.description.naming import did_you_mean
+from openrooms_usd.description.mistakes import FieldsError, Steps
 from openrooms_usd.description.room import Room
-from openrooms_usd.errors import DescriptionError
 from openrooms_usd.library.ownmaterials import files_of as material_files
 from openrooms_usd.library.styles.assignment.annotations import files_of as annotation_files
 from openrooms_usd.library.styles.assignment.rooms import Place, families_of
 from openrooms_usd.library.styles.finishes import UNKNOWN, furniture_families
+from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.materials.dressing import Chooser, Dresser, check_names, read_annotations
+from openrooms_usd.stages.materials.dressing import (
+    Chooser,
+    Dresser,
+    read_annotations,
+    unknown_names,
+)
 from openrooms_usd.stages.materials.looks import (
     VARIANT_SET,
     Dressed,
@@ -89,13 +94,13 @@ class MaterialsStage:
         furniture, openings = (
             _children(context, path) for path in (names.FURNITURE, names.OPENINGS)
         )
-        categories = {read_label(prim, names.CATEGORY) or "" for prim in (*furniture, *openings)}
-        check_names(context, [prim.GetName() for prim in (*furniture, *openings)], categories)
+        wrong = [*unknown_names(context, [*furniture, *openings]), *unknown_walls(context)]
+        if wrong:
+            raise FieldsError(*wrong)
         choosers = tuple(Chooser(context, look) for look in range(context.room.materials.looks))
         dresser = Dresser(context, choosers, read_annotations(context))
 
         opened = _openings(dresser, openings)
-        check_walls(context)
         shells = [shell_surfaces(context, chooser) for chooser in choosers]
         surfaces = [shell | more for shell, more in zip(shells, opened, strict=True)]
         objects = dresser.objects(furniture)
@@ -221,12 +226,8 @@ def _thing(chooser: Chooser, prim: Usd.Prim, category: str) -> Swatch:
     return chooser.finish(finish, "beyond", key, kind)
 
 
-def check_walls(context: StageContext) -> None:
-    """Refuse materials of walls and claddings that are not there.
-
-    Raises:
-        DescriptionError: A name is that of no wall or cladding.
-    """
+def unknown_walls(context: StageContext) -> Iterator[tuple[Steps, str]]:
+    """Materials of walls and claddings that are not there: the path, and what is wrong there."""
     section = context.room.materials
     for key, given, scope in (
         ("accents", section.accents, names.WALLS),
@@ -239,11 +240,9 @@ def check_walls(context: StageContext) -> None:
         for name in given:
             if name not in known and not is_deactivated(context.stage, f"{scope}/{name}"):
                 what = "wall" if key == "accents" else "cladding"
-                raise DescriptionError(
-                    f"there is no {what} {name!r}{did_you_mean(name, known)}",
-                    place=f"materials.{key}.{name}",
-                    remedy=f"there are: {', '.join(known[:30]) or 'none'}",
-                )
+                said = f"there is no {what} {name!r}{did_you_mean(name, known)}"
+                there = ", ".join(known[:30]) or "none"
+                yield ("materials", key, name), f"{said}; there are: {there}"
 
 
 def _is_mesh(stage: Usd.Stage, path: str) -> bool:

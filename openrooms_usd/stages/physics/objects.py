@@ -187,8 +187,8 @@ def search_colliders(
         error = max(link.error for link in searched)
         wanted = asset.settings.tolerance
         if error > wanted + RESOLUTION_M:
-            told = f"its collision shapes lie within {1e3 * error:.0f} mm of it, not"
-            context.notes.append(f"{asset.root.name}: {told} {1e3 * wanted:g} mm")
+            told = f"collision shapes are off by up to {1e3 * error:.0f} mm"
+            context.notes.append(f"{asset.root.name}: {told} (tolerance {1e3 * wanted:g} mm)")
     return made
 
 

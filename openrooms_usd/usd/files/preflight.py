@@ -19,6 +19,7 @@ from pxr import Ar, Sdf, UsdUtils
 
 from openrooms_usd import ledger, untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.names import SCENE
 from openrooms_usd.usd.files.crate_reader import check_crate, check_crate_reads
 from openrooms_usd.usd.files.diagnostics import UNREADABLE, reading
 
@@ -30,6 +31,7 @@ _KNOWN: Final[dict[tuple[str, Facts, str], tuple[str, ...]]] = {}
 MAX_DEPTH: Final = 200
 
 _PACKAGE: Final = ".usdz"
+_DESCRIPTIONS: Final = (".yaml", ".yml")
 _TEXT: Final = b"#"
 _REMEDY: Final = "open it with a USD tool that shows the mistake, or export it again"
 # What may hold brackets that nest nothing: strings, names of files, comments. One that is not
@@ -125,6 +127,7 @@ def check_stage_file(path: Path, *, is_whole: bool = False) -> tuple[Sdf.Layer, 
         InputError: One of the files is no regular file, is too large, is no text, or nests too
             deeply. What is missing or damaged in another way is left to USD to tell.
     """
+    _check_meant(path)
     untrusted.checked(path, "archive" if path.suffix.lower() == _PACKAGE else "usd")
     root = str(path.absolute())
     waiting, seen, layers = [root], {root}, []
@@ -150,6 +153,19 @@ def check_stage_file(path: Path, *, is_whole: bool = False) -> tuple[Sdf.Layer, 
                 seen.add(other)
                 waiting.append(other)
     return tuple(layers)
+
+
+def _check_meant(path: Path) -> None:
+    """Refuse a description and a composed folder in the place of the stage that is made of it."""
+    scene = path / SCENE
+    if path.suffix.lower() in _DESCRIPTIONS and path.is_file():
+        raise InputError(
+            "this describes a room, and is no stage yet",
+            place=path,
+            remedy=f"compose it first: orusd compose {path} -o OUT; then name OUT/{SCENE}",
+        )
+    if path.is_dir() and scene.is_file():
+        raise InputError("this is a folder, not a file", place=path, remedy=f"name {scene}")
 
 
 def _sublayers(layer: Sdf.Layer) -> Iterator[str]:

@@ -1,4 +1,4 @@
 """Lights: authored, found and read as plain data, with their profiles.
 
-Modules: `emitters`, `lightreader`, `lightsearch`, `shaping`, `profiles`, `lights`.
+Modules: `emitters`, `inputs`, `lightreader`, `lightsearch`, `shaping`, `profiles`, `lights`.
 """

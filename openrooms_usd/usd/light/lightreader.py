@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd.usd.arrays import number_of, vector_of
+from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.light import emitters
+from openrooms_usd.usd.light.inputs import has_filters, light_input, old_names
 from openrooms_usd.usd.light.shaping import read_shaping
 from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
@@ -58,10 +60,9 @@ def _misplaced(prim: Usd.Prim, world: Matrix) -> str:
 
 def _response(prim: Usd.Prim) -> tuple[tuple[float, float], tuple[str, ...]]:
     """The multipliers of diffuse and specular reflection, and what is lost of them."""
-    light = UsdLux.LightAPI(prim)
     values = [
-        number_of(attribute.Get(_WHEN))
-        for attribute in (light.GetDiffuseAttr(), light.GetSpecularAttr())
+        number_of(light_input(prim, name).Get(_WHEN))
+        for name in ("inputs:diffuse", "inputs:specular")
     ]
     diffuse, specular = (
         max(0.0, value) if value is not None and math.isfinite(value) else 1.0 for value in values
@@ -149,7 +150,7 @@ class _Reader:
         return str(self.prim.GetPath()), radiance, self.world, tuple(self.losses)
 
     def value(self, name: str, default: Any) -> Any:
-        attribute = self.prim.GetAttribute(name)
+        attribute = light_input(self.prim, name)
         if attribute and attribute.HasAuthoredConnections():
             self.losses.append(f"{name}: what is connected to it is left out")
         value = attribute.Get(_WHEN) if attribute else None
@@ -210,18 +211,14 @@ class _Reader:
 
     def texture(self) -> str | None:
         asset = self.value("inputs:texture:file", None)
-        authored = str(getattr(asset, "path", "") or "")
-        resolved = str(getattr(asset, "resolvedPath", "") or "")
+        resolved, lost = locate(light_input(self.prim, "inputs:texture:file"), asset)
+        if lost:
+            self.losses.append(f"its texture {lost}")
         layout = self.value("inputs:texture:format", UsdLux.Tokens.automatic)
-        if not authored:
-            return None
-        if not resolved:
-            self.losses.append(f"its texture {authored} is missing")
-        elif layout not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong):
+        if resolved and layout not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong):
             self.losses.append(f"textures in {layout} layout are not read")
-        else:
-            return resolved
-        return None
+            return None
+        return resolved or None
 
     def glow(self) -> tuple[NDArray[np.float64], bool]:
         """(3,) what the bound material makes of a mesh light's color, and whether by a picture."""
@@ -243,10 +240,12 @@ class _Reader:
     def check_extras(self) -> None:
         """Note the features that no light here has."""
         for name, (neutral, what) in _EXTRAS.items():
-            attribute = self.prim.GetAttribute(name)
+            attribute = light_input(self.prim, name)
             if attribute and attribute.HasAuthoredValue() and attribute.Get(_WHEN) != neutral:
                 self.losses.append(f"{name}: {what}")
-        if self.prim.GetRelationship("light:filters").GetTargets():
+        if old := old_names(self.prim):
+            self.losses.append(f"names of before USD 21.02 are read: {', '.join(old)}")
+        if has_filters(self.prim):
             self.losses.append("light:filters: light filters are left out")
         light = UsdLux.LightAPI(self.prim)
         if not includes_all(light.GetShadowLinkCollectionAPI().ComputeMembershipQuery()):

@@ -12,6 +12,7 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.arrays import number_of, vector_of
+from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.light.emitters import (
     CylinderLight,
     DiskLight,
@@ -20,7 +21,9 @@ from openrooms_usd.usd.light.emitters import (
     RectLight,
     SphereLight,
 )
+from openrooms_usd.usd.light.inputs import light_input
 from openrooms_usd.usd.light.profiles import Profile, Shaping, read_profile, shaping
+from openrooms_usd.usd.shading.textures import told
 
 _STEP_DEG: Final = 0.25
 # Steps in a cone, however narrow, and in the width of a focused beam.
@@ -104,17 +107,16 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
         prim: The light.
         light: The same as plain data.
     """
-    api = UsdLux.ShapingAPI(prim)
-    cone, losses = _read_cone(api, light)
-    file = _value(api.GetShapingIesFileAttr(), None)
+    cone, losses = _read_cone(prim, light)
+    file = _value(prim, "ies:file", None)
     if not isinstance(light, _SURFACES):
         authored = {"ies": file, "cone": cone.changes}
         return None, tuple(why for name, why in _AFAR.items() if authored[name])
-    profile, lost = _read_profile(file)
+    profile, lost = _read_profile(_said(prim, "ies:file"), file)
     if profile is None and not cone.changes:
         return None, (*losses, *lost)
-    normalize = profile is not None and bool(_value(api.GetShapingIesNormalizeAttr(), False))
-    scale = number_of(_value(api.GetShapingIesAngleScaleAttr(), 0.0)) or 0.0
+    normalize = profile is not None and bool(_value(prim, "ies:normalize", False))
+    scale = number_of(_value(prim, "ies:angleScale", 0.0)) or 0.0
     found = shaping(
         profile or EVEN,
         light.world_from_light,
@@ -125,21 +127,16 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
     return found, (*losses, *lost)
 
 
-def _read_cone(api: UsdLux.ShapingAPI, light: Light) -> tuple[Cone, list[str]]:
+def _read_cone(prim: Usd.Prim, light: Light) -> tuple[Cone, list[str]]:
     """The cone and the focus; an angle that nobody wrote cuts nothing, unless it is soft."""
     losses: list[str] = []
     angle, softness, focus = (
-        _finite(attribute, losses)
-        for attribute in (
-            api.GetShapingConeAngleAttr(),
-            api.GetShapingConeSoftnessAttr(),
-            api.GetShapingFocusAttr(),
-        )
+        _finite(_said(prim, name), losses) for name in ("cone:angle", "cone:softness", "focus")
     )
     softness = min(max(softness or 0.0, 0.0), 1.0)
     if angle is None:
         angle = 90.0 if softness else 180.0
-    hue = vector_of(_value(api.GetShapingFocusTintAttr(), None), 3)
+    hue = vector_of(_value(prim, "focusTint", None), 3)
     tint = np.zeros(3) if hue is None else np.clip(np.nan_to_num(hue), 0.0, 1.0)
     focus = max(focus or 0.0, 0.0)
     if focus and np.ptp(tint) > 0.0:
@@ -163,15 +160,15 @@ def _finite(attribute: Usd.Attribute, losses: list[str]) -> float | None:
     return None
 
 
-def _read_profile(file: Any) -> tuple[Profile | None, tuple[str, ...]]:
+def _read_profile(attribute: Usd.Attribute, file: Any) -> tuple[Profile | None, tuple[str, ...]]:
     if not isinstance(file, Sdf.AssetPath) or not file.path:
         return None, ()
-    if not file.resolvedPath:
-        return None, (f"its IES profile {file.path} is missing",)
+    found, lost = locate(attribute, file)
+    losses = (f"its IES profile {lost}",) if lost else ()
     try:
-        return read_profile(Path(file.resolvedPath)), ()
+        return read_profile(Path(found)) if found else None, losses
     except InputError as error:
-        return None, (f"{file.path}: {error.message}; it shines evenly",)
+        return None, (*losses, told(error), "it shines evenly")
 
 
 def define_shaping(prim: Usd.Prim, file: str) -> None:
@@ -186,6 +183,11 @@ def define_shaping(prim: Usd.Prim, file: str) -> None:
     api.CreateShapingIesNormalizeAttr(True)
 
 
-def _value(attribute: Usd.Attribute, default: Any) -> Any:
+def _value(prim: Usd.Prim, name: str, default: Any) -> Any:
+    attribute = _said(prim, name)
     value = attribute.Get(_WHEN) if attribute else None
     return default if value is None else value
+
+
+def _said(prim: Usd.Prim, name: str) -> Usd.Attribute:
+    return light_input(prim, f"inputs:shaping:{name}")

@@ -1,4 +1,4 @@
-"""Where things are: units, axes, transforms, poses; walls that stand free.
+"""Where things are: units, axes, transforms, poses; who stands above whom; walls that stand free.
 
-Modules: `frames`, `metrics`, `placements`, `partitions`, `settled`.
+Modules: `ancestry`, `frames`, `metrics`, `placements`, `partitions`, `settled`.
 """

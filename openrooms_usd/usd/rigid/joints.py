@@ -1,34 +1,36 @@
-"""The joints of a stage: what they join, and the trees that they make of links."""
+"""The joints of a stage: in which directions they let two links move, and what drives them.
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+A joint of UsdPhysics is a list of free directions: none is a weld, one a hinge or a rail, and
+several, as a D6 or spherical joint has, are joints one after the other with light links between.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdPhysics
+from pxr import Gf, Sdf, UsdPhysics
 
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
-from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.rotations import inverse
-from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.physics.mass import MassProperties, combined, from_moments
-from openrooms_usd.physics.world import Joint, Motion
+from openrooms_usd.geometry.rotations import about_axis, inverse
+from openrooms_usd.physics.world import Drive, Joint
 from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader
 
 Kind = UsdPhysics.ObjectType
 
-KINDS: Final[dict[Any, Motion]] = {
-    Kind.RevoluteJoint: "hinge",
-    Kind.PrismaticJoint: "rail",
-    Kind.FixedJoint: "fixed",
-}
+KINDS: Final = (
+    Kind.RevoluteJoint,
+    Kind.PrismaticJoint,
+    Kind.SphericalJoint,
+    Kind.FixedJoint,
+    Kind.D6Joint,
+)
 UNKNOWN_KINDS: Final = {
-    Kind.SphericalJoint: "a spherical joint",
     Kind.DistanceJoint: "a distance joint",
-    Kind.D6Joint: "a joint of several degrees of freedom",
     Kind.CustomJoint: "a joint of its own kind",
 }
+_DIRECTIONS: Final = ("transX", "transY", "transZ", "rotX", "rotY", "rotZ")
 # Largest mismatch of the two frames of a joint, metres and radians.
 _APART_M_RAD: Final = 1e-3
 # Frames of joints are stored in single precision.
@@ -36,18 +38,22 @@ _FRAME_DIGITS: Final = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Link:
-    """A rigid piece before it is put into a tree.
+class Freedom:
+    """A direction that a joint leaves free.
 
     Attributes:
-        path: Its prim.
-        moves: Whether it is a body of its own.
-        frame: (4, 4) its rigid frame in the world.
+        axis: 0 to 2: X, Y or Z of the joint's frame.
+        turns: Whether it is about the axis, and not along it.
+        limits: Radians or metres; infinite where there are none.
+        damping: N m s/rad or N s/m.
+        drive: A spring or a motor; None without one.
     """
 
-    path: Sdf.Path
-    moves: bool
-    frame: Array
+    axis: int
+    turns: bool
+    limits: tuple[float, float]
+    damping: float
+    drive: Drive | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,66 +62,33 @@ class Edge:
 
     Attributes:
         path: Its prim.
-        kind: How it moves.
         links: What body0 and body1 belong to.
         anchors: (4, 4) the joint's frame in the rigid frame of each.
-        axis: (3,) of the joint, in the joint's frame.
-        limits: Radians or metres; infinite where there are none.
-        damping: N m s/rad or N s/m.
+        freedoms: From body0 to body1: along axes first, then about axes that follow each other.
         friction: N m or N that it takes to move it at all.
+        excluded: Whether the stage wants it outside of the tree of its articulation.
     """
 
     path: Sdf.Path
-    kind: Motion
     links: tuple[Sdf.Path, Sdf.Path]
     anchors: tuple[Array, Array]
-    axis: Array
-    limits: tuple[float, float]
-    damping: float
+    freedoms: tuple[Freedom, ...]
     friction: float = 0.0
+    excluded: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Tree:
-    """Links that joints hold together.
-
-    Attributes:
-        links: The base first, each after its parent.
-        joints: (parent, child, joint, whether body1 is the parent).
-    """
-
-    links: tuple[Sdf.Path, ...]
-    joints: tuple[tuple[Sdf.Path, Sdf.Path, Edge, bool], ...]
+def is_loose(freedoms: Sequence[Freedom]) -> bool:
+    """Whether directions are all that there are, and nothing holds or drives them."""
+    acts = (np.isfinite(f.limits).any() or f.damping or f.drive for f in freedoms)
+    return len(freedoms) == len(_DIRECTIONS) and not any(acts)
 
 
-def joint_axis(desc: Any) -> Array:
-    """(3,) the axis of a joint in its own frame."""
-    number = "XYZ".index(str(desc.axis)[-1]) if hasattr(desc, "axis") else 0
-    return np.asarray(np.eye(3)[number])
-
-
-def limits_of(frames: Frames, kind: Motion, desc: Any) -> tuple[float, float]:
-    """Radians or metres."""
-    if kind == "fixed":
-        return 0.0, 0.0
-    lower, upper = float(desc.limit.lower), float(desc.limit.upper)
-    unit = np.pi / 180.0 if kind == "hinge" else frames.metres
-    return (lower * unit, upper * unit) if desc.limit.enabled else (-np.inf, np.inf)
-
-
-def damping_of(frames: Frames, kind: Motion, desc: Any) -> float:
-    """N m s/rad or N s/m; the standard counts angles in degrees."""
-    if kind == "fixed" or not desc.drive.enabled:
-        return 0.0
-    unit = frames.kilograms * (frames.metres**2 * 180.0 / np.pi if kind == "hinge" else 1.0)
-    return float(desc.drive.damping) * unit
-
-
-def friction_of(frames: Frames, kind: Motion, path: Sdf.Path) -> float:
+def friction_of(frames: Frames, path: Sdf.Path, freedoms: Sequence[Freedom]) -> float:
     """Joint friction, N m or N, from our own attribute: the standard has none."""
     attribute = frames.stage.GetPrimAtPath(path).GetAttribute(names.JOINT_FRICTION)
     value = attribute.Get() if attribute else None
-    unit = frames.kilograms * frames.metres ** (2 if kind == "hinge" else 1)
+    turns = any(freedom.turns for freedom in freedoms)
+    unit = frames.kilograms * frames.metres ** (2 if turns else 1)
     return value * unit if isinstance(value, float) and 0.0 < value < np.inf else 0.0
 
 
@@ -127,231 +100,195 @@ def pose(frames: Frames, position: Gf.Vec3f, orientation: Gf.Quatf) -> Array:
     return found
 
 
-def trees(
-    links: Mapping[Sdf.Path, Link], edges: Sequence[Edge], roots: Iterable[Sdf.Path]
-) -> Iterator[Tree]:
-    """Take links and joints apart into trees, each with its base.
+def freedoms_of(frames: Frames, kind: Any, desc: Any, reader: ShapeReader) -> tuple[Freedom, ...]:
+    """The directions that a joint leaves free, those about axes in cyclic order.
 
     Args:
-        links: In the order of the stage.
-        edges: Joints between them.
-        roots: What somebody calls the root of an articulation.
-
-    Raises:
-        InputError: Joints go round in a loop.
+        frames: Of the stage.
+        kind: One of `KINDS`.
+        desc: As USD's parser has it.
+        reader: Receives what is approximated.
     """
-    _refuse_loops(edges)
-    beside: dict[Sdf.Path, list[Edge]] = {path: [] for path in links}
-    for edge in edges:
-        for end in edge.links:
-            beside[end].append(edge)
-    children = {edge.links[1] for edge in edges}
-    called = set(roots)
-    order = sorted(
-        links, key=lambda path: (links[path].moves, path not in called, path in children)
-    )
-    found: dict[Sdf.Path, Tree] = {}
-    taken: set[Sdf.Path] = set()
-    for base in order:
-        if base not in taken:
-            tree = _grown(base, beside)
-            taken.update(tree.links)
-            found[base] = tree
-    yield from (found[path] for path in links if path in found)
+    if kind == Kind.FixedJoint:
+        return ()
+    if kind == Kind.D6Joint:
+        return tuple(_several(frames, desc, reader))
+    axis = "XYZ".index(str(desc.axis)[-1])
+    if kind == Kind.SphericalJoint:
+        return tuple(_ball(frames, axis, desc, reader))
+    turns = kind == Kind.RevoluteJoint
+    limit = (desc.limit.lower, desc.limit.upper) if desc.limit.enabled else (-np.inf, np.inf)
+    if limit[0] == limit[1]:
+        return ()
+    return (_freedom(frames, axis, turns, limit, desc.drive, reader, desc.primPath),)
 
 
-def _refuse_loops(edges: Sequence[Edge]) -> None:
-    group: dict[Sdf.Path, Sdf.Path] = {}
-
-    def top(path: Sdf.Path) -> Sdf.Path:
-        while path in group:
-            path = group[path]
-        return path
-
-    for edge in edges:
-        first, second = (top(end) for end in edge.links)
-        if first == second:
-            raise InputError(
-                "this joint closes a loop: robots' formats know trees alone",
-                place=edge.path,
-                remedy="remove one joint of the loop, or set physics:jointEnabled = false on it",
-            )
-        group[second] = first
+def _several(frames: Frames, desc: Any, reader: ShapeReader) -> Iterator[Freedom]:
+    """Of a joint with limits by direction, of which the lower may lie above: then it is locked."""
+    limits = {str(one.first).rpartition(".")[2]: one.second for one in desc.jointLimits}
+    drives = {str(one.first).rpartition(".")[2]: one.second for one in desc.jointDrives}
+    for number, name in enumerate(_DIRECTIONS):
+        word = name[0].upper() + name[1:]
+        limit = limits.get(word)
+        bounds = (limit.lower, limit.upper) if limit and limit.enabled else (-np.inf, np.inf)
+        if bounds[0] < bounds[1]:
+            turns, axis = number > 2, number % 3
+            yield _freedom(frames, axis, turns, bounds, drives.get(word), reader, desc.primPath)
 
 
-def _grown(base: Sdf.Path, beside: Mapping[Sdf.Path, Sequence[Edge]]) -> Tree:
-    order, joints, waiting = [base], [], [base]
-    while waiting:
-        parent = waiting.pop(0)
-        for edge in beside[parent]:
-            backward = edge.links[1] == parent
-            child = edge.links[0] if backward else edge.links[1]
-            if child not in order:
-                order.append(child)
-                waiting.append(child)
-                joints.append((parent, child, edge, backward))
-    return Tree(tuple(order), tuple(joints))
+def _ball(frames: Frames, axis: int, desc: Any, reader: ShapeReader) -> Iterator[Freedom]:
+    """About the axes of a ball: its own last, and by that of a cone only the others.
+
+    The cone's first angle is towards the next axis, which is a turn about the one after it.
+    """
+    cone = [np.inf, np.inf]
+    if desc.limit.enabled:
+        given = (desc.limit.upper, desc.limit.lower)
+        cone = [value if value >= 0.0 else np.inf for value in given]
+    if np.isfinite(cone).any():
+        reader.lose(desc.primPath, "approximated", "the cone of its limits is a pyramid")
+    for step, angle in enumerate((*cone, np.inf), 1):
+        if angle > 0.0:
+            about = (axis + step) % 3
+            yield _freedom(frames, about, True, (-angle, angle), None, reader, desc.primPath)
 
 
-def joint_of(
+def _freedom(
+    frames: Frames,
+    axis: int,
+    turns: bool,
+    limits: tuple[float, float],
+    drive: Any,
+    reader: ShapeReader,
+    path: Sdf.Path,
+) -> Freedom:
+    """In radians, metres and newtons; the standard counts angles in degrees."""
+    unit = np.pi / 180.0 if turns else frames.metres
+    force = frames.kilograms * frames.metres ** (2 if turns else 1)
+    low, high = (float(value) * unit for value in limits)
+    if drive is None or not drive.enabled:
+        return Freedom(axis, turns, (low, high), 0.0, None)
+    if drive.acceleration:
+        reader.lose(path, "approximated", "its drive is of the type acceleration: it gives force")
+    damping, stiffness = (float(v) * force / unit for v in (drive.damping, drive.stiffness))
+    speed = float(drive.targetVelocity) * unit if damping > 0.0 else 0.0
+    most = float(drive.forceLimit) * force
+    made = Drive(stiffness, float(drive.targetPosition) * unit, speed, most)
+    drives = stiffness > 0.0 or speed != 0.0 or (damping > 0.0 and np.isfinite(most))
+    return Freedom(axis, turns, (low, high), damping, made if drives else None)
+
+
+def joints_of(
     edge: Edge,
     backward: bool,
-    links: tuple[Link, Link],
+    frames: tuple[Array, Array],
     called: tuple[str, str, str],
+    fresh: Callable[[str], str],
     reader: ShapeReader,
-) -> tuple[Joint, Array]:
-    """A joint in the frame of its child.
+) -> tuple[list[Joint], Array]:
+    """A joint, or several one after the other, in the frame of its child.
 
     Args:
         edge: The joint.
         backward: Whether its body1 is the parent.
-        links: Its body0 and its body1.
+        frames: (4, 4) of its body0 and its body1 in the world.
         called: Of the joint, the parent and the child.
+        fresh: Makes a name of which no link and no joint of the body has it.
         reader: Receives what is approximated.
 
     Returns:
-        The joint, and (4, 4) the frame of the child in its rigid frame: at the joint.
+        The joints from the parent on, where links between have the name of the joint above them,
+        and (4, 4) the frame of the child in its rigid frame: at the joint.
     """
-    first, second = (link.frame @ anchor for link, anchor in zip(links, edge.anchors, strict=True))
-    moved = inverse(first) @ second
-    now, apart = _position(edge, moved)
-    now = round(now, _FRAME_DIGITS)
-    if apart > _APART_M_RAD:
-        reader.lose(edge.path, "approximated", "its two frames do not meet: the child stays")
+    label, parent, child = called
+    moved, now = positions(edge, frames, reader)
     anchor = edge.anchors[0 if backward else 1]
-    axis = anchor[:3, :3] @ edge.axis * (-1.0 if backward else 1.0)
-    lower, upper = (limit - now for limit in edge.limits)
     at = np.eye(4)
-    at[:3, 3] = anchor[:3, 3]
-    name, parent, child = called
-    made = Joint(
-        name, edge.kind, parent, child, axis + 0.0, (lower, upper), edge.damping, edge.friction
-    )
+    # Several turn about the point that body1 has.
+    turned = backward and len(edge.freedoms) > 1
+    at[:3, 3] = (anchor @ moved if turned else anchor)[:3, 3]
+    if not edge.freedoms:
+        return [Joint(label, "fixed", parent, child, np.eye(3)[0], (0.0, 0.0))], at
+    axes = _axes(edge, backward, anchor[:3, :3], moved[:3, :3], now)
+    rows = list(zip(edge.freedoms, axes, now, strict=True))
+    made: list[Joint] = []
+    for freedom, axis, value in rows[::-1] if backward else rows:
+        several = f"{label}_{_DIRECTIONS[freedom.axis + 3 * freedom.turns]}"
+        own = fresh(several) if len(rows) > 1 else label
+        last = len(made) == len(rows) - 1
+        made.append(
+            Joint(
+                own,
+                "hinge" if freedom.turns else "rail",
+                parent,
+                child if last else own,
+                axis + 0.0,
+                (freedom.limits[0] - value, freedom.limits[1] - value),
+                freedom.damping,
+                edge.friction,
+                freedom.drive and replace(freedom.drive, target=freedom.drive.target - value),
+            )
+        )
+        parent = own
     return made, at
 
 
-def _position(edge: Edge, moved: Array) -> tuple[float, float]:
-    """How far a joint is moved in the stage, and how far its frames are from where it can be."""
-    R, t = moved[:3, :3], moved[:3, 3]
-    if edge.kind == "rail":
-        along = float(t @ edge.axis)
-        aside = float(np.linalg.norm(t - along * edge.axis))
-        return along, max(aside, float(np.abs(R - np.eye(3)).max()))
-    twist = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2.0
-    angle = float(np.arctan2(twist @ edge.axis, (np.trace(R) - 1.0) / 2.0))
-    off = float(np.linalg.norm(R @ edge.axis - edge.axis))
-    apart = max(off, float(np.linalg.norm(t)))
-    return (angle, apart) if edge.kind == "hinge" else (0.0, max(apart, abs(angle)))
-
-
-# Masses and inertias of the bodies of a stage, by the rules of the standard.
-#
-# A mass, a centre, a density or an inertia that is authored counts; what is missing follows from
-# the volume of the colliders and from the density of the body, of their materials, or of water.
-
-_REMEDY: Final = "give it a positive physics:mass, or colliders that enclose a volume"
-
-
-def read_mass(
-    frames: Frames, path: Sdf.Path, solids: Mapping[Sdf.Path, Sequence[TriangleMesh]]
-) -> MassProperties:
-    """Mass, centre and inertia of a body in its rigid frame, metres and kilograms.
+def _axes(edge: Edge, backward: bool, M: Array, R: Array, now: Sequence[float]) -> list[Array]:
+    """The axis of each freedom in the frame of the child, in the pose of the stage.
 
     Args:
-        frames: Of the stage.
-        path: The body's prim.
-        solids: The closed surfaces of each of its colliders in its rigid frame, metres.
-
-    Raises:
-        InputError: It has a negative mass, or neither a mass nor a volume.
+        edge: The joint.
+        backward: Whether body1 is the parent.
+        M: (3, 3) the joint's frame in that of the child.
+        R: (3, 3) from the joint's frame in body1 to that in body0.
+        now: How far each freedom is moved.
     """
-    prim = frames.stage.GetPrimAtPath(path)
-    _check(prim)
-    # Bodies with full mass properties need no shapes: rooms have thousands of them.
-    known: dict[Sdf.Path, MassProperties | None] = {}
-    if not _is_complete(prim):
-        known = {where: _of_one(shapes) for where, shapes in solids.items()}
-        if not any(known.values()):
-            raise InputError(
-                "this body has no volume and no mass of its own", place=path, remedy=_REMEDY
-            )
-    api = UsdPhysics.RigidBodyAPI(prim)
-    mass, moments, centre, axes = api.ComputeMassProperties(
-        lambda collider: _information(known.get(collider.GetPath()), frames.metres)
-    )
-    moments, axes = _said_inertia(prim) or (moments, axes)
-    R = np.array(Gf.Matrix3d(Gf.Quatd(axes).GetNormalized())).T
-    tensor = R @ np.diag(np.array(moments, dtype=np.float64)) @ R.T
-    found = MassProperties(
-        float(mass) * frames.kilograms,
-        np.array(centre, dtype=np.float64) * frames.metres,
-        tensor * frames.kilograms * frames.metres**2,
-    )
-    return found.checked(path)
+    # Along the axes of body0, then about them, each turned by those before it.
+    first = M if backward else M @ R.T
+    found = [first[:, freedom.axis] for freedom in edge.freedoms if not freedom.turns]
+    turning = [(f.axis, value) for f, value in zip(edge.freedoms, now, strict=True) if f.turns]
+    W, axes = M, list[Array]()
+    for axis, value in turning if backward else reversed(turning):
+        axes.append(W[:, axis])
+        W = W @ about_axis(axis, value if backward else -value)
+    found += axes if backward else axes[::-1]
+    return [-axis for axis in found] if backward else found
 
 
-def _check(prim: Usd.Prim) -> None:
-    """Refuse what the standard would read over."""
-    api = UsdPhysics.MassAPI(prim)
-    for attribute in (api.GetMassAttr(), api.GetDensityAttr()):
-        value = attribute.Get() if attribute else None
-        if value is not None and not 0.0 <= value < np.inf:
-            raise InputError(
-                f"{attribute.GetName()} is {value:g}", place=prim.GetPath(), remedy=_REMEDY
-            )
+def positions(
+    edge: Edge, frames: tuple[Array, Array], reader: ShapeReader
+) -> tuple[Array, list[float]]:
+    """(4, 4) from the joint's frame in body1 to that in body0, and how far each freedom moved it.
 
-
-def _is_complete(prim: Usd.Prim) -> bool:
-    """Whether a body has its mass, inertia and centre authored."""
-    api = UsdPhysics.MassAPI(prim)
-    centre = api.GetCenterOfMassAttr()
-    said = bool(centre and centre.HasAuthoredValue())
-    return said and bool(api.GetMassAttr().Get()) and _said_inertia(prim) is not None
-
-
-def _said_inertia(prim: Usd.Prim) -> tuple[Gf.Vec3f, Gf.Quatf] | None:
-    """The authored moments and principal axes of a body.
-
-    USD's own rules take tiny moments for none: those of a knob of 4 g, 6e-7 kg m2, become NaN.
+    What no freedom explains is told.
     """
-    api = UsdPhysics.MassAPI(prim)
-    moments = api.GetDiagonalInertiaAttr().Get()
-    if not moments or not all(value > 0.0 for value in moments):
-        return None
-    axes = api.GetPrincipalAxesAttr().Get()
-    return moments, axes if axes and axes.GetLength() > 0.0 else Gf.Quatf(1.0)
+    first, second = (frame @ anchor for frame, anchor in zip(frames, edge.anchors, strict=True))
+    moved = inverse(first) @ second
+    along = [f.axis for f in edge.freedoms if not f.turns]
+    about = [f.axis for f in edge.freedoms if f.turns]
+    angles, off = _angles(moved[:3, :3], about)
+    aside = float(np.linalg.norm(np.delete(moved[:3, 3], along)))
+    if max(off, aside) > _APART_M_RAD:
+        reader.lose(edge.path, "approximated", "its two frames do not meet: the child stays")
+    ways = [*(float(moved[axis, 3]) for axis in along), *angles]
+    return moved, [round(value, _FRAME_DIGITS) for value in ways]
 
 
-def _of_one(shapes: Sequence[TriangleMesh]) -> MassProperties | None:
-    """The shapes of one collider at a density of 1; None where they enclose nothing."""
-    pieces = [piece for piece in map(_at_density_one, shapes) if piece is not None]
-    return combined(pieces) if pieces else None
-
-
-def _at_density_one(mesh: TriangleMesh) -> MassProperties | None:
-    """By the divergence theorem, about the middle of the points."""
-    middle = mesh.points.mean(axis=0)
-    a, b, c = np.moveaxis(mesh.points[mesh.triangles] - middle, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
-    total = a + b + c
-    volume = float(volumes.sum())
-    if volume <= 0.0:
-        return None
-    second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, total)) / 20.0
-    first = np.einsum("i,ij->j", volumes, total) / 4.0
-    found = from_moments(volume, first, np.asarray(second))
-    return MassProperties(found.mass, found.centre + middle, found.inertia)
-
-
-def _information(
-    volume: MassProperties | None, metres: float
-) -> UsdPhysics.RigidBodyAPI.MassInformation:
-    """What the standard's own rules ask of a collider, in units of the stage."""
-    found = UsdPhysics.RigidBodyAPI.MassInformation()
-    found.localRot = Gf.Quatf(1.0)
-    found.localPos = Gf.Vec3f(0.0)
-    if volume is not None:
-        found.volume = volume.mass / metres**3
-        found.inertia = Gf.Matrix3f(*(volume.inertia / metres**5).reshape(-1).tolist())
-        found.centerOfMass = Gf.Vec3f(*(volume.centre / metres).tolist())
-    return found
+def _angles(R: Array, about: Sequence[int]) -> tuple[list[float], float]:
+    """Angles about axes in cyclic order that make a rotation, and what is left, radians."""
+    if len(about) < 2:
+        twist = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / 2.0
+        if not about:
+            return [], float(np.arctan2(np.linalg.norm(twist), (np.trace(R) - 1.0) / 2.0))
+        (axis,) = about
+        angle = float(np.arctan2(twist[axis], (np.trace(R) - 1.0) / 2.0))
+        return [angle], float(np.linalg.norm(R[:, axis] - np.eye(3)[axis]))
+    # As a turn about each axis from the first on, one of which may be locked.
+    a, b, c = ((about[0] + step) % 3 for step in range(3))
+    all_angles = {
+        a: float(np.arctan2(-R[b, c], R[c, c])),
+        b: float(np.arcsin(np.clip(R[a, c], -1.0, 1.0))),
+        c: float(np.arctan2(-R[a, b], R[a, a])),
+    }
+    left = max((abs(angle) for axis, angle in all_angles.items() if axis not in about), default=0.0)
+    return [all_angles[axis] for axis in about], left

@@ -4,9 +4,9 @@ The front end is USD's own parser, which knows how bodies, colliders and joints 
 inside instances, and the standard's own rules for masses.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
+from functools import partial
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -18,24 +18,24 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import inverse
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.physics.world import Body, LinkName, Shape, Visual, World
+from openrooms_usd.physics.mass import MassProperties
+from openrooms_usd.physics.world import Body, Joint, Shape, Visual, World
 from openrooms_usd.physics.world import Link as WorldLink
+from openrooms_usd.usd.rigid.filters import named_links, read_filters
 from openrooms_usd.usd.rigid.joints import (
     KINDS,
     UNKNOWN_KINDS,
     Edge,
-    Link,
-    Tree,
-    damping_of,
+    Freedom,
+    freedoms_of,
     friction_of,
-    joint_axis,
-    joint_of,
-    limits_of,
+    is_loose,
+    joints_of,
     pose,
-    read_mass,
-    trees,
 )
+from openrooms_usd.usd.rigid.masses import read_mass
 from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader, safe
+from openrooms_usd.usd.rigid.trees import Link, Tree, loops, trees, without_loops
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import read_meshes
 
@@ -65,7 +65,7 @@ def read_world(stage: Usd.Stage, place: object = None) -> World:
 
     Raises:
         StageError: The stage has no physics.
-        InputError: A mass is negative, a body has neither mass nor volume, or joints make a loop.
+        InputError: A mass is negative, or a body has neither mass nor volume.
     """
     found = _PARSE(stage, [Sdf.Path.absoluteRootPath])
     parsed = {kind: list(zip(*rows, strict=True)) for kind, rows in found.items()}
@@ -94,11 +94,12 @@ class _Reading:
         self.parsed = parsed
         self.frames = Frames(stage)
         self.reader = ShapeReader(self.frames)
-        self.moving = {
-            path
+        self.moves_as = {
+            path: desc
             for path, desc in parsed.get(_Type.RigidBody, ())
             if desc.rigidBodyEnabled and not desc.kinematicBody
         }
+        self.moving = set(self.moves_as)
         self.links: dict[Sdf.Path, Link] = {}
         self.content: dict[Sdf.Path, _Content] = {}
         self.anchored: set[Sdf.Path] = set()
@@ -108,10 +109,13 @@ class _Reading:
         for path in self.moving:
             self._add(path, moves=True)
         self._read_colliders()
-        edges = list(self._edges())
+        found = list(self._edges())
         self._read_visuals()
+        self.links |= {path: replace(self.links[path], moves=False) for path in self.anchored}
         order = {path: number for number, path in enumerate(self.frames.ordered(self.links))}
         links = {path: self.links[path] for path in sorted(self.links, key=order.__getitem__)}
+        moving = [edge for edge in found if any(links[end].moves for end in edge.links)]
+        edges, closing = without_loops(links, moving)
         roots = [p for _, d in self.parsed.get(_Type.Articulation, ()) for p in d.rootPrims]
         taken: set[str] = set()
         bodies = [self._body(tree, taken) for tree in trees(links, edges, roots)]
@@ -120,7 +124,10 @@ class _Reading:
         gravity = self.frames.gravity([desc for _, desc in self.parsed.get(_Type.Scene, ())])
         colliders = {path: content.solids for path, content in self.content.items()}
         apart = read_filters(self.stage, bodies, colliders, self.reader)
-        return World(tuple(bodies), gravity, tuple(self.reader.losses.values()), apart)
+        called = named_links(bodies)
+        closed = tuple(loops(links, closing, called, self.reader))
+        apart += tuple(loop.links for loop in closed if loop.links[0][0] != loop.links[1][0])
+        return World(tuple(bodies), gravity, tuple(self.reader.losses.values()), apart, closed)
 
     def _add(self, path: Sdf.Path, *, moves: bool) -> Sdf.Path:
         if path not in self.links:
@@ -177,8 +184,8 @@ class _Reading:
     def _edges(self) -> Iterator[Edge]:
         for kind, what in UNKNOWN_KINDS.items():
             for path, _ in self.parsed.get(kind, ()):
-                self.reader.lose(path, "skipped", f"{what}: no hinge, rail or fixed joint")
-        for kind, motion in KINDS.items():
+                self.reader.lose(path, "skipped", f"{what}: no hinge, rail, ball or fixed joint")
+        for kind in KINDS:
             for path, desc in self.parsed.get(kind, ()):
                 if not desc.jointEnabled:
                     self.reader.lose(path, "skipped", "it is disabled")
@@ -186,12 +193,16 @@ class _Reading:
                 ends = [desc.body0, desc.body1]
                 if not any(end in self.moving for end in ends):
                     self.reader.lose(path, "skipped", "nothing that moves is joined by it")
-                elif motion == "fixed" and desc.rel0.isEmpty != desc.rel1.isEmpty:
+                    continue
+                freedoms = freedoms_of(self.frames, kind, desc, self.reader)
+                if is_loose(freedoms):
+                    self.reader.lose(path, "skipped", "it leaves every direction free")
+                elif not freedoms and desc.rel0.isEmpty != desc.rel1.isEmpty:
                     self.anchored.update(end for end in ends if end in self.moving)
                 else:
-                    yield self._edge(path, motion, desc)
+                    yield self._edge(path, freedoms, desc)
 
-    def _edge(self, path: Sdf.Path, motion: Any, desc: Any) -> Edge:
+    def _edge(self, path: Sdf.Path, freedoms: tuple[Freedom, ...], desc: Any) -> Edge:
         ends = []
         for body, rel, position, orientation in (
             (desc.body0, desc.rel0, desc.localPose0Position, desc.localPose0Orientation),
@@ -209,45 +220,74 @@ class _Reading:
             ends.append((fixed, inverse(self.links[fixed].frame) @ held @ anchor))
         return Edge(
             path,
-            motion,
             (ends[0][0], ends[1][0]),
             (ends[0][1], ends[1][1]),
-            joint_axis(desc),
-            limits_of(self.frames, motion, desc),
-            damping_of(self.frames, motion, desc),
-            friction_of(self.frames, motion, path),
+            freedoms,
+            friction_of(self.frames, path, freedoms),
+            desc.excludeFromArticulation,
         )
 
     def _body(self, tree: Tree, taken: set[str]) -> Body:
         base = self.links[tree.links[0]]
         root = self._owner(base.path) if len(tree.links) > 1 else base.path
-        fixed = not base.moves or base.path in self.anchored
         called = unique_names([safe(path.name) for path in tree.links])
         named = dict(zip(tree.links, called, strict=True))
-        frames, joints = {base.path: np.eye(4)}, []
-        labels = unique_names([safe(edge.path.name) for _, _, edge, _ in tree.joints])
-        for label, (parent, child, edge, backward) in zip(labels, tree.joints, strict=True):
-            ends = (self.links[edge.links[0]], self.links[edge.links[1]])
-            told = (label, named[parent], named[child])
-            joint, frames[child] = joint_of(edge, backward, ends, told, self.reader)
-            joints.append(joint)
-        into = inverse(base.frame)
+        joined = self._joined(tree, named)
+        into, fixed = inverse(base.frame), not base.moves
         links = [
-            self._link(path, named[path], into, frames[path], fixed and path == base.path)
+            self._link(path, named[path], into, joined[path][1] if path in joined else np.eye(4))
             for path in tree.links
         ]
+        steps = {named[path]: joints for path, (joints, _) in joined.items()}
+        links = [one for link in links for one in with_between(link, steps.get(link.name, ()))]
+        joints = [joint for found in steps.values() for joint in found]
         prim = self.stage.GetPrimAtPath(root)
         category = read_label(prim, names.CATEGORY) or ""
         name = unique(safe(root.name), taken)
-        return Body(name, str(root), base.frame, tuple(links), tuple(joints), fixed, category)
+        velocity = self._velocity(base.path)
+        place, path = base.frame, str(root)
+        return Body(name, path, place, tuple(links), tuple(joints), fixed, category, velocity)
 
-    def _link(
-        self, path: Sdf.Path, name: str, body_from_world: Array, at: Array, held: bool
-    ) -> WorldLink:
+    def _joined(
+        self, tree: Tree, named: Mapping[Sdf.Path, str]
+    ) -> dict[Sdf.Path, tuple[list[Joint], Array]]:
+        """The joints above each link but the base, and its frame in its rigid frame."""
+        found = {}
+        labels = unique_names([safe(edge.path.name) for _, _, edge, _ in tree.joints])
+        used = {*named.values(), *labels}
+        for label, (parent, child, edge, backward) in zip(labels, tree.joints, strict=True):
+            frames = (self.links[edge.links[0]].frame, self.links[edge.links[1]].frame)
+            told = (label, named[parent], named[child])
+            fresh = partial(unique, taken=used)
+            joints, at = joints_of(edge, backward, frames, told, fresh, self.reader)
+            turn = self.links[child].frame[:3, :3]
+            linear, angular = self._velocity(child)
+            if linear.any() or angular.any():
+                # What says nothing moves as its parent does.
+                linear, angular = np.subtract((linear, angular), self._velocity(parent))
+            ways = (linear if joint.kind == "rail" else angular for joint in joints)
+            speeds = [
+                float(way @ turn @ joint.axis) for way, joint in zip(ways, joints, strict=True)
+            ]
+            found[child] = [replace(j, speed=v) for j, v in zip(joints, speeds, strict=True)], at
+        return found
+
+    def _velocity(self, path: Sdf.Path) -> tuple[Array, Array]:
+        """What a body says of its first velocity along its parent's axes, m/s and rad/s."""
+        desc = self.moves_as.get(path) if self.links[path].moves else None
+        if desc is None or not (any(desc.linearVelocity) or any(desc.angularVelocity)):
+            return np.zeros(3), np.zeros(3)
+        axes = self.frames.world(self.stage.GetPrimAtPath(path).GetParent())[:3, :3]
+        linear = axes @ np.array(desc.linearVelocity, dtype=np.float64)
+        turn = axes / np.linalg.norm(axes, axis=0)
+        return linear, turn @ np.radians(np.array(desc.angularVelocity, dtype=np.float64))
+
+    def _link(self, path: Sdf.Path, name: str, body_from_world: Array, at: Array) -> WorldLink:
         link, content, back = self.links[path], self.content[path], inverse(at)
         mass = None
-        if link.moves and not held:
-            mass = read_mass(self.frames, path, content.solids).transformed(back)
+        if link.moves:
+            drawn = [visual.mesh for visual in content.visuals]
+            mass = read_mass(self.reader, path, content.solids, drawn).transformed(back)
         return WorldLink(
             name,
             str(path),
@@ -256,6 +296,21 @@ class _Reading:
             tuple(distinct([shifted(shape, back) for shape in content.shapes])),
             tuple(distinct([shifted(visual, back) for visual in content.visuals])),
         )
+
+
+# What is between two joints of one child weighs this share of it.
+_BETWEEN_SHARE: Final = 1e-5
+
+
+def with_between(link: WorldLink, joints: Sequence[Joint]) -> Iterator[WorldLink]:
+    """A link after the light ones that stand between the joints above it."""
+    for joint in joints[:-1]:
+        assert link.mass is not None
+        light = _BETWEEN_SHARE * link.mass.mass
+        round_ = _BETWEEN_SHARE * np.trace(link.mass.inertia) / 3.0 * np.eye(3)
+        mass = MassProperties(light, np.zeros(3), round_)
+        yield WorldLink(joint.child, "", link.body_from_link, mass, between=True)
+    yield link
 
 
 Item = TypeVar("Item", Shape, Visual)
@@ -291,76 +346,3 @@ def unique(name: str, taken: set[str]) -> str:
         found = f"{name}_{number}"
     taken.add(found)
     return found
-
-
-_SINGLE: Final = "single shapes of it pass through others: these formats know whole links alone"
-_GROUP: Final = "it filters a group: only FilteredPairsAPI is read"
-
-
-def read_filters(
-    stage: Usd.Stage,
-    bodies: Sequence[Body],
-    colliders: Mapping[Sdf.Path, Iterable[Sdf.Path]],
-    reader: ShapeReader,
-) -> tuple[tuple[LinkName, LinkName], ...]:
-    """Links of different bodies that shall not collide.
-
-    A prim stands for all links at and below it, or for the link whose only colliders are at and
-    below it.
-
-    Args:
-        stage: The composed stage.
-        bodies: What was read from it.
-        colliders: Of each link, by its prim.
-        reader: Receives what is left out.
-
-    Returns:
-        Each pair once, in the order of the bodies.
-    """
-    called = {Sdf.Path(link.path): (body.name, link.name) for body in bodies for link in body.links}
-    for prim in stage.Traverse():
-        if prim.IsA(UsdPhysics.CollisionGroup):
-            reader.lose(prim.GetPath(), "skipped", _GROUP)
-    order = {name: number for number, name in enumerate(called.values())}
-    found = {}
-    for here, there in _said(stage):
-        ends = [_links(path, called, colliders) for path in (here, there)]
-        for path, end in zip((here, there), ends, strict=True):
-            if not end and not _of_one_body(here, there, called):
-                reader.lose(path, "skipped", _SINGLE)
-        for one, other in product(*ends):
-            if one[0] != other[0]:
-                first, second = sorted((one, other), key=order.__getitem__)
-                found[first, second] = order[first], order[second]
-    return tuple(sorted(found, key=found.__getitem__))
-
-
-def _said(stage: Usd.Stage) -> Iterator[tuple[Sdf.Path, Sdf.Path]]:
-    for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
-        if prim.HasAPI(UsdPhysics.FilteredPairsAPI):
-            for target in UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets():
-                yield prim.GetPath(), target
-
-
-def _links(
-    path: Sdf.Path,
-    called: Mapping[Sdf.Path, LinkName],
-    colliders: Mapping[Sdf.Path, Iterable[Sdf.Path]],
-) -> list[LinkName]:
-    below = [name for link, name in called.items() if link.HasPrefix(path)]
-    holder = _holder(path, called)
-    if below or holder is None:
-        return below
-    whole = all(collider.HasPrefix(path) for collider in colliders[holder])
-    return [called[holder]] if whole else []
-
-
-def _of_one_body(here: Sdf.Path, there: Sdf.Path, called: Mapping[Sdf.Path, LinkName]) -> bool:
-    holders = [_holder(path, called) for path in (here, there)]
-    return len({called[holder][0] if holder else "" for holder in holders}) == 1
-
-
-def _holder(path: Sdf.Path, called: Mapping[Sdf.Path, LinkName]) -> Sdf.Path | None:
-    """The link that a prim belongs to."""
-    prefixes = path.GetPrefixes()
-    return next((prefix for prefix in reversed(prefixes) if prefix in called), None)

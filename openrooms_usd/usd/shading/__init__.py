@@ -1,5 +1,5 @@
 """Materials: authored and read, from UsdPreviewSurface, MaterialX and textures.
 
 Modules: `surfaces`, `materials`, `materialreader`, `physics`, `networks`, `uvtextures`,
-`textures`, `mtlxlayers`, `uber`, `nodegraphs`.
+`textures`, `mtlxlayers`, `mtlxversions`, `uber`, `mdl`, `nodegraphs`.
 """

@@ -6,7 +6,7 @@ from typing import Any, Final
 from pxr import Gf, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.usd.shading import uber
+from openrooms_usd.usd.shading import mdl, uber
 from openrooms_usd.usd.shading.materials import INPUTS
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
 from openrooms_usd.usd.shading.nodegraphs import fold
@@ -21,12 +21,17 @@ _PAINTED: Final = {
     "metallic": "metallic",
 }
 BARE: Final = PreviewSurface(
-    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity"))
+    base_color=(0.5, 0.5, 0.5),
+    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity")),
 )
-"""What meshes show whose material nobody can read, or that have none."""
+"""What meshes show whose material nobody can read, or that have none.
+
+Without colours of their own they are grey, as in Storm, hdEmbree and hdPrman.
+"""
 # The same surface, as USD and as MaterialX call it.
 _PREVIEWS: Final = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
 _MATERIALX: Final = "mtlx"
+_NOR: Final = ", Standard Surface, OpenPBR, glTF PBR, RealityKit PBR or OmniPBR"
 # What only a constant can say here.
 _UNIFORM: Final = ("opacity_threshold", "opacity_mode", "ior")
 
@@ -47,6 +52,8 @@ def read_preview_surface(material: UsdShade.Material) -> tuple[PreviewSurface, t
     shader = _any_surface(network, material)
     if shader is None:
         return BARE, tuple(network.losses)
+    if mdl.is_known(shader):
+        return mdl.read_omni_pbr(network, shader), tuple(network.losses)
     if uber.is_known(shader):
         moved = material.GetDisplacementOutput(_MATERIALX)
         if moved and moved.HasConnectedSource():
@@ -114,17 +121,20 @@ def _any_surface(network: Network, material: UsdShade.Material) -> UsdShade.Shad
     if not material:
         network.losses.append("there is no material")
         return None
-    contexts = (UsdShade.Tokens.universalRenderContext, _MATERIALX)
+    contexts = (UsdShade.Tokens.universalRenderContext, _MATERIALX, mdl.MDL)
     found = [UsdShade.Shader(material.ComputeSurfaceSource(name)[0]) for name in contexts]
     shaders = [shader for shader in found if shader]
     for shader in shaders:
-        if str(shader.GetShaderId() or "") in _PREVIEWS or uber.is_known(shader):
+        known = (uber.is_known(shader), mdl.is_known(shader))
+        if str(shader.GetShaderId() or "") in _PREVIEWS or any(known):
             return shader
     if not shaders:
         network.losses.append(f"{material.GetPath()}: no surface shader for every renderer")
     else:
-        what = shaders[0].GetShaderId() or "a shader without identifier"
-        network.losses.append(f"{shaders[0].GetPath()}: {what} is not UsdPreviewSurface")
+        foreign = mdl.name_of(shaders[0])
+        what = f"{foreign} of MDL" if foreign else shaders[0].GetShaderId()
+        what = what or "a shader without identifier"
+        network.losses.append(f"{shaders[0].GetPath()}: {what} is not UsdPreviewSurface{_NOR}")
     return None
 
 
@@ -160,8 +170,7 @@ def _folded_input(network: Network, shader: UsdShade.Shader, name: str, default:
     found = fold(network, shader, name)
     if not isinstance(found, Texture):
         return network.finite(shader, name, found, default)
-    single = isinstance(default, float) and found.channel == "rgb"
-    return replace(found, channel="r") if single else found
+    return replace(found, channel=found.channel[0]) if isinstance(default, float) else found
 
 
 def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]) -> PreviewSurface:

@@ -140,10 +140,13 @@ def _define_texture(
         value = getattr(texture, item)
         if value != getattr(Texture, item):
             node.CreateInput(item, _Types.Float4).Set(Gf.Vec4f(*value))
-    kind = _Types.Float3 if texture.channel == "rgb" else _Types.Float
-    return node.CreateOutput(texture.channel, kind)
+    # A UsdUVTexture has its colours in one order alone.
+    if len(texture.channel) > 1:
+        return node.CreateOutput("rgb", _Types.Float3)
+    return node.CreateOutput(texture.channel, _Types.Float)
 
 
+_BINDING: Final = "material:binding"
 # Rows of triangles, and the material that they show.
 Part = tuple[NDArray[np.int32], UsdShade.Material | None]
 
@@ -169,6 +172,16 @@ def bound_materials(prims: Sequence[Usd.Prim]) -> list[UsdShade.Material | None]
             found[row] = material or None
         left = [row for row in left if found[row] is None]
     return found
+
+
+def broken_bindings(prim: Usd.Prim) -> Iterator[str]:
+    """The targets of bindings that stand on a prim itself where no material is."""
+    for name in prim.GetAuthoredPropertyNames():
+        if name.startswith(_BINDING) and (binding := prim.GetRelationship(name)):
+            # A binding by a collection names that first.
+            for target in binding.GetForwardedTargets()[-1:]:
+                if not UsdShade.Material(prim.GetStage().GetPrimAtPath(target.GetPrimPath())):
+                    yield str(target)
 
 
 def bound_subsets(prim: Usd.Prim) -> list[tuple[NDArray[np.int32], UsdShade.Material]]:

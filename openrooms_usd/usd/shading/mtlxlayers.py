@@ -19,6 +19,7 @@ from pxr import Ar, Gf, Sdf, Tf, Usd, UsdShade
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.files.diagnostics import UNREADABLE
+from openrooms_usd.usd.shading.mtlxversions import upgrade
 
 _SUFFIX: Final = ".mtlx"
 _ROOT: Final = "/MaterialX"
@@ -107,6 +108,7 @@ def layer_of(
         beside: The path of a file that it names, None where there is none for it; by default as USD
             finds it from ``file``.
     """
+    upgrade(root)
     return _Document(root, file, beside or partial(_beside, file)).layer()
 
 

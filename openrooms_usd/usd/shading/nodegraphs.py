@@ -4,7 +4,7 @@ What is affine in a texture goes into its scale and bias, as MaterialX 1.39's st
 all else is told of and left out.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, cast
 
@@ -15,7 +15,8 @@ from pxr import UsdShade
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.usd.shading import uvtextures
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
-from openrooms_usd.usd.shading.surfaces import Channel, ColorSpace, Texture, Wrap
+from openrooms_usd.usd.shading.surfaces import ColorSpace, Texture, Wrap
+from openrooms_usd.usd.shading.textures import color_space
 
 Numbers = tuple[float, ...]
 Folded = Numbers | Texture
@@ -25,7 +26,7 @@ _RAW: Final = ("raw", "Raw", "data", "none")
 _LINEAR: Final = (*_RAW, "linear", "lin_rec709", "lin_rec709_scene", "lin_srgb")
 _WRAPS: Final[Mapping[str, Wrap]] = {"clamp": "clamp", "mirror": "mirror", "constant": "black"}
 _PARTS: Final[Mapping[str, int]] = dict(zip("rgbaxyzw", (0, 1, 2, 3) * 2, strict=True))
-_CHANNELS: Final[tuple[Channel, ...]] = ("r", "g", "b", "a")
+_DIGITS: Final[Mapping[str, Numbers]] = {"0": (0.0,), "1": (1.0,)}
 _NIL: Final[Numbers] = (0.0,)
 _WHOLE: Final[Numbers] = (1.0,)
 _MOST: Final = 1e30
@@ -108,13 +109,25 @@ def affine(value: Folded, factor: Numbers, offset: Numbers = (0.0,)) -> Folded:
         many = max(len(value), len(factor), len(offset))
         a, b, c = (_widened(numbers, many, numbers[-1]) for numbers in (value, factor, offset))
         return _bounded(a * b + c)
-    by, plus = _widened(factor, 4, 1.0), _widened(offset, 4, 0.0)
-    made = {
-        "scale": np.array(value.scale) * by,
-        "bias": np.array(value.bias) * by + plus,
-        "fallback": np.array(value.fallback) * by + plus,
-    }
+    by, plus = (
+        _of_source(value.channel, _widened(numbers, 4, rest))
+        for numbers, rest in ((factor, 1.0), (offset, 0.0))
+    )
+    made = {"scale": np.array(value.scale) * by, "bias": np.array(value.bias) * by + plus}
+    if value.fallback is not None:
+        made["fallback"] = np.array(value.fallback) * by + plus
     return replace(value, **cast(Any, {name: _bounded(part) for name, part in made.items()}))
+
+
+def _of_source(channel: str, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What becomes of r, g, b and a of a picture, of whose channels numbers are in another order.
+
+    What one channel has two numbers for has the last; a single channel has the first.
+    """
+    found = numbers.copy()
+    for place, name in enumerate(channel):
+        found["rgba".index(name)] = numbers[place]
+    return found
 
 
 def _widened(numbers: Numbers, many: int, rest: float) -> NDArray[np.float64]:
@@ -218,25 +231,42 @@ def _separate(node: _Node) -> Folded | None:
 def _swizzle(node: _Node) -> Folded | None:
     channels = str(node.network.constant(node.shader, "channels", ""))
     value = node.fold("in")
-    if len(channels) == 1 or isinstance(value, Texture):
-        if channels not in ("rgb", "xyz", *_PARTS):
-            node.lost("channels", f"{channels!r} of a texture is taken as it is")
-            return value
-        return value if len(channels) == 3 else _part(value, _PARTS[channels])
-    picked = [_part(value, _PARTS[name]) for name in channels if name in _PARTS]
-    return tuple(part[0] for part in picked if isinstance(part, tuple)) or value
+    if value is None or not channels or not set(channels) <= {*_PARTS, *_DIGITS}:
+        node.lost("channels", f"{channels!r} are none; it is taken as it is")
+        return value
+    parts = [_DIGITS.get(name) or _part(value, _PARTS.get(name, 0)) for name in channels]
+    return _together(node, parts)
 
 
 def _part(value: Folded | None, index: int) -> Folded | None:
     """One channel; of a number itself."""
     if isinstance(value, Texture):
-        single = value.channel != "rgb" or not 0 <= index < 4
-        return value if single else replace(value, channel=_CHANNELS[index])
+        single = len(value.channel) == 1 or not 0 <= index < 4
+        return value if single else replace(value, channel=f"{value.channel}a"[index])
     return (value[min(max(index, 0), len(value) - 1)],) if value else None
 
 
 def _combine(node: _Node) -> Folded | None:
-    return tuple(node.numbers(f"in{number}", (0.0,))[0] for number in range(1, 5))
+    many = int(uvtextures.family(node.kind)[-1])
+    return _together(node, [node.fold(f"in{number}", _NIL) for number in range(1, many + 1)])
+
+
+def _together(node: _Node, parts: Sequence[Folded | None]) -> Folded | None:
+    """Numbers side by side, or channels of one texture: of more than three the first three."""
+    textures = [part for part in parts if isinstance(part, Texture)]
+    if not textures:
+        return tuple(part[0] for part in parts if isinstance(part, tuple))
+    first = textures[0]
+    if len(parts) == 1:
+        return first
+    # Alpha says nothing to a colour.
+    kept = parts[:3]
+    if len(kept) == 3 and all(
+        isinstance(part, Texture) and replace(part, channel=first.channel) == first for part in kept
+    ):
+        return replace(first, channel="".join(cast(Texture, part).channel[0] for part in kept))
+    node.lost("in", "no single picture holds its channels; those of the first are taken")
+    return replace(first, channel="rgb")
 
 
 def _normal_map(node: _Node) -> Folded | None:
@@ -302,7 +332,7 @@ def _space(node: _Node, file: str) -> ColorSpace:
     if said and said not in _LINEAR:
         node.lost("file", f"the colour space {said} is taken as a usual one")
     is_color = "_color" in node.kind and said not in _LINEAR
-    return uvtextures.usual_color_space(node.network, node.shader, file) if is_color else "raw"
+    return color_space(file) if is_color else "raw"
 
 
 def _usd_texture(node: _Node) -> Folded | None:

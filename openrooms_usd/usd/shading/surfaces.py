@@ -1,8 +1,8 @@
 """The inputs of a UsdPreviewSurface as plain data, each a constant or a texture."""
 
 import math
-from dataclasses import dataclass
-from typing import Final, Literal
+from dataclasses import dataclass, fields, replace
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from openrooms_usd import names
 from openrooms_usd.geometry.rotations import in_plan
 
 Color = tuple[float, float, float]
-Channel = Literal["rgb", "r", "g", "b", "a"]
+# One of r, g, b and a, or three of them in any order.
+Channel = str
 ColorSpace = Literal["sRGB", "raw"]
 Wrap = Literal["repeat", "clamp", "mirror", "black"]
 
@@ -32,6 +33,15 @@ def ior_of(f0: float) -> float:
 def f0_of(ior: float) -> float:
     """The Fresnel reflectance at normal incidence of an index of refraction."""
     return ((ior - 1.0) / (ior + 1.0)) ** 2
+
+
+def chosen(channel: str, channels: int) -> tuple[int, ...]:
+    """Which of r, g, b and a are taken for so many channels.
+
+    A single number that is fed by a colour takes its first channel, as Hydra does.
+    """
+    which = tuple(map("rgba".index, channel))
+    return which[:channels] if len(which) > 1 else which * channels
 
 
 @dataclass(frozen=True)
@@ -60,7 +70,7 @@ class Texture:
     Attributes:
         file: Read: the absolute path, which may lie inside a package (``/x/y.usdz[0/z.png]``).
             Authored: the asset path as it shall stand in the layer.
-        channel: ``rgb`` for colours and normals, or one channel.
+        channel: ``rgb`` for colours and normals, or one channel, or three in another order.
         color_space: ``sRGB`` pixels are decoded to linear (alpha never is), ``raw`` ones are not.
         scale: Factor of r, g, b, a.
         bias: Offset of r, g, b, a.
@@ -70,7 +80,7 @@ class Texture:
         uv_scale: Factor of the texture coordinates, applied first.
         uv_rotation: Rotation of the texture coordinates, degrees counter-clockwise, applied second.
         uv_translation: Offset of the texture coordinates, applied last.
-        fallback: Value where the picture cannot be read.
+        fallback: Value where the picture cannot be read; None: the default of what it drives.
     """
 
     file: str
@@ -84,7 +94,12 @@ class Texture:
     uv_scale: tuple[float, float] = (1.0, 1.0)
     uv_rotation: float = 0.0
     uv_translation: tuple[float, float] = (0.0, 0.0)
-    fallback: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    fallback: tuple[float, float, float, float] | None = None
+
+    @property
+    def is_shuffled(self) -> bool:
+        """Whether its colours stand in another order, which a UsdUVTexture cannot say."""
+        return len(self.channel) > 1 and self.channel != "rgb"
 
     @property
     def uv_matrix(self) -> NDArray[np.float64]:
@@ -146,3 +161,21 @@ class PreviewSurface:
     f0: float | None = None
     pane: Color | None = None
     painted: tuple[tuple[str, str], ...] = ()
+
+
+SHUFFLED: Final = "its channels in another order are taken as r, g, b"
+"""What is lost where a UsdUVTexture stands for a texture that is shuffled."""
+BLACK: Final = (0.0, 0.0, 0.0, 1.0)
+"""The fallback of a UsdUVTexture of which nobody knows what it drives."""
+
+
+def completed(surface: PreviewSurface) -> PreviewSurface:
+    """A surface whose textures fall back on the default of what they drive, if on nothing else."""
+    found: dict[str, Any] = {}
+    for item in fields(surface):
+        value = getattr(surface, item.name)
+        if isinstance(value, Texture) and value.fallback is None:
+            usual = item.default if item.default is not None else BLACK[:3]
+            rgba = (*usual, 1.0) if isinstance(usual, tuple) else (usual,) * 4
+            found[item.name] = replace(value, fallback=rgba)
+    return replace(surface, **found)

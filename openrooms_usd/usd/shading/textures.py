@@ -22,6 +22,8 @@ _MAX_VALUES: Final = 2**29
 # Fewer than these are harmless, whatever the file; no format packs more of them into a byte.
 _HARMLESS_VALUES: Final = 2**26
 _MOST_RATIO: Final = 4096
+# Enough to tell what else a file may be.
+_HEAD_BYTES: Final = 512
 
 
 @dataclass(frozen=True)
@@ -142,7 +144,8 @@ def _opened(path: str, *, weighed: bool = False) -> Iterator[Any]:
         try:
             picture = OpenImageIO.ImageInput.open(str(file), config)
             if picture is None:
-                raise _unreadable(plain(OpenImageIO.geterror()) or "unknown format", path)
+                reason = plain(OpenImageIO.geterror()) or "unknown format"
+                raise _unreadable(_instead(file) or f"not a readable picture: {reason}", path)
             try:
                 if weighed:
                     _check_size(picture.spec(), file.stat().st_size, path)
@@ -151,13 +154,36 @@ def _opened(path: str, *, weighed: bool = False) -> Iterator[Any]:
                 picture.close()
         # Its messages and names quote the file, in whatever bytes.
         except UnicodeDecodeError as error:
-            raise _unreadable("its header is no text", path) from error
+            why = "not a readable picture: its header is no text"
+            raise _unreadable(why, path) from error
+
+
+def _instead(file: Path) -> str:
+    """What a file is in place of a picture; empty where it is none of the usual mistakes."""
+    with untrusted.opened(file, "picture") as stream:
+        head = stream.read(_HEAD_BYTES)
+    if not head:
+        return "not a picture: the file is empty"
+    is_page = head.lstrip().lower().startswith((b"<!doctype html", b"<html"))
+    return "not a picture: it is a page of a website" if is_page else ""
+
+
+def flaw(path: str) -> str:
+    """Why a picture cannot be read by its header, with the remedy; empty where it can."""
+    try:
+        picture_facts(one_of(path))
+    except InputError as error:
+        return told(error)
+    return ""
+
+
+def told(error: InputError) -> str:
+    """What is wrong with a picture's file, and the remedy, in the words of reports."""
+    return f"{Path(str(error.place)).name} cannot be read: {error.message} ({error.remedy})"
 
 
 def _unreadable(reason: str, path: str) -> InputError:
-    return InputError(
-        f"not a readable picture: {reason}", place=path, remedy="use PNG, JPEG, EXR or HDR"
-    )
+    return InputError(reason, place=path, remedy="use PNG, JPEG, EXR or HDR")
 
 
 def _check_size(spec: Any, size: int, path: str) -> None:
@@ -197,7 +223,9 @@ def local_file(path: str) -> Iterator[Path]:
     handle, name = tempfile.mkstemp(suffix=Path(inner).suffix)
     try:
         with os.fdopen(handle, "wb") as copy:
-            copy.write(asset.GetBuffer())
+            data = asset.GetBuffer()
+            untrusted.check_head(bytes(data[:_HEAD_BYTES]), path)
+            copy.write(data)
         yield Path(name)
     finally:
         removal.remove_file(Path(name))

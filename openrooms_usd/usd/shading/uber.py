@@ -21,6 +21,7 @@ _CLEAR: Final = 0.999
 # Glass that is rougher is told of, since panes are clear.
 _ROUGH: Final = 0.1
 _MASK, _BLEND = 1, 2
+_LEVEL_REFLECTANCE: Final = 0.08
 # Which inputs meshes may have in primvars, by field of a `PreviewSurface`.
 _PAINTED: Final = {
     "base_color": "color",
@@ -36,7 +37,8 @@ class _Model:
 
     Attributes:
         inputs: By what they say: ``weight`` and ``color`` of the base, ``metallic``,
-            ``roughness``, ``specular`` (a factor of the reflectance that ``ior`` gives),
+            ``roughness``, ``specular`` (a factor of the reflectance that ``ior`` gives) or
+            ``level`` (that in parts of 8 %),
             ``opacity``, ``glow`` and ``glow_color``, ``coat``, its ``coat_roughness`` and
             ``coat_color`` (what it lets through to the base), ``clear`` (how much goes through),
             ``tint`` (of what colour), ``thin`` and ``normal``.
@@ -92,6 +94,8 @@ def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurfa
         said.lost("weight", "it is left out beside colours of meshes")
     if "mode" in model.inputs:
         surface = _with_mode(said, surface)
+    elif "cutoff" in model.inputs:
+        surface = replace(surface, opacity_threshold=said.constant("cutoff"))
     return _with_glass(said, surface)
 
 
@@ -108,7 +112,7 @@ class _Said:
 
     def color(self, word: str) -> Folded:
         if word not in self.model.inputs:
-            return _ONE if word != "thin" else _NIL
+            return _NIL if word in ("thin", "clear") else _ONE
         name, default = self.model.inputs[word]
         primvar, instead = self.primvar(word)
         if primvar:
@@ -150,7 +154,7 @@ class _Said:
 
 def _number(value: Folded) -> float | Texture:
     if isinstance(value, Texture):
-        return replace(value, channel="r") if value.channel == "rgb" else value
+        return replace(value, channel=value.channel[0])
     return value[0]
 
 
@@ -175,6 +179,8 @@ def _below_coat(said: _Said) -> Folded:
 
 
 def _ior(said: _Said) -> float:
+    if "level" in said.model.inputs:
+        return ior_of(_LEVEL_REFLECTANCE * min(max(said.constant("level"), 0.0), 1.0))
     ior, weight = said.constant("ior"), said.constant("specular")
     if ior <= 0.0 or weight == 1.0:
         return ior

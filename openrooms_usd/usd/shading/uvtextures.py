@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from pxr import UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import in_plan
+from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.shading import textures
 from openrooms_usd.usd.shading.networks import Network
 from openrooms_usd.usd.shading.surfaces import (
@@ -28,6 +28,7 @@ from openrooms_usd.usd.shading.surfaces import (
 _CHANNELS: Final[dict[str, Channel]] = {"r": "r", "g": "g", "b": "b", "a": "a"}
 # useMetadata asks the picture's file, which hardly ever says anything but "repeat".
 _WRAPS: Final[dict[str, Wrap]] = {"clamp": "clamp", "mirror": "mirror", "black": "black"}
+_BLACK: Final = (0.0, 0.0, 0.0, 1.0)
 # The longest chain of transforms that is followed, so that a cycle ends.
 _MAX_CHAIN: Final = 16
 
@@ -47,6 +48,7 @@ def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> T
     if file is None:
         return None
     primvar, transform = _coordinates(network, node)
+    said = network.constant(node, "fallback", None) is not None
     texture = Texture(
         file=file,
         channel=_CHANNELS.get(output, "rgb"),
@@ -59,7 +61,7 @@ def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> T
         uv_scale=transform.scale,
         uv_rotation=transform.rotation,
         uv_translation=transform.translation,
-        fallback=network.vector(node, "fallback", Texture.fallback),
+        fallback=network.vector(node, "fallback", _BLACK) if said else None,
     )
     return over_tiles(network, node, texture)
 
@@ -92,19 +94,24 @@ def mended_normal_map(network: Network, texture: Texture) -> Texture:
     return replace(texture, color_space="raw", scale=NORMAL_SCALE, bias=NORMAL_BIAS)
 
 
-def picture_file(network: Network, node: UsdShade.Shader) -> str | None:
-    """Where the picture of an image node lies; None where it is missing, which is told."""
-    asset = network.constant(node, "file", None)
+def picture_file(network: Network, node: UsdShade.Shader, name: str = "file") -> str | None:
+    """Where the picture of an image node lies; None where none can be read, which is told."""
+    asset = network.constant(node, name, None)
     authored = str(getattr(asset, "path", "") or "")
-    resolved = str(getattr(asset, "resolvedPath", "") or "")
+    if not authored:
+        network.lost(node, name, "names no file")
+        return None
+    (attribute, *_) = UsdShade.Utils.GetValueProducingAttributes(node.GetInput(name))
     if textures.is_udim(authored):
-        (attribute, *_) = UsdShade.Utils.GetValueProducingAttributes(node.GetInput("file"))
-        resolved = textures.resolved(attribute, authored)
-    if not resolved:
-        network.lost(node, "file", f"{authored} is missing" if authored else "names no file")
+        file = textures.resolved(attribute, authored)
+        losses = ["" if file else f"{authored} is missing"]
     else:
-        return resolved
-    return None
+        file, lost = locate(attribute, asset)
+        losses = [lost]
+    losses.append(textures.flaw(file) if file else "")
+    for loss in filter(None, losses):
+        network.lost(node, name, loss)
+    return file if file and not losses[-1] else None
 
 
 def _color_space(network: Network, node: UsdShade.Shader, file: str) -> ColorSpace:
@@ -113,16 +120,7 @@ def _color_space(network: Network, node: UsdShade.Shader, file: str) -> ColorSpa
         return cast(ColorSpace, space)
     if space != "auto":
         network.lost(node, "sourceColorSpace", f"{space} is unknown; taken as auto")
-    return usual_color_space(network, node, file)
-
-
-def usual_color_space(network: Network, node: UsdShade.Shader, file: str) -> ColorSpace:
-    """The colour space of a picture of which nobody says any."""
-    try:
-        return textures.color_space(file)
-    except InputError as error:
-        network.lost(node, "file", error.message)
-        return "raw"
+    return textures.color_space(file)
 
 
 def _coordinates(network: Network, node: UsdShade.Shader) -> tuple[str, UvTransform]:

@@ -3,7 +3,7 @@
 What is drawn less well than it was meant, or not at all, comes with a reason.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -32,6 +32,14 @@ _UV_TYPES: Final = frozenset(
         Sdf.ValueTypeNames.Half2Array,
     }
 )
+# Of these the third number is no coordinate of a picture.
+_UVW_TYPES: Final = frozenset(
+    {
+        Sdf.ValueTypeNames.TexCoord3fArray,
+        Sdf.ValueTypeNames.TexCoord3dArray,
+        Sdf.ValueTypeNames.TexCoord3hArray,
+    }
+)
 
 
 _COLOR_TYPES: Final = frozenset(
@@ -45,6 +53,8 @@ _COLOR_TYPES: Final = frozenset(
 
 
 _OPACITY: Final = "displayOpacity"
+# The cosine between a normal and its triangle's at which no smoothing can be the cause.
+_SURELY_BEHIND: Final = -0.5
 
 
 @dataclass(frozen=True)
@@ -142,6 +152,22 @@ def _reader(kind: str) -> Callable[[Usd.Prim], Drawn] | None:
     return None
 
 
+def _against(normals: NDArray[Any], flat: NDArray[Any]) -> NDArray[np.bool_]:
+    """(M, 3) which normals at corners have the wrong sign.
+
+    Those of smooth surfaces may lie a little below the horizon of their triangle, where the others
+    of it do not.
+
+    Args:
+        normals: (M, 3, 3) unit.
+        flat: (M, 3) unit, of the triangles' fronts.
+    """
+    facing = np.einsum("mki,mi->mk", normals, flat)
+    against = facing < _SURELY_BEHIND
+    below = np.where(against, -facing, facing).sum(axis=1) < 0.0
+    return np.asarray(against ^ below[:, None])
+
+
 def _left_handed(prim: Usd.Prim) -> bool:
     return bool(UsdGeom.Gprim(prim).GetOrientationAttr().Get(TIME) == UsdGeom.Tokens.leftHanded)
 
@@ -179,7 +205,7 @@ class _Polygons:
         if _left_handed(self._geometry.GetPrim()):
             corners = np.ascontiguousarray(corners[:, ::-1])
         normals = None if bare else self._normals(corners, faces)
-        uvs = {} if bare else _usual_first(self._sets(self._coordinates(), corners, faces))
+        uvs = {} if bare else self._flat(self._sets(self._coordinates(), corners, faces))
         colors = {} if bare else self._sets(_painting(self._geometry.GetPrim()), corners, faces)
         triangles = self._indices[corners]
         mesh = TriangleMesh(self._points, triangles, faces, normals, uvs, corners, colors)
@@ -210,7 +236,7 @@ class _Polygons:
         if unfit := fine.unfit():
             self._lose(f"a {fine.scheme} subdivision surface is drawn as its control cage: {unfit}")
             return None
-        uvs = {} if bare else _usual_first(self._carried(fine, self._coordinates()))
+        uvs = {} if bare else self._flat(self._carried(fine, self._coordinates()))
         colors = {} if bare else self._carried(fine, _painting(self._geometry.GetPrim()))
         left_handed = _left_handed(self._geometry.GetPrim())
         mesh = fine.mesh(uvs, colors, left_handed=left_handed, bare=bare)
@@ -255,16 +281,21 @@ class _Polygons:
         return None if unrolled is None else self._unit(unrolled, corners)
 
     def _unit(self, normals: NDArray[Any], corners: Ints) -> NDArray[np.float32]:
-        """Unit normals; the face's own where one is zero or not finite."""
+        """Unit normals on the front of their faces; the face's own where one is not usable."""
         with np.errstate(over="ignore", invalid="ignore"):
             lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
         usable = np.isfinite(lengths) & (lengths > 0)
         units = np.where(usable, normals, 0.0) / np.where(usable, lengths, 1.0)
-        if not usable.all():
-            a, b, c = np.moveaxis(self._points[self._indices[corners]], 1, 0)
-            flat = np.cross(b - a, c - a)
-            flat /= np.linalg.norm(flat, axis=1, keepdims=True)
-            units = np.where(usable, units, flat[:, None])
+        a, b, c = np.moveaxis(self._points[self._indices[corners]], 1, 0)
+        flat = np.cross(b - a, c - a)
+        flat /= np.linalg.norm(flat, axis=1, keepdims=True)
+        units = np.where(usable, units, flat[:, None])
+        against = _against(units, flat)
+        if against.any():
+            units[against] *= -1.0
+            count = int(against.any(axis=1).sum())
+            of = "all" if count == len(corners) else f"{count} of {len(corners)}"
+            self._lose(f"normals stand against the winding of {of} triangles and are turned round")
         return units.astype(np.float32)
 
     def _sets(
@@ -283,9 +314,18 @@ class _Polygons:
         return sets
 
     def _coordinates(self) -> list[tuple[UsdGeom.Primvar, int]]:
-        """Primvars of texture coordinates."""
+        """Primvars of texture coordinates, and how many numbers each has."""
         found = UsdGeom.PrimvarsAPI(self._geometry).GetPrimvarsWithValues()
-        return [(one, 2) for one in found if one.GetTypeName() in _UV_TYPES]
+        widths = {**dict.fromkeys(_UV_TYPES, 2), **dict.fromkeys(_UVW_TYPES, 3)}
+        return [(one, widths[kind]) for one in found if (kind := one.GetTypeName()) in widths]
+
+    def _flat(self, sets: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+        """Texture coordinates without a third number, the usual ones first."""
+        for name, values in sets.items():
+            if values.shape[-1] == 3 and np.ptp(values[..., 2]):
+                self._lose(f"primvars:{name} have three numbers, of which two are read")
+        plane = {name: np.ascontiguousarray(values[..., :2]) for name, values in sets.items()}
+        return _usual_first(plane)
 
     def _rows(self, interpolation: str, corners: Ints, faces: Ints) -> NDArray[Any] | None:
         """(M, 3) the element of a primvar that each corner takes; None for an unknown word."""

@@ -9,7 +9,9 @@ from openrooms_usd import atomic, removal
 from openrooms_usd.description import load_room, parse_room
 from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.layout import CapturedLayout, PolygonLayout
+from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.rewriting import rewritten
+from openrooms_usd.description.room import Room
 from openrooms_usd.errors import DescriptionError, OrusdError, OutputError
 from openrooms_usd.stages.layout.stage import described_plan, plan_of
 from openrooms_usd.untrusted import read_bytes, read_text
@@ -49,10 +51,13 @@ class Document:
         return read_bytes(self.file, "description", remedy=_REMEDY).decode()
 
     def _layout(self, text: str) -> PolygonLayout | CapturedLayout:
-        layout = parse_room(text, str(self.file), folder=self.file.parent).layout
+        layout = self._room(text).layout
         if isinstance(layout, GeneratedLayout):
             raise walls_of_a_seed()
         return layout
+
+    def _room(self, text: str) -> Room:
+        return parse_room(text, str(self.file), folder=self.file.parent)
 
     def _drawing(self, text: str) -> Drawing:
         return first_drawing(self._layout(text), self.under)
@@ -109,12 +114,15 @@ class Document:
         Raises:
             DescriptionError: It is no valid description, or something does not fit.
         """
-        layout = self._layout(text)
-        if isinstance(layout, PolygonLayout):
-            described_plan(layout, [])
-        else:
-            assert self.under.capture is not None, "it was read"
-            plan_of(layout, self.under.capture, self.file.parent, [])
+        room = self._room(text)
+        try:
+            if isinstance(room.layout, PolygonLayout):
+                described_plan(room.layout, [])
+            else:
+                assert self.under.capture is not None, "it was read"
+                plan_of(self._layout(text), self.under.capture, self.file.parent, [])
+        except FieldsError as error:
+            raise room.refused(error.found) from None
 
     def save(self, plan: Drawing) -> None:
         """Write a plan into the file, and forget the draft.

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from pxr import Gf, Sdf, UsdGeom, UsdLux, UsdShade
 
+from openrooms_usd.rendering.scene.moving import MovingScene
+from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.semantics import NYU40, OPENROOMS45, label, label_part
 from tests import small
 from tests.small import square
@@ -79,21 +81,132 @@ def test_subsets_have_materials_of_their_own(open_stage, shoot):
     assert legend.material[at(view, "material", 2, 0)] == "/Materials/red"
 
 
-def test_the_points_of_an_instancer_are_objects(open_stage, shoot):
+def said_of(stage):
+    """(object, its category, OpenRooms' class) by where each part stands."""
+    scene = translate(stage)
+    legend = scene.legend
+    return {
+        legend.part[piece.part]: (
+            legend.instance[piece.instance],
+            legend.category.get(piece.instance),
+            legend.semantic[piece.semantic],
+        )
+        for piece in scene.pieces
+    }
+
+
+def scattered(made, path, *prototypes, chosen=(0,)):
+    instancer = UsdGeom.PointInstancer.Define(made.stage, path)
+    instancer.CreatePrototypesRel().SetTargets(list(prototypes))
+    instancer.CreateProtoIndicesAttr(list(chosen))
+    instancer.CreatePositionsAttr([(2.0 * place, 0, 0) for place in range(len(chosen))])
+    return instancer.GetPrim()
+
+
+def test_a_label_on_a_prototype_makes_each_instance_an_object():
     made = small.Stage()
-    instancer = UsdGeom.PointInstancer.Define(made.stage, "/World/Scatter")
     made.box("/World/Scatter/Prototypes/cube/Mesh", 0.9)
     label(made.stage.GetPrimAtPath("/World/Scatter/Prototypes/cube"), "cabinet")
-    instancer.CreatePrototypesRel().AddTarget("/World/Scatter/Prototypes/cube")
-    instancer.CreateProtoIndicesAttr([0, 0])
-    instancer.CreatePositionsAttr([(0, 0, 0), (2, 0, 0)])
-    made.camera((2, -6, 0.5), (2, 0, 0.5))
-    view = shoot(made.stage, *LABELS)
-    session = open_stage(made.stage)
-    names = [session.legend.instance[at(view, "instance", x, 0)] for x in (0, 2)]
-    assert names == ["/World/Scatter[0]", "/World/Scatter[1]"]
-    assert at(view, "semantic", 0, 0) == OPENROOMS45.index("cabinet")
-    assert not [row for row in session.report.losses() if "Prototypes" in row[0]]
+    scattered(made, "/World/Scatter", "/World/Scatter/Prototypes/cube", chosen=(0, 0))
+    assert said_of(made.stage) == {
+        f"/World/Scatter[{n}]/Mesh": (f"/World/Scatter[{n}]", "cabinet", "cabinet") for n in (0, 1)
+    }
+    losses = translate(made.stage).report.losses()
+    assert not [row for row in losses if "Prototypes" in row[0]]
+
+
+def test_labelled_instancers_are_objects_of_their_own():
+    made = small.Stage()
+    for name, word in (("Chairs", "chair"), ("Tables", "table")):
+        made.box(f"/World/{name}/Prototype", 0.5)
+        label(scattered(made, f"/World/{name}", f"/World/{name}/Prototype"), word)
+    # One takes the prototype of another, and the parents of that are not its own.
+    label(scattered(made, "/World/Beds", "/World/Chairs/Prototype"), "bed")
+    scattered(made, "/World/Plain", "/World/Shelf/Prototype", "/World/Chairs/Prototype")
+    made.box("/World/Shelf/Prototype", 0.5)
+    made.stage.GetPrimAtPath("/World/Shelf").SetSpecifier(Sdf.SpecifierClass)
+    label(made.stage.GetPrimAtPath("/World/Shelf"), "bench")
+    assert said_of(made.stage) == {
+        "/World/Chairs[0]": ("/World/Chairs", "chair", "chair"),
+        "/World/Tables[0]": ("/World/Tables", "table", "table"),
+        "/World/Beds[0]": ("/World/Beds", "bed", "bed"),
+        "/World/Plain[0]": ("/World/Plain[0]", "bench", "bench"),
+    }
+
+
+def test_a_label_above_an_instancer_is_of_what_it_scatters_alone():
+    made = small.Stage()
+    made.box("/World/Tree/Scatter/Prototypes/Leaf", 0.5)
+    scattered(made, "/World/Tree/Scatter", "/World/Tree/Scatter/Prototypes/Leaf", chosen=(0, 0))
+    label(made.stage.GetPrimAtPath("/World/Tree"), "sofa")
+    made.box("/World/plain", 0.5)
+    of_tree = {f"/World/Tree/Scatter[{n}]": ("/World/Tree", "sofa", "sofa") for n in (0, 1)}
+    plain = {"/World/plain": ("/World/plain", None, "unlabeled")}
+    assert said_of(made.stage) == of_tree | plain
+    # Nearer is what stands between the instancer and its prototype.
+    label(made.stage.GetPrimAtPath("/World/Tree/Scatter/Prototypes"), "chair")
+    assert said_of(made.stage)["/World/Tree/Scatter[1]"] == (
+        "/World/Tree/Scatter[1]",
+        "chair",
+        "chair",
+    )
+
+
+def test_labels_in_instancers_within_instancers():
+    made = small.Stage()
+    scattered(made, "/World/Outer", "/World/Outer/Inner", chosen=(0, 0))
+    inner = ("/World/Outer/Inner/One", "/World/Outer/Inner/Two")
+    for path in inner:
+        made.box(path, 0.5)
+    label(scattered(made, "/World/Outer/Inner", *inner, chosen=(0, 1)), "chair")
+    label(made.stage.GetPrimAtPath(inner[1]), "table")
+    chair, table = ("chair", "chair"), ("table", "table")
+    assert said_of(made.stage) == {
+        f"/World/Outer[{n}][{m}]": (f"/World/Outer[{n}]{of}", *what)
+        for n in (0, 1)
+        for m, of, what in ((0, "", chair), (1, "[1]", table))
+    }
+
+
+def test_labels_where_instancers_and_native_instances_meet():
+    made = small.Stage()
+    stage = made.stage
+    stage.CreateClassPrim("/Asset")
+    made.box("/Asset/Scatter/Prototype", 0.5)
+    label(scattered(made, "/Asset/Scatter", "/Asset/Scatter/Prototype"), "chair")
+    stage.CreateClassPrim("/Lamp")
+    label(made.box("/Lamp/Bulb", 0.5).GetPrim(), "lamp")
+    for path, asset in (("/World/a", "/Asset"), ("/World/S/P/b", "/Lamp")):
+        prim = stage.DefinePrim(path, "Xform")
+        prim.GetReferences().AddInternalReference(asset)
+        prim.SetInstanceable(True)
+    scattered(made, "/World/S", "/World/S/P")
+    assert said_of(stage) == {
+        "/World/a/Scatter[0]": ("/World/a/Scatter", "chair", "chair"),
+        "/World/S[0]/b/Bulb": ("/World/S[0]/b/Bulb", "lamp", "lamp"),
+    }
+    label(stage.GetPrimAtPath("/World/S"), "desk")
+    assert said_of(stage)["/World/S[0]/b/Bulb"][0] == "/World/S[0]/b/Bulb"
+
+
+def test_what_an_instancer_scatters_moves_with_it():
+    made = small.Stage()
+    made.box("/World/S/P", 0.5)
+    scattered(made, "/World/S", "/World/S/P")
+    moving = MovingScene(translate(made.stage))
+    aside = np.eye(4)
+    aside[0, 3] = 3.0
+    assert moving.move({"/World/S": aside})
+    moved = moving.scene.patches[0].triangles.hull[:, 0]
+    assert (moved.min(), moved.max()) == pytest.approx((2.75, 3.25))
+
+
+def test_what_is_called_like_a_prototype_is_named_all_the_same():
+    made = small.Stage()
+    made.box("/World/P", 0.5)
+    scattered(made, "/World/S", "/World/P")
+    UsdGeom.Imageable(made.box("/World/Post", 0.5)).MakeInvisible()
+    assert "/World/Post" in [row[0] for row in translate(made.stage).report.losses()]
 
 
 def test_emission_is_masked_on_the_side_that_emits(shoot):

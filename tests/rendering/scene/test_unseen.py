@@ -1,8 +1,12 @@
 """What is in no picture is named: attributes and schemas that nobody reads, where they stand."""
 
-from pxr import Sdf, Usd, UsdGeom, UsdShade
+import numpy as np
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd.rendering.scene.translate import translate
+from openrooms_usd.usd.shapes.meshes import read_meshes
+from tests import small
 
 
 def told(stage: Usd.Stage) -> dict[str, str]:
@@ -106,3 +110,43 @@ def test_a_displacement_is_named_where_its_shader_does_not_tell_of_it() -> None:
         output = shader.CreateOutput("displacement", Sdf.ValueTypeNames.Token)
         material.CreateDisplacementOutput().ConnectToSource(output)
     assert told(stage) == {"/Other": "outputs:displacement: nothing is moved"}
+
+
+def test_bindings_that_lead_nowhere_are_told() -> None:
+    made = small.Stage()
+    for path in ("/World/mesh", "/World/by_parent/mesh", "/World/whole"):
+        mesh = made.box(path, 0.5)
+    subset = UsdShade.MaterialBindingAPI(mesh).CreateMaterialBindSubset("front", [2])
+    wrong = {
+        "/World/mesh": "/Looks/None",
+        "/World/by_parent": "/World",
+        str(subset.GetPath()): "/Looks/Other",
+    }
+    for path, target in wrong.items():
+        prim = made.stage.GetPrimAtPath(path)
+        UsdShade.MaterialBindingAPI.Apply(prim)
+        prim.CreateRelationship("material:binding", custom=False).SetTargets([target])
+    rows = {path: why for path, _, why in translate(made.stage).report.losses()}
+    assert {path for path, why in rows.items() if "is missing" in why} == set(wrong)
+    assert all(rows[path].endswith(f"there is none at {target}") for path, target in wrong.items())
+
+
+@pytest.mark.parametrize("scheme", ["none", "catmullClark"])
+def test_texture_coordinates_of_three_numbers(scheme: str) -> None:
+    made = small.Stage()
+    mesh = made.quad("/Q", small.square((0, 0, 0), 1.0, "+Z"))
+    mesh.GetSubdivisionSchemeAttr().Set(scheme)
+    flat = [(0.1, 0.2), (0.8, 0.2), (0.8, 0.9), (0.1, 0.9)]
+    api = UsdGeom.PrimvarsAPI(mesh)
+    for third, told in ((0.0, False), (0.5, True)):
+        for name, count in (("st", 2), ("st", 3)):
+            kind = getattr(Sdf.ValueTypeNames, f"TexCoord{count}fArray")
+            api.RemovePrimvar(name)
+            primvar = api.CreatePrimvar(name, kind, "faceVarying")
+            rows = [(*row, third * number)[:count] for number, row in enumerate(flat)]
+            primvar.Set([(Gf.Vec2f, Gf.Vec3f)[count - 2](*row) for row in rows])
+            found = read_meshes(made.stage)
+            if count == 2:
+                expected = found.meshes[0].mesh.uvs["st"]
+        assert np.array_equal(found.meshes[0].mesh.uvs["st"], expected)
+        assert any("three numbers" in why for _, _, why in found.losses) == told

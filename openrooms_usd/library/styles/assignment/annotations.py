@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Final
 
 from openrooms_usd import untrusted
-from openrooms_usd.description.naming import did_you_mean
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.styles.assignment.kinds import kind_of
+from openrooms_usd.spelling import did_you_mean
 
 # By their numbers in ann.txt.
 CATEGORIES: Final[tuple[Substance, ...]] = (

@@ -1,0 +1,80 @@
+"""Files whose paths are written for another system: found where their layers are, and told.
+
+Backslashes, drives, ``file://``, ``%20`` and another case lead nowhere here, though the file may
+well have been passed on beside the layer that names it.
+"""
+
+import os
+import unicodedata
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+from urllib.parse import unquote
+
+from pxr import Ar, Sdf, Usd
+
+_SCHEME: Final = "file://"
+
+
+def locate(attribute: Usd.Attribute, asset: object) -> tuple[str, str]:
+    """Where the file of an asset path lies, and what is to be told of it.
+
+    Args:
+        attribute: That holds the path.
+        asset: Its value.
+
+    Returns:
+        The file, empty where it is missing or nobody names one; and a sentence, empty where all is
+        as it should be.
+    """
+    authored = str(getattr(asset, "path", "") or "")
+    resolved = str(getattr(asset, "resolvedPath", "") or "")
+    if resolved or not authored:
+        return resolved, ""
+    for spec in attribute.GetPropertyStack():
+        if found := _beside(spec.layer, attribute.GetStage(), authored):
+            return found, f"{authored} is missing, {Path(found).name} beside its layer is taken"
+    return "", f"{authored} is missing"
+
+
+def _beside(layer: Sdf.Layer, stage: Usd.Stage, authored: str) -> str:
+    """The file that is meant, within the folder of the stage; empty where there is none."""
+    said = unquote(authored.removeprefix(_SCHEME)).replace("\\", "/")
+    if Ar.IsPackageRelativePath(layer.identifier):
+        return str(Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(layer, said)))
+    if not layer.realPath:
+        return ""
+    home = Path(layer.realPath).parent
+    root = Path(stage.GetRootLayer().realPath or layer.realPath).parent
+    parts = [part for part in said.split("/") if part not in ("", ".")]
+    down = [part for part in parts if part != ".."]
+    places = [(_above(home, parts), down), *((home, down[start:]) for start in range(len(down)))]
+    found = (_below(folder, names) for folder, names in places)
+    whole = Path(os.path.realpath(root))
+    return next(
+        (str(f) for f in found if f and Path(os.path.realpath(f)).is_relative_to(whole)), ""
+    )
+
+
+def _above(folder: Path, parts: Sequence[str]) -> Path:
+    for part in parts:
+        if part != "..":
+            break
+        folder = folder.parent
+    return folder
+
+
+def _below(folder: Path, names: Sequence[str]) -> Path | None:
+    """A file below a folder by names in any case."""
+    try:
+        for name in names:
+            exact = folder / name
+            alike = (one for one in sorted(folder.iterdir()) if _plain(one.name) == _plain(name))
+            folder = exact if exact.exists() else next(alike, exact)
+        return folder if folder.is_file() else None
+    except (OSError, ValueError):
+        return None
+
+
+def _plain(name: str) -> str:
+    return unicodedata.normalize("NFC", name).casefold()

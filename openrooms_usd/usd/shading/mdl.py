@@ -1,0 +1,179 @@
+"""Materials of MDL: OmniPBR by its constants and textures, all others by name.
+
+OmniPBR reflects 8 % of ``specular_level`` at normal incidence, has the square of its roughness for
+alpha, and emits ``emissive_color`` times ``emissive_intensity`` as exitance, which is pi times the
+radiance. A texture takes the place of ``diffuse_color_constant``; those of roughness and metallic
+are blended with the constants by their influence.
+"""
+
+import math
+from dataclasses import replace
+from pathlib import PurePosixPath
+from typing import Any, Final, cast
+
+from pxr import UsdShade
+
+from openrooms_usd.usd.shading.networks import Network, finite_numbers
+from openrooms_usd.usd.shading.nodegraphs import affine
+from openrooms_usd.usd.shading.surfaces import (
+    NORMAL_BIAS,
+    NORMAL_SCALE,
+    Color,
+    ColorSpace,
+    PreviewSurface,
+    Texture,
+    UvTransform,
+    ior_of,
+)
+from openrooms_usd.usd.shading.textures import color_space
+from openrooms_usd.usd.shading.uvtextures import over_tiles, picture_file
+
+MDL: Final = "mdl"
+_OMNI_PBR: Final = ("OmniPBR", "OmniPBR_Opacity", "OmniPBR_ClearCoat", "OmniPBR_ClearCoat_Opacity")
+_WHITE: Final[Color] = (1.0, 1.0, 1.0)
+_REFLECTANCE: Final = 0.08
+_SPACES: Final[dict[str, ColorSpace]] = {"sRGB": "sRGB", "raw": "raw"}
+# What is left out, with the values that change nothing.
+_LEFT_OUT: Final[dict[str, tuple[Any, ...]]] = {
+    "albedo_desaturation": (0.0,),
+    "bump_factor": (1.0,),
+    "project_uvw": (False,),
+    "uv_space_index": (0,),
+    "emissive_mask_texture": (),
+    "opacity_texture": (),
+    "detail_normalmap_texture": (),
+    "clearcoat_weight": (0.0,),
+    "enable_clearcoat": (False,),
+}
+
+
+def name_of(shader: UsdShade.Shader) -> str:
+    """The name of a material of MDL; empty of what is none."""
+    asset = shader.GetSourceAsset(MDL)
+    said = shader.GetSourceAssetSubIdentifier(MDL) or shader.GetShaderId() or ""
+    if asset or str(said) in _OMNI_PBR:
+        # A signature may follow.
+        return str(said).partition("(")[0] or PurePosixPath(str(asset.path)).stem
+    return ""
+
+
+def is_known(shader: UsdShade.Shader) -> bool:
+    """Whether a shader is an OmniPBR."""
+    return name_of(shader) in _OMNI_PBR
+
+
+def read_omni_pbr(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
+    """Read an OmniPBR; that it is approximated is told, and what is left out.
+
+    Args:
+        network: Receives what is lost.
+        shader: One for which `is_known` holds.
+    """
+    what = f"{name_of(shader)} of MDL"
+    told = f"{what} is approximated by its constants and textures"
+    network.losses.append(f"{shader.GetPath()}: {told}")
+    for name, idle in _LEFT_OUT.items():
+        value = network.constant(shader, name, None)
+        if value is not None and value not in idle and getattr(value, "path", True):
+            network.lost(shader, name, "it is left out")
+    packed = network.constant(shader, "enable_ORM_texture", False)
+    cut = network.constant(shader, "enable_opacity", False)
+    return PreviewSurface(
+        base_color=_albedo(network, shader),
+        roughness=_blended(network, shader, "reflection_roughness", 0.5, "g" if packed else ""),
+        metallic=_blended(network, shader, "metallic", 0.0, "b" if packed else ""),
+        ior=ior_of(
+            _REFLECTANCE * min(max(network.number(shader, "specular_level", 0.5), 0.0), 1.0)
+        ),
+        emissive=_glow(network, shader),
+        opacity=network.number(shader, "opacity_constant", 1.0) if cut else 1.0,
+        opacity_threshold=network.number(shader, "opacity_threshold", 0.0) if cut else 0.0,
+        opacity_mode="presence",
+        normal=_normal(network, shader),
+    )
+
+
+def _albedo(network: Network, shader: UsdShade.Shader) -> Color | Texture:
+    tint = _color(network, shader, "diffuse_tint", _WHITE)
+    picture = _texture(network, shader, "diffuse_texture")
+    if picture is None:
+        found = affine(_color(network, shader, "diffuse_color_constant", (0.2, 0.2, 0.2)), tint)
+        return cast(Color, found)
+    brightness = network.number(shader, "albedo_brightness", 1.0)
+    offset = network.number(shader, "albedo_add", 0.0)
+    factor = tuple(brightness * part for part in tint)
+    return cast(Texture, affine(picture, factor, tuple(offset * part for part in tint)))
+
+
+def _blended(
+    network: Network, shader: UsdShade.Shader, name: str, default: float, packed: str
+) -> float | Texture:
+    """A constant and a texture, by the share of the texture; ``packed``: its channel in ORM."""
+    constant = network.number(shader, f"{name}_constant", default)
+    share = network.number(shader, f"{name}_texture_influence", 0.0)
+    file = "ORM_texture" if packed else _spelled(shader, f"{name}_texture")
+    picture = _texture(network, shader, file, space="raw") if share else None
+    if picture is None:
+        return constant
+    one = replace(picture, channel=packed or "r")
+    return cast(Texture, affine(one, (share,), ((1.0 - share) * constant,)))
+
+
+def _spelled(shader: UsdShade.Shader, name: str) -> str:
+    """An input as Omniverse spells it, or as its name would be."""
+    joined = name.replace("reflection_roughness", "reflectionroughness")
+    return joined if shader.GetInput(joined) else name
+
+
+def _glow(network: Network, shader: UsdShade.Shader) -> Color | Texture:
+    if not network.constant(shader, "enable_emission", False):
+        return PreviewSurface.emissive
+    nits = network.number(shader, "emissive_intensity", 40.0) / math.pi
+    picture = _texture(network, shader, "emissive_color_texture")
+    color = _color(network, shader, "emissive_color", (1.0, 0.1, 0.1))
+    return cast(Any, affine(color if picture is None else picture, (nits,)))
+
+
+def _normal(network: Network, shader: UsdShade.Shader) -> Color | Texture:
+    picture = _texture(network, shader, "normalmap_texture", space="raw")
+    if picture is None:
+        return PreviewSurface.normal
+    return replace(picture, scale=NORMAL_SCALE, bias=NORMAL_BIAS)
+
+
+def _color(network: Network, shader: UsdShade.Shader, name: str, default: Color) -> Color:
+    found = network.finite(shader, name, network.constant(shader, name, None), default)
+    return cast(Color, found)
+
+
+def _texture(
+    network: Network, shader: UsdShade.Shader, name: str, space: ColorSpace | None = None
+) -> Texture | None:
+    """A picture in an input; None where there is none, or none that can be read."""
+    asset = network.constant(shader, name, None)
+    if not getattr(asset, "path", ""):
+        return None
+    file = picture_file(network, shader, name)
+    if file is None:
+        return None
+    said = _SPACES.get(network.source(shader, name).space)
+    where = UvTransform(
+        scale=_pair(network, shader, "texture_scale", (1.0, 1.0)),
+        rotation=network.number(shader, "texture_rotate", 0.0),
+        translation=_pair(network, shader, "texture_translate", (0.0, 0.0)),
+    )
+    texture = Texture(
+        file,
+        color_space=said or space or color_space(file),
+        uv_scale=where.scale,
+        uv_rotation=where.rotation,
+        uv_translation=where.translation,
+    )
+    return over_tiles(network, shader, texture)
+
+
+def _pair(
+    network: Network, shader: UsdShade.Shader, name: str, default: tuple[float, float]
+) -> tuple[float, float]:
+    numbers = finite_numbers(network.constant(shader, name, None))
+    return (numbers[0], numbers[1]) if len(numbers) == 2 else default
