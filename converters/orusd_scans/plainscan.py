@@ -25,6 +25,7 @@ from openrooms_usd.scan.rooms.verticals import Vertical, verticals
 from openrooms_usd.scan.segmentation.naming import with_labels
 from orusd_scans.formats.arrays import read_npz
 from orusd_scans.formats.laser import read_e57, read_las
+from orusd_scans.formats.obj import read_obj
 from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.formats.pointtext import read_text
@@ -37,7 +38,7 @@ from orusd_scans.segments import with_segments
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.worldframe import WorldFrame
 
-# Meshes (OBJ, GLB, STL, OFF) through trimesh, as points with triangles.
+# Meshes (GLB, STL, OFF) through trimesh, as points with triangles.
 
 # glTF fixes its vertical axis; the others do not.
 _Y_UP: Final = (".glb",)
@@ -75,7 +76,7 @@ def _colors(meshes: list[ShownMesh]) -> Any:
 READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".ply": read_ply,
     ".pcd": read_pcd,
-    ".obj": read_mesh,
+    ".obj": read_obj,
     ".glb": read_mesh,
     ".stl": read_mesh,
     ".off": read_mesh,
