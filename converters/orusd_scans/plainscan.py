@@ -20,11 +20,12 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.mainpart import FEW, MOST, main_part
-from openrooms_usd.scan.points.thinning import clean
+from openrooms_usd.scan.points.thinning import clean, evened
 from openrooms_usd.scan.rooms.verticals import Vertical, verticals
 from openrooms_usd.scan.segmentation.naming import with_labels
 from orusd_scans.formats.arrays import read_npz
 from orusd_scans.formats.laser import read_e57, read_las
+from orusd_scans.formats.obj import read_obj
 from orusd_scans.formats.pcd import read_pcd
 from orusd_scans.formats.ply import read_ply
 from orusd_scans.formats.pointtext import read_text
@@ -37,7 +38,7 @@ from orusd_scans.segments import with_segments
 from orusd_scans.surfaces import as_cloud
 from orusd_scans.worldframe import WorldFrame
 
-# Meshes (OBJ, GLB, STL, OFF) through trimesh, as points with triangles.
+# Meshes (GLB, STL, OFF) through trimesh, as points with triangles.
 
 # glTF fixes its vertical axis; the others do not.
 _Y_UP: Final = (".glb",)
@@ -75,7 +76,7 @@ def _colors(meshes: list[ShownMesh]) -> Any:
 READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".ply": read_ply,
     ".pcd": read_pcd,
-    ".obj": read_mesh,
+    ".obj": read_obj,
     ".glb": read_mesh,
     ".stl": read_mesh,
     ".off": read_mesh,
@@ -96,7 +97,6 @@ UNDETERMINED: Final = (
 _SAMPLES: Final = 200_000
 # Percentiles that bound the extent, without outliers.
 _EXTENT_PERCENTILES: Final = (1.0, 99.0)
-_MAX_SAMPLE_POINTS: Final = 100_000
 # Scans farther than this from the source's origin get an origin of their own, metres.
 _FAR_FROM_ORIGIN_M: Final = 1000.0
 
@@ -160,8 +160,9 @@ def _room_like(cloud: Cloud) -> tuple[Vertical, ...]:
 
 def _as_said(cloud: Cloud, up: Array) -> Vertical:
     """The direction that is said, of a scan that shows hardly any surface."""
-    heights = cloud.points @ up
-    across = cloud.points - heights[:, None] * up
+    points = cloud.points[evened(cloud.points)[0]]
+    heights = points @ up
+    across = points - heights[:, None] * up
     along = float(np.ptp(np.percentile(heights, (1.0, 99.0))))
     sizes = np.ptp(np.percentile(across, (1.0, 99.0), axis=0), axis=0)
     return Vertical(up, 0.0, np.inf, None, (along, float(np.linalg.norm(sizes))))
@@ -324,11 +325,8 @@ def _frame(scanned: Scanned, stands: Standing, source: Path) -> WorldFrame:
 
 def _range(points: Array) -> tuple[Array, Array]:
     """(3,) each, robust least and greatest coordinates."""
-    some = points[:: max(len(points) // _MAX_SAMPLE_POINTS, 1)]
-    some = some[np.isfinite(some).all(axis=1)]
-    if len(some) == 0:
-        return np.zeros(3), np.zeros(3)
-    low, high = np.percentile(some, _EXTENT_PERCENTILES, axis=0)
+    sound = points[np.isfinite(points).all(axis=1)]
+    low, high = np.percentile(sound[evened(sound)[0]], _EXTENT_PERCENTILES, axis=0)
     return low, high
 
 

@@ -74,6 +74,46 @@ def test_what_stands_as_files_do_goes_without_a_word(room: Cloud) -> None:
     assert (found.unit, dict(found.settled), found.notes) == (1.0, {}, ())
 
 
+def ball(count: int, center: tuple[float, float, float] = (2.0, 2.0, 1.1)) -> np.ndarray:
+    """A target of 7 cm that was scanned finely."""
+    way = np.random.default_rng(3).normal(size=(count, 3))
+    return np.asarray(center) + 0.035 * way / np.linalg.norm(way, axis=1, keepdims=True)
+
+
+# What is there beside a room, by the number of its points.
+DENSE: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "zeros": lambda points: np.zeros_like(points),
+    "ten times the zeros": lambda points: np.zeros((10 * len(points), 3)),
+    "one point repeated": lambda points: np.tile(points[7], (len(points), 1)),
+    "a target": lambda points: ball(len(points)),
+    "a target of ten times the points": lambda points: ball(10 * len(points)),
+    "three targets": lambda p: np.concatenate([ball(len(p), (x, 1, 1)) for x in (1.0, 2.0, 4.0)]),
+    "a floor scanned four times": lambda points: np.concatenate(
+        [points[points[:, 2] < 0.05] + [0, 0, 0.0005 * i] for i in range(4)]
+    ),
+    "strays": lambda points: points[::2000] * 1000.0,
+}
+
+
+@pytest.mark.one_in(4)
+@pytest.mark.parametrize("name", DENSE)
+def test_evidence_is_of_area_and_not_of_points(room: Cloud, name: str) -> None:
+    """Half of the points, and more, in one place change nothing."""
+    points = np.concatenate([DENSE[name](room.points), room.points])
+    found = stands(turned(Cloud(points), WAYS[2], 1000.0))
+    np.testing.assert_array_equal(found.up, WAYS[2])
+    assert found.unit == 0.001
+
+
+def test_an_origin_is_that_of_the_room_and_not_of_repeated_zeros(
+    room: Cloud, tmp_path: Path
+) -> None:
+    far = room.points + np.array([500_000.0, 5_400_000.0, 100.0])
+    np.savez(tmp_path / "a.npz", points=np.concatenate([np.zeros_like(far), far]))
+    capture = read_capture("scan", tmp_path / "a.npz")
+    assert np.abs(np.median(capture.cloud.points, axis=0)).max() < 10.0
+
+
 def test_a_room_upside_down_is_never_silent(room: Cloud) -> None:
     assert outcome(room, WAYS[1], 1.0) != "wrong"
 

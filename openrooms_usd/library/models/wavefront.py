@@ -15,6 +15,7 @@ from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.models.pieces import Piece, Reading
+from openrooms_usd.scan.models.objtext import standard_obj
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.shading.materials import PreviewSurface, Texture
@@ -52,7 +53,8 @@ def read_obj(path: Path) -> Reading:
         InputError: It is no OBJ file, or a face names a vertex that does not exist.
     """
     obj = _Obj(path)
-    for number, words in _lines(path):
+    text, told = standard_obj(untrusted.read_text(path, "model"), path)
+    for number, words in _lines(text):
         try:
             _statement(obj, words)
         except (ValueError, IndexError) as error:
@@ -73,7 +75,7 @@ def read_obj(path: Path) -> Reading:
         )
         for (group, material), corners in obj.faces.items()
     ]
-    return Reading(pieces, notes)
+    return Reading(pieces, [*told, *notes])
 
 
 def libraries_of(path: Path) -> Iterator[Path]:
@@ -83,14 +85,17 @@ def libraries_of(path: Path) -> Iterator[Path]:
         library = beside(path, " ".join(line.split()), [])
         if library is not None:
             yield library
-            pictures = (words[-1] for _, words in _lines(library) if words[0] == "map_Kd")
+            pictures = (
+                words[-1]
+                for _, words in _lines(untrusted.read_text(library, "model"))
+                if words[0] == "map_Kd"
+            )
             yield from filter(None, (beside(library, name, []) for name in pictures))
 
 
-def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
+def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
     """Statements with their line numbers; comments dropped, continued lines joined."""
     pending = ""
-    text = untrusted.read_text(path, "model")
     for number, line in enumerate(text.split("\n"), start=1):
         joined = pending + line.partition("#")[0].strip()
         if joined.endswith("\\"):
@@ -201,7 +206,7 @@ def beside(model: Path, name: str, notes: list[str]) -> Path | None:
 def _read_mtl(path: Path, notes: list[str]) -> "dict[str, PreviewSurface]":
     blocks: dict[str, dict[str, list[str]]] = {}
     block: dict[str, list[str]] = {}
-    for _, words in _lines(path):
+    for _, words in _lines(untrusted.read_text(path, "model")):
         if words[0] == "newmtl":
             block = blocks.setdefault(" ".join(words[1:]), {})
         else:

@@ -57,7 +57,7 @@ def shown_meshes(path: Path, content: bytes) -> list[ShownMesh]:
     """The meshes with triangles that a file shows, by the ending of its name.
 
     Args:
-        path: An OBJ, PLY, GLB, STL or OFF file; no other file is read with it.
+        path: A PLY, GLB, STL or OFF file; no other file is read with it.
         content: Its bytes.
 
     Raises:

@@ -11,6 +11,7 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.thinning import evened
 
 
 class Outside(NamedTuple):
@@ -30,7 +31,6 @@ FEW: Final = Outside(20.0, 1.5)
 MOST: Final = Outside(75.0, 4.0)
 """After a scan was thinned evenly, as many programs do: a street has more surface than a room."""
 
-_MOST_POINTS: Final = 300_000
 # Places whose neighbours are looked at, and which neighbour; points hold together within so many
 # times its distance.
 _PLACES: Final = 4000
@@ -56,8 +56,8 @@ def main_part(cloud: Cloud, outside: Outside = FEW) -> Cloud:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import KDTree
 
-    some = cloud.take(np.arange(0, len(cloud), max(len(cloud) // _MOST_POINTS, 1)))
-    single = np.unique(some.points, axis=0)
+    some = cloud.take(evened(cloud.points)[0])
+    single = some.points
     if len(single) <= _NEIGHBOUR:
         return cloud
     places = single[:: max(len(single) // _PLACES, 1)]

@@ -21,6 +21,15 @@ _MAX_LACKING_SHARE: Final = 0.01
 # Shorter mean normals average opposite sides of a sheet.
 _MIN_MEAN_NORMAL: Final = 1e-3
 _MIN_NORMAL: Final = 1e-6
+# Of an evened cloud: voxels that are wanted, least points for each on average, and most points of
+# one. Their edge is searched from this part of the extent, which outliers may stretch, in so many
+# steps; cells on either side of the origin.
+_PIECES: Final = 30_000
+_POINTS_EACH: Final = 1.5
+_MOST_IN_VOXEL: Final = 10
+_FINEST: Final = 1 << 22
+_HALVINGS: Final = 13
+_MOST_CELLS: Final = 1 << 19
 
 
 @dataclass(frozen=True)
@@ -115,6 +124,43 @@ def thin(cloud: Cloud, voxel: float) -> Cloud:
         instance=vote(cloud.instance),
         confidence=None if confidence is None else mean(confidence[:, None])[:, 0].astype("f4"),
     )
+
+
+def evened(points: Array) -> tuple[Rows, float]:
+    """Choose points so that equal areas have about as many, however often they were scanned.
+
+    Args:
+        points: (N, 3) finite, in any unit.
+
+    Returns:
+        (M,) rows, at most `_MOST_IN_VOXEL` of each voxel and none twice, and the voxels' edge: by
+        it the scan falls into about `_PIECES`, or fewer where it has not points enough.
+    """
+    rows = np.flatnonzero(_first_of_equal(points))
+    single = points[rows]
+    some = single[:: max(len(single) // (_MOST_IN_VOXEL * _PIECES), 1)]
+    origin, size = np.percentile(some, 5.0, axis=0), float(np.ptp(some, axis=0).max())
+    if not size > 0.0:
+        return rows, 0.0
+    fine, coarse = size / _FINEST, size / 5.0
+    for _ in range(_HALVINGS):
+        voxel = float(np.sqrt(fine * coarse))
+        counts = np.unique(_clipped_keys(some - origin, voxel), return_counts=True)[1]
+        wanted = min(_PIECES, int(np.minimum(counts, _MOST_IN_VOXEL).sum() / _POINTS_EACH))
+        fine, coarse = (voxel, coarse) if len(counts) > wanted else (fine, voxel)
+    voxel = float(np.sqrt(fine * coarse))
+    group, _ = groups(_clipped_keys(single - origin, voxel))
+    order = np.argsort(group, kind="stable")
+    counts = np.bincount(group)
+    place = np.arange(len(single)) - np.repeat(np.cumsum(counts) - counts, counts)
+    step = np.repeat(-(-counts // _MOST_IN_VOXEL), counts)
+    return rows[np.sort(order[place % step == 0])], voxel
+
+
+def _clipped_keys(offsets: Array, voxel: float) -> Rows:
+    """(N,) the cell of each point; outliers far beyond the others share some."""
+    cells = np.floor(offsets / voxel).clip(-_MOST_CELLS, _MOST_CELLS - 1).astype(np.int64)
+    return np.asarray(cells @ (2 * _MOST_CELLS) ** np.arange(3))
 
 
 def _keys(cells: Array) -> Rows:
