@@ -1,6 +1,6 @@
 """What groups are built with: sizes and styles from the library, tops, and chairs below tables."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Final
@@ -12,6 +12,7 @@ from openrooms_usd.generation.boxes import Array, Pose, box, overlap, posed
 from openrooms_usd.generation.items import Group, Item, with_dependants
 from openrooms_usd.generation.shapes import Foot, Shape, Shapes
 from openrooms_usd.generation.sizes import drawn_size
+from openrooms_usd.library.styles.assignment.weights import drawn
 from openrooms_usd.library.styles.interiors import Interior
 from openrooms_usd.names import ROOM_HEIGHT
 
@@ -83,6 +84,7 @@ class Kit:
         span: Width and depth of the room, the longer first; metres.
         interior: The style of the room, if it has one.
         clear_height: Up to where nothing is fixed along walls or below the ceiling, metres.
+        room_type: One of the 27; empty where none is meant.
         modesty: 0 at the first try; grows when a group did not fit, and asks for less.
     """
 
@@ -92,9 +94,11 @@ class Kit:
     span: tuple[float, float] = (5.0, 4.0)
     interior: Interior | None = None
     clear_height: float = ROOM_HEIGHT
+    room_type: str = ""
     modesty: float = 0.0
     _count: dict[str, int] = field(default_factory=dict)
     _makes: dict[str, tuple[Size, str]] = field(default_factory=dict)
+    _standing: dict[str, tuple[Size, str]] = field(default_factory=dict)
 
     def between(self, low: float, high: float) -> float:
         """A number, to the centimetre; nearer to the low end the more modest the group must be."""
@@ -123,10 +127,12 @@ class Kit:
 
         What stands on floors is of a style that does so by its record.
         """
-        suited = _on_floors(name) if size is None else styles(name, size)
+        suited, known = _on_floors(name) if size is None else styles(name, size), category(name)
+        own = [style for style in suited if known.styles[style].is_of(self.room_type)] or suited
+        weights = {style: known.styles[style].weight for style in own}
         if self.interior is None:
-            return self.pick(suited)
-        return self.interior.style_of(name, suited, self.rng)
+            return drawn(self.rng, weights)
+        return self.interior.style_of(name, weights, self.rng)
 
     def size(
         self,
@@ -157,6 +163,22 @@ class Kit:
     def shared(self, what: str, size: Size, style: str) -> tuple[Size, str]:
         """The first make that a room drew for some use, for all that follow."""
         return self._makes.setdefault(what, (size, style))
+
+    def matching(self, name: str, size: Size) -> tuple[Size, str]:
+        """A size and a style for a piece: those of the first that stands in the room, if any.
+
+        A piece of another width has its style, depth and height, where that suits the style.
+        """
+        first = self._standing.get(name)
+        if first is None:
+            return size, self.style(name, size)
+        size = (size[0], *first[0][1:])
+        return (size, first[1]) if first[1] in styles(name, size) else first
+
+    def remember(self, items: Iterable[Item]) -> None:
+        """Take in what has found its place: what comes later matches it."""
+        for item in items:
+            self._standing.setdefault(item.category, (item.size, item.style))
 
     def item(
         self,

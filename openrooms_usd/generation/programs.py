@@ -34,6 +34,7 @@ class Want:
         each: One for this much floor, square metres; any number up to the most by default.
         chance: How often the room wants any.
         faces: The title of a group that it shall look at.
+        unless: The title of a group beside which the room wants none.
     """
 
     build: Callable[[Kit], Group | None]
@@ -42,6 +43,7 @@ class Want:
     each: float = 0.0
     chance: float = 1.0
     faces: str = ""
+    unless: str = ""
 
 
 @dataclass(frozen=True)
@@ -83,8 +85,8 @@ class Program:
     lux: tuple[float, float] = (120.0, 250.0)
 
 
-_WORK: Final = (("whiteboard", 0, 1), ("wall_shelf", 0, 1), ("clock", 0, 1), ("picture", 0, 2))
-_CLASS: Final = (("clock", 1, 1), ("picture", 0, 3), ("whiteboard", 0, 1))
+_WORK: Final = (("whiteboard", 0, 1), ("wall_shelf", 0, 1), ("clock", 0, 1), ("picture", 1, 3))
+_CLASS: Final = (("clock", 1, 1), ("picture", 1, 3), ("whiteboard", 0, 1))
 _BARE: Final = (("clock", 0, 1), ("picture", 0, 1))
 
 
@@ -160,7 +162,7 @@ PROGRAMS: Final[dict[str, Program]] = {
     "bedroom": Program(
         (9, 14, 26),
         (Want(sleeping.built_in, chance=0.4), Want(_of(sleeping.bed_place, 0.7), 1),
-         Want(sleeping.clothes, chance=0.6), DRAWERS, CRIB, GUITAR, FAN,
+         Want(sleeping.clothes, chance=0.6, unless="clothes"), DRAWERS, CRIB, GUITAR, FAN,
          Want(_of(working.desk_place, "chair"), chance=0.45), READING, SHELF, PLANT, BASKET),
         windows=(1, 2), hangs=(("wall_shelf", 0, 1), ("picture", 0, 3), ("clock", 0, 1),
                ("wall_lamp", 0, 1)),

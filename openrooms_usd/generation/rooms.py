@@ -283,11 +283,13 @@ def _furnished(
     kit = Kit(
         generator(shapes.seed, "generate", room_type, "furniture", attempt), shapes, shell.height,
         (float(sides.max()), float(sides.min())), INTERIORS[style] if style else None,
-        shell.clear_height,
+        shell.clear_height, room_type,
     )  # fmt: skip
     missing = 0
     for want in program.wants:
         count = _count(want, shell.area, kit)
+        if want.unless in [title for title, _ in room.items]:
+            count = 0
         placed = sum(_place(room, kit, want, number < want.least) for number in range(count))
         missing += max(0, want.least - placed)
     own = replace(kit, rng=generator(shapes.seed, "generate", room_type, "fittings", attempt))
@@ -323,6 +325,7 @@ def _place(room: Arrangement, kit: Kit, want: Want, needed: bool) -> bool:
         group = kit.apart(made) if made else None
         if group is not None and room.place(group, kit.rng, facing):
             kit.modesty = 0.0
+            kit.remember(group.items)
             return True
     kit.modesty = 0.0
     return False

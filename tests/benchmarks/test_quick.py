@@ -106,6 +106,13 @@ def test_generate(tmp_path):
     assert "| apartment | 1 |" in said
 
 
+@pytest.mark.slow
+def test_variety(tmp_path):
+    said, data = run("variety", tmp_path / "v.json")
+    assert data["rooms"] == 4 and 0 < data["equal in a room"] < 1
+    assert data["most kettles in a room"] <= 1 and "| share of tube monitors |" in said
+
+
 @pytest.mark.long
 def test_materials(vectorized, tmp_path):
     said, data = run("materials", tmp_path / "m.json")

@@ -47,6 +47,6 @@ CATEGORY: Final = BuiltCategory(
             weight=0.6,
             clutter=2,
         ),
-        on("shelf cupboard", rooms=_STORES, pose="row", count=(2, 4), weight=0.7),
+        on("shelf cupboard", rooms=_STORES, pose="row", count=(2, 4), weight=0.7, max_variants=4),
     ),
 )

@@ -237,6 +237,10 @@ def _short(size: Size) -> bool:
     return size[0] < 2.0 * size[1]
 
 
+# Where people live and receive others; water and work want plainer light.
+_GRAND: Final = (
+    "apartment bedroom dining_room game_room hallway hotel library living_room lobby lounge stairs"
+)
 CATEGORY: Final = BuiltCategory(
     description="a lamp at the ceiling",
     size=(0.45, 0.45, 0.35),
@@ -252,7 +256,11 @@ CATEGORY: Final = BuiltCategory(
             ceiling_globe, lambda size: _hanging(size) and _short(size), (0.3, 0.3, 0.45)
         ),
         "chandelier": Style(
-            chandelier, lambda size: _hanging(size) and 0.5 < size[0] < 2 * size[1], (0.7, 0.7, 0.6)
+            chandelier,
+            lambda size: _hanging(size) and 0.5 < size[0] < 2 * size[1],
+            (0.7, 0.7, 0.6),
+            weight=0.6,
+            rooms=_GRAND,
         ),
         "cluster": Style(cluster, lambda size: size[2] > 0.6 and _short(size), (0.5, 0.5, 0.9)),
         "spots": Style(spots, lambda size: not _short(size), (1.0, 0.14, 0.2)),

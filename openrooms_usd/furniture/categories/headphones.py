@@ -93,6 +93,7 @@ CATEGORY: Final = BuiltCategory(
         "stand": Style(stand, lambda size: size[2] > size[1], (0.17, 0.11, 0.27)),
     },
     size_variation=STANDARD,
+    max_per_room=1,
     support="surface",
     mass_range=(0.12, 0.9),
     words="headphone headset earphones earphone",

@@ -47,7 +47,7 @@ CATEGORY: Final = BuiltCategory(
             cluster="cooking",
             max_variants=4,
         ),
-        on("worktop dining_table mantel", weight=0.6, cluster="cooking"),
-        on("shelf cabinet_top dresser_top media_top desk", weight=0.5),
+        on("worktop dining_table mantel", weight=0.6, cluster="cooking", max_variants=4),
+        on("shelf cabinet_top dresser_top media_top desk", weight=0.5, max_variants=4),
     ),
 )

@@ -123,6 +123,7 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.1, 0.1, 0.12),
     max_size=(0.4, 0.35, 0.45),
     styles={"jug": Style(jug), "stove": Style(stove, size=(0.25, 0.2, 0.22))},
+    max_per_room=1,
     support="surface",
     mass_range=(0.6, 2.5),
     on_worktop_probability=0.5,

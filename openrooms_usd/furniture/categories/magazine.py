@@ -69,10 +69,18 @@ CATEGORY: Final = BuiltCategory(
             count=(1, 4),
             weight=0.8,
             styles="glossy",
+            max_variants=4,
             cluster="reading",
         ),
         on("sofa_seat armchair_seat bed_foot", pose="flat", clutter=2, weight=0.3, max_groups=1),
-        on("low_shelf in_basket", pose="stacked", count=(2, 5), weight=0.6, styles="glossy"),
+        on(
+            "low_shelf in_basket",
+            pose="stacked",
+            count=(2, 5),
+            weight=0.6,
+            styles="glossy",
+            max_variants=4,
+        ),
         on(
             "dining_table worktop",
             rooms="kitchen dining_room",
@@ -90,6 +98,7 @@ CATEGORY: Final = BuiltCategory(
             weight=0.4,
             max_groups=1,
             styles="glossy",
+            max_variants=4,
         ),
     ),
 )

@@ -150,6 +150,7 @@ CATEGORY: Final = BuiltCategory(
         "dropping": Style(dropping, lambda size: size[0] > 0.4, (0.6, 0.42, 0.39)),
     },
     size_variation=STANDARD,
+    max_per_room=1,
     support="surface",
     mass_range=(9, 25),
     on_worktop_probability=0.4,

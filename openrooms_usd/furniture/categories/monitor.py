@@ -14,11 +14,11 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.25, 0.1, 0.22),
     max_size=(1.3, 0.6, 0.9),
     styles={
-        "flat": Style(monitor_flat, lambda size: not deep(size)),
+        "flat": Style(monitor_flat, lambda size: not deep(size), weight=4.0),
         "curved": Style(
             monitor_curved, lambda size: size[0] > 0.5 and not deep(size), (0.81, 0.24, 0.46)
         ),
-        "tube": Style(monitor_tube, deep, (0.42, 0.42, 0.42), mass_range=(12, 32)),
+        "tube": Style(monitor_tube, deep, (0.42, 0.42, 0.42), mass_range=(12, 32), weight=0.02),
     },
     size_variation=(0.15, 0.0, 0.1),
     one_variant_per_room=True,

@@ -66,6 +66,7 @@ CATEGORY: Final = BuiltCategory(
         "upright": Style(upright_format, lambda size: size[0] <= size[2], (0.15, 0.12, 0.2)),
     },
     size_variation=WIDE,
+    max_per_room=6,
     support="surface",
     mass_range=(0.1, 1.2),
     words="photo_frames standing_frame framed_photo",
@@ -93,6 +94,6 @@ CATEGORY: Final = BuiltCategory(
             max_variants=6,
             max_groups=3,
         ),
-        on("bedside desk side_table window_sill", weight=0.3, max_groups=1),
+        on("bedside desk side_table window_sill", weight=0.3, max_variants=6, max_groups=1),
     ),
 )

@@ -26,7 +26,7 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.12, 0.012, 0.12),
     max_size=(3.0, 0.1, 2.2),
     styles={
-        "framed": Style(framed, lambda size: size[0] < 2.2 * size[2]),
+        "framed": Style(framed, lambda size: size[0] < 2.2 * size[2], weight=2.0),
         "canvas": Style(canvas, lambda size: size[0] < 2.2 * size[2], (0.8, 0.03, 0.6)),
         "landscape": Style(
             framed_as(landscape, (0.1, 0.18)), lambda size: size[0] > size[2], (0.7, 0.022, 0.5)
@@ -47,7 +47,9 @@ CATEGORY: Final = BuiltCategory(
             lambda size: size[0] < size[2],
             (0.5, 0.022, 0.7),
         ),
-        "triptych": Style(triptych, lambda size: size[0] > 1.4 * size[2], (1.2, 0.03, 0.6)),
+        "triptych": Style(
+            triptych, lambda size: size[0] > 1.4 * size[2], (1.2, 0.03, 0.6), weight=0.3
+        ),
     },
     size_variation=WIDE,
     support="wall",

@@ -129,7 +129,7 @@ CATEGORY: Final = BuiltCategory(
         "square": Style(square, lambda size: not _rolled(size)),
         "bolster": Style(bolster, _rolled, (0.55, 0.2, 0.2)),
         "round": Style(
-            round_, lambda size: not _rolled(size) and size[0] < 0.6, (0.42, 0.15, 0.42)
+            round_, lambda size: not _rolled(size) and size[0] < 0.6, (0.42, 0.15, 0.42), weight=0.1
         ),
     },
     support="surface",

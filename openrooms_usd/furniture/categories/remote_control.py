@@ -29,6 +29,7 @@ CATEGORY: Final = BuiltCategory(
     max_size=(0.1, 0.35, 0.05),
     styles={"full": Style(full), "slim": Style(slim, size=(0.038, 0.145, 0.016))},
     size_variation=STANDARD,
+    max_per_room=2,
     support="surface",
     mass_range=(0.04, 0.25),
     words="remote tv_remote remotes controller",

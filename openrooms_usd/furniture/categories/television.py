@@ -23,7 +23,7 @@ CATEGORY: Final = BuiltCategory(
         "feet": Style(television_feet, lambda size: size[1] > 0.14 and not deep(size)),
         "pedestal": Style(television_pedestal, lambda size: size[1] > 0.14 and not deep(size)),
         "mounted": Style(television_mounted, lambda size: size[1] <= 0.14, (1.1, 0.07, 0.63)),
-        "tube": Style(television_tube, deep, (0.6, 0.48, 0.64), mass_range=(25, 60)),
+        "tube": Style(television_tube, deep, (0.6, 0.48, 0.64), mass_range=(25, 60), weight=0.03),
     },
     support="surface",
     alternative_supports=("wall",),

@@ -58,6 +58,7 @@ CATEGORY: Final = BuiltCategory(
         "cube": Style(cube, lambda size: size[0] <= 1.3 * size[1], (0.12, 0.12, 0.18)),
     },
     size_variation=STANDARD,
+    max_per_room=1,
     support="surface",
     mass_range=(0.1, 0.6),
     words="tissue tissues kleenex kleenex_box",

@@ -1,5 +1,6 @@
-"""Washing machines: portholes, lids, and one under a dryer."""
+"""Washing machines: portholes, lids, one under a dryer, and the dryer beside one."""
 
+from functools import partial
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row
@@ -14,8 +15,15 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.4, 0.4, 0.55),
     max_size=(0.9, 0.9, 2.1),
     styles={
-        "front_loader": Style(front_loader, lambda size: size[2] < 1.3),
+        "front_loader": Style(front_loader, lambda size: size[2] < 1.3, weight=3.0),
         "top_loader": Style(top_loader, lambda size: size[2] < 1.3, (0.66, 0.66, 1.05)),
+        # It stands beside another.
+        "dryer": Style(
+            partial(front_loader, clear=False),
+            lambda size: size[2] < 1.3,
+            mass_range=(35, 60),
+            weight=0.0,
+        ),
         "stacked": Style(
             stacked, lambda size: size[2] >= 1.3, (0.6, 0.62, 1.72), mass_range=(80, 140)
         ),

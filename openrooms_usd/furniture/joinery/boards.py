@@ -92,6 +92,8 @@ class Style:
         size: Its usual width, depth and height, metres, where they differ from its category's.
         takes: What may be ordered with it.
         mass_range: Kilograms, lightest and heaviest, where they differ from its category's.
+        weight: How often rooms from nothing have it, beside the other styles of its category.
+        rooms: The room types that have it, apart by blanks; all by default.
     """
 
     build: Build
@@ -99,6 +101,12 @@ class Style:
     size: Size | None = None
     takes: tuple[Literal["fronts", "cutouts"], ...] = ()
     mass_range: tuple[float, float] | None = None
+    weight: float = 1.0
+    rooms: str = ""
+
+    def is_of(self, room_type: str) -> bool:
+        """Whether rooms of a type have it."""
+        return not self.rooms or room_type in self.rooms.split()
 
 
 # Drawn in (a, b) and extruded along c: where these axes point in the object frame.

@@ -180,8 +180,10 @@ def _drum(radius: float, depth: float) -> Mesh:
     return joined([cup, *ribs])
 
 
-def _front_loader(made: Assembly, cell: Cell, depth: float, knob_left: bool) -> None:
-    """A case with a porthole, a drawer for soap and a panel, between two heights."""
+def _front_loader(
+    made: Assembly, cell: Cell, depth: float, knob_left: bool, *, clear: bool = True
+) -> None:
+    """A case with a door, clear or shut, a drawer and a panel, between two heights."""
     left, right, low, high = cell
     face, back, x = -0.5 * depth + 0.036, 0.5 * depth, right
     body(made, (left, face + 0.02, low), (right, back, high))
@@ -194,8 +196,12 @@ def _front_loader(made: Assembly, cell: Cell, depth: float, knob_left: bool) -> 
     made.add("frame", plate.transformed(FRONT).moved((0.0, face + 0.02, z)))
     drum = _drum(0.9 * radius, min(0.42, back - face - 0.06)).transformed(FRONT)
     made.add("drum", drum.moved((0.0, face + 0.03, z)))
-    frame, bowl = (mesh.moved((0.0, face, z)) for mesh in _porthole(radius))
-    names = made.add("door", frame) + made.add("glass", bowl)
+    if clear:
+        frame, bowl = (mesh.moved((0.0, face, z)) for mesh in _porthole(radius))
+        names = made.add("door", frame) + made.add("glass", bowl)
+    else:
+        disc = cylinder(radius, 0.026, bevel=0.008, segments=48).transformed(FRONT)
+        names = made.add("door", disc.moved((0.0, face, z)))
     grip = board(
         (0.8 * radius, face - 0.036, z - 0.05), (0.92 * radius, face - 0.02, z + 0.05), 0.004
     )
@@ -216,12 +222,13 @@ def _front_loader(made: Assembly, cell: Cell, depth: float, knob_left: bool) -> 
     display(made, far * wide, at, center, (0.2 * wide, 0.045))
 
 
-def front_loader(size: Size, rng: np.random.Generator) -> Furniture:
-    """A washing machine with a porthole."""
+def front_loader(size: Size, rng: np.random.Generator, *, clear: bool = True) -> Furniture:
+    """A washing machine with a porthole, or a dryer with a shut door."""
     width, depth, height = size
     made = Assembly()
     x, low = 0.5 * width, 0.02
-    _front_loader(made, (-x, x, low, height - 0.022), depth, bool(rng.integers(2)))
+    cell = (-x, x, low, height - 0.022)
+    _front_loader(made, cell, depth, bool(rng.integers(2)), clear=clear)
     _feet(made, size)
     lid = board((-x, 0.02 - 0.5 * depth, height - 0.022), (x, 0.5 * depth, height), 0.006)
     made.add("top", lid)

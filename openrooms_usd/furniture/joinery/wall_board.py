@@ -13,6 +13,7 @@ from openrooms_usd.furniture.joinery.boards import (
     Size,
     board,
     numbered,
+    part_of,
     profiled,
 )
 from openrooms_usd.furniture.joinery.paintings import Painter, Rectangle, any_of, landscape, shapes
@@ -154,19 +155,23 @@ def canvas(size: Size, rng: np.random.Generator) -> Parts:
     return {"frame": bars, **image}
 
 
+_BY_ONE_HAND: Final[tuple[Painter, ...]] = (_print, shapes, landscape, brushed_circle)
+
+
 def triptych(size: Size, rng: np.random.Generator) -> Parts:
-    """Three narrow panels that hang side by side."""
+    """Three narrow panels that hang side by side, of one hand."""
     width, depth, height = size
     gap = 0.035 * width
     wide = (width - 2.0 * gap) / 3.0
-    parts: dict[str, list[Mesh]] = {"frame": [], "canvas": [], "field": [], "accent": []}
+    paint = _BY_ONE_HAND[int(rng.integers(len(_BY_ONE_HAND)))]
+    parts: dict[str, list[Mesh]] = {"frame": []}
     for i in range(3):
         left = -0.5 * width + i * (wide + gap)
         panel = (left, left + wide, 0.0, height)
         front = -0.5 * depth
         parts["frame"].append(mitred(panel, 0.012, front, 0.5 * depth))
-        for name, mesh in _print(_shrunk(panel, 0.011), front + 0.3 * depth, rng).items():
-            parts[name.split("_")[0]].append(mesh)
+        for name, mesh in paint(_shrunk(panel, 0.011), front + 0.3 * depth, rng).items():
+            parts.setdefault(part_of(name), []).append(mesh)
     return {name: joined(meshes) for name, meshes in parts.items()}
 
 

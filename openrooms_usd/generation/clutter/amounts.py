@@ -85,7 +85,7 @@ HUNG: Final[Mapping[Place, tuple[float, ...]]] = {
     "clothes_rail": (0.5, 0.2, 0.2),
 }
 # How often a table is laid, by room type; elsewhere the last.
-LAID: Final[Mapping[str, float]] = {"dining_room": 0.6, "kitchen": 0.45, "": 0.3}
+LAID: Final[Mapping[str, float]] = {"dining_room": 0.9, "kitchen": 0.6, "": 0.3}
 
 # On the floor and on the walls of a room: least and greatest number by level.
 ROOM_AMOUNTS: Final[Mapping[Place, tuple[tuple[int, int], ...]]] = {

@@ -1,5 +1,6 @@
 """How people leave a room: what lies about in it, level by level, each adding to the one before."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -165,8 +166,9 @@ def lived_in(
     items = [item for _, group in groups for item in group]
     rng = generator(seed, "generate", room_type, "clutter")
     scatter = Scatter(
-        rng, surfaces, ProductVariants(rng), taken_by(items, surfaces), room_type, room.shell.height
-    )
+        rng, surfaces, ProductVariants(rng), taken_by(items, surfaces), room_type,
+        room.shell.height, Counter(item.category for item in items),
+    )  # fmt: skip
     kept = room.shell.kept
     # What stands out at windows, and the ways of doors.
     ways = kept[:, 6] <= 0.0

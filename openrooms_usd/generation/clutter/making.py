@@ -9,6 +9,7 @@ from openrooms_usd.furniture import CATEGORIES, Size, category
 from openrooms_usd.furniture.placements import Place, SurfacePlacement
 from openrooms_usd.furniture.registry import BUILT
 from openrooms_usd.generation.sizes import drawn_size
+from openrooms_usd.library.styles.assignment.weights import drawn
 
 Variant = tuple[Size, str]
 
@@ -57,8 +58,8 @@ class ProductVariants:
         made = self._known.setdefault((name, wanted), [])
         limit = 1 if spec.one_variant_per_room else placement.max_variants
         fitting = [make for make in made if most is None or _fits(make[0], most)]
-        if len(made) < limit and (not fitting or self.rng.random() < 1.0 / (1.0 + len(made))):
-            style = wanted[int(self.rng.integers(len(wanted)))]
+        if len(made) < limit and (not fitting or self.rng.random() > len(made) / limit):
+            style = drawn(self.rng, {style: spec.styles[style].weight for style in wanted})
             usual = spec.styles[style].size or spec.size
             size = drawn_size(self.rng, name, usual, (None, None, None), 0.0)
             if spec.styles[style].suits(size) and (most is None or _fits(size, most)):

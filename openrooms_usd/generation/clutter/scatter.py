@@ -31,8 +31,13 @@ from openrooms_usd.generation.items import Item, placed
 _TURNED: Final[dict[Lying, float]] = {"flat": 180.0, "on_back": 180.0, "on_side": 180.0}
 _JITTER_DEG: Final = 14.0
 _TILTS: Final[dict[Lying, Tilt]] = {"on_back": (-90.0, 0.0), "on_side": (0.0, 90.0)}
-# Between the things of a row, metres.
-_ROW_GAP_M: Final = 0.006
+# Between the things of a row, least and most; how far they stand out of line, and how far their
+# corners turn out of it; metres.
+_ROW_GAPS_M: Final = (0.008, 0.03)
+_ROW_SHIFT_M: Final = 0.012
+_ROW_SWING_M: Final = 0.006
+# What comes no farther out of a circle is round, metres.
+_ROUND_M: Final = 0.002
 # How much a stack's things are turned and shifted against each other.
 _STACK_TURN_DEG: Final = 6.0
 _STACK_SHIFT_M: Final = 0.006
@@ -60,6 +65,7 @@ class Scatter:
         taken: What takes up space already.
         room_type: One of the 27.
         ceiling: Height of the room, metres.
+        counts: How many there are of each category.
         added: What was laid, with the group of its carrier.
     """
 
@@ -69,6 +75,7 @@ class Scatter:
     taken: Taken
     room_type: str
     ceiling: float
+    counts: Counter[str]
     added: list[tuple[int, Item]] = field(default_factory=list)
     _company: dict[int, list[tuple[str, Array, str]]] = field(default_factory=dict)
     _used: dict[tuple[str, SurfacePlacement], int] = field(default_factory=dict)
@@ -160,7 +167,7 @@ class Scatter:
         rows = [
             row
             for row in candidates(place, self.room_type, level)
-            if self._used.get(row, 0) < row[1].max_groups
+            if self._used.get(row, 0) < row[1].max_groups and self.left(row[0]) > 0
         ]
         if not rows:
             return None
@@ -176,15 +183,21 @@ class Scatter:
         share = np.cumsum(weights) / np.sum(weights)
         return rows[int(np.searchsorted(share, self.rng.random()))]
 
+    def left(self, name: str) -> float:
+        """How many more of a category the room may have."""
+        most = category(name).max_per_room
+        return np.inf if most is None else most - self.counts[name]
+
     def _lay(self, number: int, spot: Spot, name: str, placement: SurfacePlacement) -> None:
         count = int(self.rng.integers(placement.count[0], placement.count[1] + 1))
+        count = int(min(count, self.left(name)))
         room = self._room_on(spot)
         make = self.variants.draw(name, placement, room)
         if make is None:
             return
         thing = posed_object(self.surfaces, name, make, _TILTS.get(placement.pose, (0.0, 0.0)))
         if placement.pose == "row":
-            laid = self._row(number, spot, thing, placement, count)
+            laid = self._row(number, spot, self._beside(thing, placement, count, room), placement)
         elif placement.pose == "stacked":
             laid = self._stack(number, spot, thing, placement, count, room)
         else:
@@ -220,23 +233,38 @@ class Scatter:
         self._take(number, spot, item, thing, middle, spot.z, placement)
         return item
 
+    def _beside(
+        self, first: PosedObject, placement: SurfacePlacement, count: int, room: Size
+    ) -> list[PosedObject]:
+        """What stands in a row: makes as the room has them."""
+        made = [first]
+        for _ in range(count - 1):
+            make = self.variants.draw(first.name, placement, room)
+            made.append(posed_object(self.surfaces, first.name, make) if make else first)
+        return made
+
     def _row(
-        self, number: int, spot: Spot, thing: PosedObject, placement: SurfacePlacement, count: int
-    ) -> list[Item]:  # fmt: skip
-        """Several alike side by side, fewer where there is no space."""
-        width, depth, height = thing.size
-        for n in range(count, 0, -1):
-            whole = n * width + (n - 1) * _ROW_GAP_M
-            middle = self._place(number, spot, (whole, depth, height), placement)
+        self, number: int, spot: Spot, things: list[PosedObject], placement: SurfacePlacement
+    ) -> list[Item]:
+        """Several side by side, a little out of line; fewer where there is no space."""
+        gaps = self.rng.uniform(*_ROW_GAPS_M, len(things)).tolist()
+        for n in range(len(things), 0, -1):
+            sizes = np.array([thing.size for thing in things[:n]])
+            whole = float(sizes[:, 0].sum()) + sum(gaps[: n - 1])
+            depth = float(sizes[:, 1].max()) + 2.0 * _ROW_SHIFT_M
+            middle = self._place(number, spot, (whole, depth, float(sizes[:, 2].max())), placement)
             if middle is None:
                 continue
-            laid = []
-            for i in range(n):
-                x, y = placed(middle, (i - 0.5 * (n - 1)) * (width + _ROW_GAP_M), 0.0)
-                one = (x, y, middle[2] + float(self.rng.uniform(-1.0, 1.0)))
+            laid, x = [], -0.5 * whole
+            for thing, gap in zip(things[:n], gaps, strict=False):
+                spread = 180.0 if _is_round(thing) else np.degrees(_ROW_SWING_M / thing.size[1])
+                y = float(self.rng.uniform(-_ROW_SHIFT_M, _ROW_SHIFT_M))
+                turn = float(self.rng.uniform(-spread, spread))
+                one = (*placed(middle, x + 0.5 * thing.size[0], y), middle[2] + turn)
                 item = item_at(thing, self.key(thing.name), one, spot.z, spot.carrier.key)
                 self._take(number, spot, item, thing, one, spot.z, placement)
                 laid.append(item)
+                x += thing.size[0] + gap
             return laid
         return []
 
@@ -333,6 +361,7 @@ class Scatter:
     def add(self, group: int, item: Item, boxes: Array) -> None:
         """Take in what was laid."""
         self.added.append((group, item))
+        self.counts[item.category] += 1
         self.taken.add(boxes, item.key)
 
     def note(self, number: int, name: str, placement: SurfacePlacement) -> None:
@@ -344,6 +373,13 @@ class Scatter:
         """A new key."""
         self._keys[name] = self._keys.get(name, 0) + 1
         return f"{name} lying {self._keys[name]}"
+
+
+def _is_round(thing: PosedObject) -> bool:
+    """Whether it takes up the same however it is turned."""
+    middle = 0.5 * (thing.low + thing.high)[:2]
+    radius = np.linalg.norm(thing.points[:, :2] - middle, axis=1).max()
+    return bool(radius < 0.5 * min(thing.size[:2]) + _ROUND_M)
 
 
 def _within(frame: Pose, pose: Pose) -> Pose:

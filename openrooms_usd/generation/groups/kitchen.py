@@ -377,7 +377,7 @@ def _appliances_on(kit: Kit, items: Sequence[Item]) -> list[Item]:
     made: list[Item] = []
     for top in [item for item in items if item.category == "worktop"]:
         for name, share in _appliances().items():
-            if not kit.chance(share):
+            if not kit.chance(share) or name in {item.category for item in made}:
                 continue
             for _ in range(6):
                 x = round(float(kit.rng.uniform(-0.45, 0.45)) * top.size[0], 2)

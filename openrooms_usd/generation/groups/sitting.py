@@ -13,7 +13,8 @@ from openrooms_usd.generation.kit import Kit
 
 def sofa_place(kit: Kit, armchairs: int = 2) -> Group:
     """A sofa with a coffee table before it, armchairs across its ends, a lamp and a side table."""
-    sofa = kit.item("sofa", size=kit.size("sofa", width=kit.between(1.6, 2.5), depth=0.92))
+    size, style = kit.matching("sofa", kit.size("sofa", width=kit.between(1.6, 2.5), depth=0.92))
+    sofa = kit.item("sofa", size=size, style=style)
     width, depth, _ = sofa.size
     table_size = kit.size("coffee_table", width=kit.between(0.6, 0.6 * width))
     gap = kit.between(0.36, 0.5)

@@ -18,7 +18,9 @@ def bed_place(kit: Kit, double: float = 0.7) -> Group:
     wide = kit.chance(double * (1.0 - kit.modesty))
     widths = _DOUBLE if wide else _SINGLE
     width = widths[int(kit.rng.integers(1 if kit.modesty > 0.6 else len(widths)))]
-    bed = kit.item("bed", size=kit.size("bed", width=width, depth=kit.between(2.0, 2.12)))
+    bed_size = kit.size("bed", width=width, depth=kit.between(2.0, 2.12))
+    bed_size, bed_style = kit.matching("bed", bed_size)
+    bed = kit.item("bed", size=bed_size, style=bed_style)
     half, depth = 0.5 * width, bed.size[1]
     size, style = kit.make("night_stand")
     items: list[Item] = [bed]
@@ -61,7 +63,9 @@ def built_in(kit: Kit) -> Group | None:
 def clothes(kit: Kit, name: str = "wardrobe", width: tuple[float, float] = (0.9, 2.2)) -> Group:
     """A wardrobe or a dresser, its doors free to open."""
     size = kit.size(name, width=kit.between(*width))
-    piece = kit.item(name, size=(size[0], size[1], min(size[2], round(kit.height - 0.1, 2))))
+    size = (size[0], size[1], min(size[2], round(kit.height - 0.1, 2)))
+    size, style = kit.matching(name, size)
+    piece = kit.item(name, size=size, style=style)
     items: list[Item] = [piece]
     if piece.size[2] < 1.3:
         items += kit.scattered(piece, ("table_lamp", "jar", "bowl"), kit.whole(0, 3), items)

@@ -16,7 +16,11 @@ def piece(
     style = kit.style(name)
     size = kit.size(name, kit.between(*width) if width else None, None, height, style=style)
     size = (size[0], size[1], min(size[2], round(kit.height - 0.1, 2)))
-    thing = kit.item(name, size=size)
+    if height is None and width is None:
+        size, style = kit.matching(name, size)
+        thing = kit.item(name, size=size, style=style)
+    else:
+        thing = kit.item(name, size=size)
     items: list[Item] = [thing]
     if size[2] < 1.4 and tops:
         items += kit.scattered(thing, tops, kit.whole(fewest, most), items)

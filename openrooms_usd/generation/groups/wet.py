@@ -5,6 +5,7 @@ from openrooms_usd.generation.items import Group, Item, zone, zones
 from openrooms_usd.generation.kit import Kit
 
 _SEAM = 0.004
+_DRYER_HEIGHT_M = 0.86
 # Behind a bath that stands free is its tap, metres.
 _BEHIND_BATH_M = 0.115
 _ON_COUNTERS = ("bottle", "jar", "bowl", "jar", "bottle")
@@ -171,12 +172,17 @@ def _standing_tap(kit: Kit, bath: Item) -> Item:
                     style="pillar", optional=True)  # fmt: skip
 
 
-def laundry(kit: Kit, most: int = 3) -> Group:
-    """Washing machines side by side, a basket or bottles on them."""
+def laundry(kit: Kit, most: int = 2) -> Group:
+    """A washing machine, perhaps a dryer beside it, a basket or bottles on them."""
     count = kit.whole(1, most)
-    first = kit.item("washing_machine")
+    size, style = kit.make("washing_machine")
+    first = kit.item("washing_machine", size=size, style=style)
     pitch = first.size[0] + 0.02
-    items = [kit.like(first, round(i * pitch, 3), 0.0) for i in range(count)]
+    items = [first]
+    if count > 1 and style not in ("stacked", "dryer"):
+        dryer = (size[0], size[1], min(size[2], _DRYER_HEIGHT_M))
+        items.append(kit.item("washing_machine", round(pitch, 3), 0.0, size=dryer, style="dryer"))
+    count = len(items)
     on: list[Item] = []
     for machine in items:
         if kit.chance(0.6):

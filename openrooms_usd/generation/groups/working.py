@@ -29,7 +29,9 @@ def equipped(kit: Kit, desk: Item, screen: str = "monitor", extras: int = 2) -> 
 
 def desk_place(kit: Kit, chair: str = "office_chair", screen: str = "", extras: int = 2) -> Group:
     """A desk against the wall with a chair, a screen and a bin."""
-    desk = kit.item("desk", size=kit.size("desk", width=kit.between(1.0, 1.7), height=0.74))
+    size = kit.size("desk", width=kit.between(1.0, 1.7), height=0.74)
+    size, style = kit.matching("desk", size)
+    desk = kit.item("desk", size=size, style=style)
     seat = kit.tucked(kit.item(chair), desk, 0.0, -90.0, jitter=20.0, deepest=0.5)
     items = [desk, *([seat] if seat else [])]
     items += equipped(kit, desk, screen or kit.pick(("monitor", "monitor", "laptop")), extras)

@@ -92,11 +92,11 @@ class Interior:
         found = {name: weight * self.families.get(name, 1.0) for name, weight in weights.items()}
         return found if any(found.values()) else weights
 
-    def style_of(self, category: str, styles: tuple[str, ...], rng: np.random.Generator) -> str:
-        """Draw one of some styles of a category of furniture."""
+    def style_of(self, category: str, weights: Weights, rng: np.random.Generator) -> str:
+        """Draw one of some styles of a category of furniture, of the weights of its record."""
         factors = self.furniture.get(category, {})
-        weights = {style: factors.get(style, 1.0) for style in styles}
-        return drawn(rng, weights if any(weights.values()) else dict.fromkeys(styles, 1.0))
+        found = {style: weight * factors.get(style, 1.0) for style, weight in weights.items()}
+        return drawn(rng, found if any(found.values()) else weights)
 
 
 def _interior(told: dict[str, Any]) -> Interior:
