@@ -116,7 +116,7 @@ def lines_needed(points: Array, slack: Array, pieces: Ints, closed: bool) -> Int
     with np.errstate(divide="ignore", invalid="ignore"):
         wanted = LINES * np.sqrt(steepest / (8.0 * slack[rows].max(axis=1)))
     wanted = np.nan_to_num(wanted, nan=0.0, posinf=_MOST_LINES)
-    return np.ceil(np.clip(wanted, LINES, _MOST_LINES)).astype(np.int64)
+    return np.asarray(np.ceil(np.clip(wanted, LINES, _MOST_LINES)), dtype=np.int64)
 
 
 def weighted(places: Ints, way: Array, basis: Array, rows: Ints, size: int) -> csr_array:

@@ -84,10 +84,7 @@ class Inputs:
         numbers = {
             name: self._textures[name].eval_1(si, active) for name in ("roughness", "metallic")
         }
-        relief = mi.Vector3f(0.0, 0.0, 1.0)
-        if self._normal is not None:
-            stored = self._normal.eval_3(si, active)
-            relief = mi.Vector3f(stored.x, stored.y, stored.z) * 2.0 - 1.0
+        relief = relief_of(self._normal, si, active)
         return Matter(base, **numbers, f0=self._f0, transmission=self._transmission, relief=relief)
 
     def traverse(self, callback: Any) -> None:
@@ -222,37 +219,52 @@ def register(variant: str) -> Any:
     Args:
         variant: The name of the active variant: each has a base class of its own.
     """
+    flags = mi.BSDFFlags
+    parts = (flags.GlossyReflection, flags.DiffuseReflection, flags.DiffuseTransmission)
+    return define_bsdf(NAME, Inputs, Reflection, parts)
 
-    class OpenRoomsBSDF(mi.BSDF):
-        def __init__(self, properties: Any, source: Source | None = None) -> None:
+
+def define_bsdf(name: str, inputs: Any, model: Any, parts: tuple[Any, ...]) -> Any:
+    """Make a BSDF of a model known to the active variant, and return its class.
+
+    Args:
+        name: How descriptions call it.
+        inputs: Makes the source of a plugin's properties.
+        model: Has ``at(source, context, si, active)`` with ``view``, ``direction`` and ``value``.
+        parts: What its parts are, by their numbers.
+    """
+
+    class ModelBSDF(mi.BSDF):
+        def __init__(self, properties: Any, source: Any = None) -> None:
             super().__init__(properties)
-            self.source = source or Inputs(properties)
+            self.source = source or inputs(properties)
             flags = mi.BSDFFlags
             sides = flags.FrontSide | flags.BackSide | flags.SpatiallyVarying
-            parts = (flags.GlossyReflection, flags.DiffuseReflection, flags.DiffuseTransmission)
             self.m_components = [part | sides for part in parts]
             self.m_flags = reduce(or_, self.m_components)
 
         def sample(
             self, context: Any, si: Any, which: Any, where: Any, active: Any = True
         ) -> tuple[Any, Any]:
-            model = Reflection.at(self.source, context, si, active)
-            wo, part = model.direction(which, where)
-            local = model.view.frame.to_world(wo)
-            value, density = model.value(wo, local)
+            at = model.at(self.source, context, si, active)
+            wo, part = at.direction(which, where)
+            local = at.view.frame.to_world(wo)
+            value, density = at.value(wo, local)
             # What the lobe sends below the horizon is lost; it is no transmission.
             active = active & (density > 0.0) & ((part == 2) | (wo.z > 0.0))
             bs: Any = dr.zeros(mi.BSDFSample3f)
             bs.wo = local
             bs.pdf = dr.select(active, density, 0.0)
             bs.eta = 1.0
-            bs.sampled_type = _type_of(part)
+            bs.sampled_type = mi.UInt32(int(parts[0]))
+            for number, kind in enumerate(parts[1:], 1):
+                bs.sampled_type = dr.select(part == number, int(kind), bs.sampled_type)
             bs.sampled_component = part
             return bs, dr.select(active, value / dr.select(active, density, 1.0), 0.0)
 
         def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            model = Reflection.at(self.source, context, si, active)
-            value, density = model.value(model.view.frame.to_local(wo), wo)
+            at = model.at(self.source, context, si, active)
+            value, density = at.value(at.view.frame.to_local(wo), wo)
             return dr.select(active, value, 0.0), dr.select(active, density, 0.0)
 
         def eval(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
@@ -268,15 +280,15 @@ def register(variant: str) -> Any:
             self.source.traverse(callback)
 
         def to_string(self) -> str:
-            return f"OpenRoomsBSDF[{self.id()}]"
+            return f"{name}[{self.id()}]"
 
-    mi.register_bsdf(NAME, OpenRoomsBSDF)
-    return OpenRoomsBSDF
+    mi.register_bsdf(name, ModelBSDF)
+    return ModelBSDF
 
 
-def _type_of(part: Any) -> Any:
-    flags = mi.BSDFFlags
-    reflected = dr.select(
-        part == 0, mi.UInt32(int(flags.GlossyReflection)), mi.UInt32(int(flags.DiffuseReflection))
-    )
-    return dr.select(part == 2, mi.UInt32(int(flags.DiffuseTransmission)), reflected)
+def relief_of(normal: Any, si: Any, active: Any) -> Any:
+    """The normals that a texture stores in 0..1; flat where there is none."""
+    if normal is None:
+        return mi.Vector3f(0.0, 0.0, 1.0)
+    stored = normal.eval_3(si, active)
+    return mi.Vector3f(stored.x, stored.y, stored.z) * 2.0 - 1.0

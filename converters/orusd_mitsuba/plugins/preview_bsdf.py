@@ -14,15 +14,14 @@ Sides and relief are those of OpenRooms' model (`openrooms_bsdf`), and of the gr
 """
 
 from dataclasses import dataclass
-from functools import cache, reduce
-from operator import or_
+from functools import cache
 from typing import Any, Final
 
 import drjit as dr
 import mitsuba as mi
 
 from orusd_mitsuba.plugins import microfacet
-from orusd_mitsuba.plugins.openrooms_bsdf import View, view_of
+from orusd_mitsuba.plugins.openrooms_bsdf import View, define_bsdf, relief_of, view_of
 
 NAME: Final = "usd_preview"
 _TEXTURES: Final = {"base_color": 0.18, "roughness": 0.5, "metallic": 0.0}
@@ -85,15 +84,15 @@ class TextureInputs:
         """The inputs at surface interactions."""
         base = self._textures["base_color"].eval(si, active)
         others = {n: self._textures[n].eval_1(si, active) for n in ("roughness", "metallic")}
-        relief, specular = mi.Vector3f(0.0, 0.0, 1.0), None
-        if self._normal is not None:
-            stored = self._normal.eval_3(si, active)
-            relief = mi.Vector3f(stored.x, stored.y, stored.z) * 2.0 - 1.0
+        relief, specular = relief_of(self._normal, si, active), None
         if self._specular is not None:
             specular = self._specular.eval(si, active), mi.Float(1.0)
         return Inputs(
             base, **others, f0=self._f0, relief=relief, specular=specular, coat=self._coat
         )
+
+    def traverse(self, callback: Any) -> None:
+        """Show nothing to Mitsuba."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,14 +136,15 @@ class Preview:
         return lobe, coat
 
     def direction(self, which: Any, where: Any) -> tuple[Any, Any]:
-        """A direction in the view's frame, and whether it is of a lobe."""
+        """A direction in the view's frame, and the number of the part that it is of."""
         lobe, coat = self.shares
         rough = self.inputs.roughness
         if self.inputs.coat is not None:
             rough = dr.select(which < lobe, rough, self.inputs.coat[1])
         glossy = which < lobe + coat
         mirrored = microfacet.sample_lobe(self.view.wi, rough, where)
-        return dr.select(glossy, mirrored, mi.warp.square_to_cosine_hemisphere(where)), glossy
+        wo = dr.select(glossy, mirrored, mi.warp.square_to_cosine_hemisphere(where))
+        return wo, dr.select(glossy, mi.UInt32(0), mi.UInt32(1))
 
     def value(self, wo: Any, local: Any) -> tuple[Any, Any]:
         """The model times the cosine of a direction, and its density over solid angle."""
@@ -184,49 +184,5 @@ def register(variant: str) -> Any:
     Args:
         variant: The name of the active variant: each has a base class of its own.
     """
-
-    class PreviewBSDF(mi.BSDF):
-        def __init__(self, properties: Any, source: Any = None) -> None:
-            super().__init__(properties)
-            self.source = source or TextureInputs(properties)
-            flags = mi.BSDFFlags
-            sides = flags.FrontSide | flags.BackSide | flags.SpatiallyVarying
-            self.m_components = [flags.GlossyReflection | sides, flags.DiffuseReflection | sides]
-            self.m_flags = reduce(or_, self.m_components)
-
-        def sample(
-            self, context: Any, si: Any, which: Any, where: Any, active: Any = True
-        ) -> tuple[Any, Any]:
-            model = Preview.at(self.source, context, si, active)
-            wo, glossy = model.direction(which, where)
-            local = model.view.frame.to_world(wo)
-            value, density = model.value(wo, local)
-            # What a lobe sends below the horizon is lost.
-            active = active & (density > 0.0) & (wo.z > 0.0)
-            flags = (mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection)
-            bs: Any = dr.zeros(mi.BSDFSample3f)
-            bs.wo, bs.eta = local, 1.0
-            bs.pdf = dr.select(active, density, 0.0)
-            bs.sampled_type = dr.select(glossy, *(mi.UInt32(int(flag)) for flag in flags))
-            bs.sampled_component = dr.select(glossy, mi.UInt32(0), mi.UInt32(1))
-            return bs, dr.select(active, value / dr.select(active, density, 1.0), 0.0)
-
-        def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            model = Preview.at(self.source, context, si, active)
-            value, density = model.value(model.view.frame.to_local(wo), wo)
-            return dr.select(active, value, 0.0), dr.select(active, density, 0.0)
-
-        def eval(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(context, si, wo, active)[0]
-
-        def pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(context, si, wo, active)[1]
-
-        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-            return self.source(si, active).diffuse
-
-        def to_string(self) -> str:
-            return f"PreviewBSDF[{self.id()}]"
-
-    mi.register_bsdf(NAME, PreviewBSDF)
-    return PreviewBSDF
+    parts = (mi.BSDFFlags.GlossyReflection, mi.BSDFFlags.DiffuseReflection)
+    return define_bsdf(NAME, TextureInputs, Preview, parts)

@@ -63,11 +63,11 @@ def _at_points(
     own: TriangleMesh, triangles: Ints, normals: Array, heights: Array, areas: Array
 ) -> tuple[Array, Array, Array]:
     """(N, 3) normals and (N,) heights at points, summed by area, and (N,) these areas."""
-    flat, share = triangles.ravel(), np.repeat(areas, 3)
-    count = len(own.points)
-    sums = [np.bincount(flat, share * normals.reshape(-1, 3)[:, k], count) for k in range(3)]
-    weight = np.maximum(np.bincount(flat, share, count), 1e-300)
-    return np.stack(sums, axis=1), np.bincount(flat, share * heights.ravel(), count), weight
+    share = np.repeat(areas, 3)
+    columns = (*normals.reshape(-1, 3).T, heights.ravel(), np.ones(len(share)))
+    count, flat = len(own.points), triangles.ravel()
+    sums = np.array([np.bincount(flat, share * column, count) for column in columns], np.float64)
+    return sums[:3].T, sums[3], np.maximum(sums[4], 1e-300)
 
 
 def _smoothed(own: TriangleMesh, points: Array) -> np.ndarray | None:
