@@ -127,7 +127,7 @@ def check_replaceable(target: Path) -> None:
 def check_free(targets: Iterable[Path]) -> None:
     """See that nothing of anybody else's would give way; a folder may hold what is ours alone.
 
-    Nothing is refused where no ledger is kept.
+    Files are free where no ledger is kept.
 
     Raises:
         OutputError: Something would; it is named.

@@ -23,16 +23,13 @@ if TYPE_CHECKING:
     from filelock import BaseFileLock
 
 FILE: Final = ".orusd.lock"
-# Held for the moment in which a single file appears: who wants it too waits.
-_SINGLE_FILE: Final = ".orusd.files.lock"
-_PATIENCE_SECONDS: Final = 60.0
 
 _LONGEST_HOLDER: Final = 120  # characters
 # What stands in a lock file; nothing where its process was killed before it said who it is.
 _HOLDER: Final = re.compile(r"(?:process \d+ \(|\Z)")
-# What this process holds: lock files, each with the thread that claimed it.
+# What this process holds: folders, each with the thread that claimed it.
 _HELD: Final[set[tuple[Path, int]]] = set()
-# Their folders that were not there before.
+# Those of them that were not there before.
 _MADE: Final[set[Path]] = set()
 
 
@@ -117,13 +114,14 @@ def check_refill(folder: Path, file: str, names: Iterable[str]) -> None:
 def output(target: Path) -> Iterator[None]:
     """Write a single file that a person named inside the block; see `check_output`.
 
+    Others may write other files into its folder at the same time.
+
     Raises:
         OutputError: It cannot be written, or is there and not ours.
     """
-    folder = target.parent
     with (
-        locked(folder, _SINGLE_FILE, _PATIENCE_SECONDS),
-        ledger.kept(folder, ledger.SINGLE_FILE, deep=False),
+        atomic.making(target.parent),
+        ledger.kept(target.parent, ledger.name_of(target.name), deep=False),
     ):
         yield
 
@@ -135,39 +133,34 @@ def check_output(target: Path) -> None:
         OutputError: What is there is not what an earlier run wrote so, or is no file.
     """
     atomic.check_replaceable(target)
-    with ledger.kept(target.parent, ledger.SINGLE_FILE, deep=False):
+    with ledger.kept(target.parent, ledger.name_of(target.name), deep=False):
         atomic.check_free([target])
 
 
 @contextmanager
-def locked(folder: Path, file: str = FILE, patience: float = 0.0) -> Iterator[bool]:
+def locked(folder: Path) -> Iterator[bool]:
     """Have a folder to oneself, and swept, without a ledger.
-
-    Args:
-        folder: The folder.
-        file: The lock file in it: who has another one does not matter.
-        patience: How many seconds to wait for another process.
 
     Yields:
         Whether the process that had it last was killed.
     """
-    key = (folder.absolute() / file, threading.get_ident())
+    key = (folder.absolute(), threading.get_ident())
     if key in _HELD:
         yield False
         return
     with writing(folder):
         is_new = not folder.exists()
-    with atomic.making(folder), _exclusively(folder / file, patience) as was_killed:
+    with atomic.making(folder), _exclusively(folder) as was_killed:
         _HELD.add(key)
         if is_new:
-            _MADE.add(folder.absolute())
+            _MADE.add(key[0])
         try:
             for inner in _to_sweep(folder) if was_killed else [folder]:
                 unfinished.sweep(inner)
             yield was_killed
         finally:
             _HELD.remove(key)
-            _MADE.discard(folder.absolute())
+            _MADE.discard(key[0])
 
 
 def abandon() -> None:
@@ -176,13 +169,13 @@ def abandon() -> None:
     For a process that is about to end while its main thread cannot be stopped: what it has not
     finished is removed, and so are its lock files.
     """
-    for lock, _ in list(_HELD):
-        for inner in list(_to_sweep(lock.parent)):
+    for folder, _ in list(_HELD):
+        for inner in list(_to_sweep(folder)):
             unfinished.sweep(inner, own=True)
         with suppress(OSError):
-            removal.remove_file(lock)
-        if lock.parent in _MADE:
-            removal.remove_if_empty(lock.parent)
+            removal.remove_file(folder / FILE)
+        if folder in _MADE:
+            removal.remove_if_empty(folder)
 
 
 def _to_sweep(folder: Path) -> Iterator[Path]:
@@ -194,14 +187,14 @@ def _to_sweep(folder: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def _exclusively(path: Path, patience: float) -> Iterator[bool]:
+def _exclusively(folder: Path) -> Iterator[bool]:
     """Hold the lock of a folder; whether the process that had it last was killed."""
     from filelock import FileLock, Timeout
 
-    folder = path.parent
+    path = folder / FILE
     was_killed = os.path.lexists(path)
     _check_lock(path)
-    lock = FileLock(path, timeout=patience)
+    lock = FileLock(path, timeout=0)
     with writing(folder):
         try:
             lock.acquire()

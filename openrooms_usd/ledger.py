@@ -25,16 +25,27 @@ from openrooms_usd.names import EDITS, LAYERS
 FILE: Final = ".orusd.sha256"
 # Renders keep one of their own: a room may lie in the same folder.
 RENDER_FILE: Final = ".orusd.render.sha256"
-# Of single files that a person named, whatever wrote them.
-SINGLE_FILE: Final = ".orusd.files.sha256"
 # The layer of a room that people write as well: who replaces it has read it.
 _PEOPLES: Final = f"{LAYERS}/{EDITS}.usda"
 
 _LINE: Final = re.compile(r"(?P<digest>[0-9a-f]{64})  (?P<path>.+)")
 # What differs from run to run is not noted: it belongs to who the manifest beside it belongs to.
 _TIMING: Final = re.compile(r"(?:(?P<of>[^/]+)_)?timing\.json")
+# Of the name of an output, less than file systems allow by what is added here.
+_LONGEST_BYTES: Final = 200
 # Names with line ends would break the format: such files are never removed.
 _UNWRITABLE: Final = re.compile(r"[\n\r\0\\]")
+
+
+def name_of(output: str) -> str:
+    """The name of the ledger of an output that shares its folder with others.
+
+    Args:
+        output: Its name, such as ``room.glb``; where it is too long, its digest stands for it.
+    """
+    data = os.fsencode(output)
+    name = output if len(data) <= _LONGEST_BYTES else hashlib.sha256(data).hexdigest()[:16]
+    return f".orusd.{name}.sha256"
 
 
 class Ledger:

@@ -61,6 +61,7 @@ def test_what_is_relit_is_written_where_it_is_wanted(rendered: ou.Render, here: 
     assert list(here.iterdir()) == []
     ou.relight(str(rendered["left"].folder), {"window_0": 0.5}, out="relit")
     assert {path.name for path in Path("relit").iterdir()} == {
+        ".orusd.relight.sha256",
         "manifest.json",
         "radiance.exr",
         "radiance.png",

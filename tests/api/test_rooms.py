@@ -47,6 +47,8 @@ def test_a_capture_becomes_a_room_that_composes(here: Path) -> None:
     assert imported.room.folder == Path("room")
     scene = ou.compose(imported.room, "out", only="layout")
     assert scene.path == Path("out/scene.usda")
+    ou.import_capture("captured.json", "room", kind="boxes")
+    imported.file.write_text("room: misc\n")
     with pytest.raises(OutputError, match="a room already"):
         ou.import_capture("captured.json", "room", kind="boxes")
     with pytest.raises(InputError, match="no importer is named"):

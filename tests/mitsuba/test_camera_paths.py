@@ -101,7 +101,7 @@ def test_a_path_gives_the_same_bytes_again(room: Path, made: Any, tmp_path: Path
 
 def test_what_is_not_ours_is_not_replaced(room: Path, tmp_path: Path) -> None:
     (tmp_path / "tour.json").write_text("{}", encoding="utf-8")
-    with pytest.raises(OutputError, match="not of an earlier path"):
+    with pytest.raises(OutputError, match="would be replaced"):
         rendered(room, tmp_path)
     with pytest.raises(InputError, match="does not move"):
         render_path(room / "room.usda", tmp_path / "out", "Camera", RenderSettings(resolution=SIZE))

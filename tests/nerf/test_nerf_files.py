@@ -12,7 +12,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.errors import InputError, OutputError
+from openrooms_usd.errors import InputError
 from openrooms_usd.rendering import color
 from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.rendering.reading import RenderedScene, read_render
@@ -181,17 +181,6 @@ def test_files_of_views_that_are_gone_go_too(render: RenderedScene, tmp_path: Pa
     write(make_render(tmp_path / "one", views=1), tmp_path / "data")
     names = sorted(path.name for path in (tmp_path / "data/images").iterdir())
     assert names == ["own.png", "view_0.png"]
-
-
-@pytest.mark.parametrize("name", ["transforms.json", "images/view_0.png"])
-def test_a_capture_of_somebody_else_is_not_replaced(
-    name: str, render: RenderedScene, tmp_path: Path
-) -> None:
-    (tmp_path / name).parent.mkdir(exist_ok=True)
-    (tmp_path / name).write_text("theirs")
-    with pytest.raises(OutputError, match="would be replaced"):
-        write(render, tmp_path)
-    assert contents(tmp_path) == {name: b"theirs"}
 
 
 def test_nothing_appears_when_something_fails(render: RenderedScene, tmp_path: Path) -> None:

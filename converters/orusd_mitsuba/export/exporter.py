@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd import atomic, claims, imagefile
+from openrooms_usd import atomic, claims, imagefile, ledger
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
@@ -110,7 +110,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
     report_plain(scene)
     report_principled(scene)
     # A folder may hold several scenes: each has a ledger of its own.
-    with claims.refilling(file.parent, f".orusd.{file.name}.sha256") as refill:
+    with claims.refilling(file.parent, ledger.name_of(file.name)) as refill:
         _write_scene(stage, scene, refill.folder / file.name)
     return scene.report
 

@@ -139,6 +139,7 @@ def test_a_folder_a_description_and_a_scan_all_have_a_room(tmp_path: Path) -> No
     scan = scan_of(np.array(BOX), 2.5, tmp_path)
     file = room_file(scan, tmp_path / "room")
     assert room_file(tmp_path / "room") == room_file(file) == file
+    file.write_text(f"{file.read_text()}# mine\n")
     for source, out, said in (
         (scan, None, "needs a folder"),
         (file, tmp_path / "other", "changed where it is"),
