@@ -69,6 +69,8 @@ class Category:
         joint_damping: What resists its hinges; None for that of a cupboard's door.
         collision_softness: How far its collision shapes may be off because it gives way where it
             is touched, metres.
+        lies_under: Whether it is a layer, such as a rug, that gives way below what has the same
+            support.
         view_importance: How much a whole one is worth in a picture of a room, out of 5; None where
             its size decides.
     """
@@ -83,6 +85,7 @@ class Category:
     construction: tuple[Row, ...] = ()
     joint_damping: JointDamping | None = None
     collision_softness: float = 0.0
+    lies_under: bool = False
     view_importance: float | None = None
 
 

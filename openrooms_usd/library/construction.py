@@ -78,6 +78,12 @@ def tolerance_of(category: str, usual: float) -> float:
     return max(usual, known.collision_softness) if known else usual
 
 
+def lies_under(category: str) -> bool:
+    """Whether a category is a layer that gives way below what stands on the same support."""
+    known = record(kind_of(category))
+    return bool(known and known.lies_under)
+
+
 def joint_damping_of(category: str, kind: Literal["hinge", "rail"]) -> JointDamping:
     """What resists the hinges or the rails of a category, where nobody says more."""
     known = record(kind_of(category))

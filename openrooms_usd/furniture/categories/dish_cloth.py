@@ -51,6 +51,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.04, 0.4),
     words="dishcloth tea_towel kitchen_towel dish_towel cloth rag washcloth",
+    lies_under=True,
     classes=Classes(nyu40="towel", ade20k="towel"),
     schemes=(scheme("dish_linen"),),
     construction=(row(ANY, filled(160), "common"),),

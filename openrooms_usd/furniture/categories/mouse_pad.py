@@ -43,6 +43,7 @@ CATEGORY: Final = BuiltCategory(
         "small": Style(small, lambda size: size[0] < 0.45),
         "stitched": Style(stitched, lambda size: size[0] > 0.4, (0.8, 0.33, 0.005)),
     },
+    lies_under=True,
     support="surface",
     mass_range=(0.03, 1.2),
     words="mousepad desk_mat",

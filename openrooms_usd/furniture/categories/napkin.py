@@ -58,6 +58,7 @@ CATEGORY: Final = BuiltCategory(
         "ringed": Style(ringed, lambda size: size[2] >= 0.3 * size[1], (0.2, 0.045, 0.045)),
     },
     one_variant_per_room=True,
+    lies_under=True,
     support="surface",
     mass_range=(0.005, 0.15),
     words="napkins serviette",

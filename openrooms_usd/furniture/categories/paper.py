@@ -127,6 +127,7 @@ CATEGORY: Final = BuiltCategory(
             mass_range=(0.002, 0.05),
         ),
     },
+    lies_under=True,
     support="surface",
     mass_range=(0.02, 0.6),
     words="papers envelope envelopes letter letters document documents notepad sheet_of_paper",

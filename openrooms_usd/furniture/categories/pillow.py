@@ -135,6 +135,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.3, 1.5),
     words="cushion pillows",
+    lies_under=True,
     classes=Classes("pillow", "pillow", "pillow"),
     synsets=("03938244",),
     schemes=(scheme("linen"),),

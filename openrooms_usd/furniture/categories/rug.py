@@ -150,6 +150,7 @@ CATEGORY: Final = BuiltCategory(
     alternative_supports=("wall",),
     mass_range=(3, 12),
     words="carpet floor_mat bathmat bath_mat mat door_mat doormat",
+    lies_under=True,
     classes=Classes(ade20k="rug"),
     schemes=(scheme("carpet", border="carpet_border", trim="carpet_border", fringe="linen"),),
     construction=(row(ANY, filled(220), "common"),),

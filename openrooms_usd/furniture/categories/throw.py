@@ -50,6 +50,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.4, 3),
     words="blanket throws throw_blanket plaid quilt afghan comforter",
+    lies_under=True,
     classes=Classes(ade20k="blanket"),
     schemes=(scheme("throw"),),
     construction=(row(ANY, filled(130), "common"),),

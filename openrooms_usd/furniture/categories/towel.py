@@ -55,6 +55,7 @@ CATEGORY: Final = BuiltCategory(
     alternative_supports=("wall",),
     mass_range=(0.15, 1.6),
     words="towels hand_towel bath_towel",
+    lies_under=True,
     classes=Classes(nyu40="towel", ade20k="towel"),
     schemes=(scheme("terry"),),
     construction=(row(ANY, filled(190), "common"),),

@@ -4,6 +4,7 @@
 - `cache`: collision shapes that were searched before; `ahead`: and those that will be needed, by
   several processes; `colliders`: shapes and masses of an asset;
 - `objects`: all objects of a room, each of those that are alike once, and what is written of them;
+- `layers`: rugs and other things that lie under others without lifting them;
 - `stage`: all of it, walls, floor and fixtures too.
 
 Processes that search shapes start with this package: it imports nothing, USD least of all.

@@ -35,6 +35,7 @@ from openrooms_usd.stages.physics.colliders import (
     LinkColliders,
     searches_of,
 )
+from openrooms_usd.stages.physics.layers import pass_layers
 from openrooms_usd.stages.physics.objects import Objects, author_physics, search_colliders
 from openrooms_usd.stages.physics.parts import RigidAsset, RigidLink, Solid, Substance
 from openrooms_usd.usd.bodies import define_scene
@@ -200,6 +201,7 @@ class PhysicsStage:
             author_room(context, room)
         _publish(context, missing)
         _reference(context, found, files)
+        pass_layers(context.stage, roots)
 
 
 def _code(category: str) -> str:
