@@ -19,7 +19,7 @@ else:
 
 def other_words() -> dict[str, str]:
     """The category by each other word for it, as the records of the categories have them."""
-    found = {}
+    found: dict[str, str] = {}
     for name in CATEGORIES:
         tree = ast.parse((_FOLDER / f"{name}.py").read_text(encoding="utf-8"))
         said = (node for node in ast.walk(tree) if isinstance(node, ast.keyword))

@@ -222,8 +222,9 @@ def _text(row: ErrorDetails, spot: _Spot, found: Any) -> str:
     values = {**limits, "unit": _unit(spot.annotation), "entries": len(get_args(spot.holder))}
     expected = _EXPECTED[kind].format(**values) if kind in _EXPECTED else row["msg"]
     most = context.get("le", context.get("lt"))
-    slipped = most is not None and _unit(spot.annotation) == " m" and type(found) in (int, float)
-    hint = in_metres(found, most) if slipped else as_linear(spot.path, found)
+    hint = as_linear(spot.path, found)
+    if most is not None and _unit(spot.annotation) == " m" and isinstance(found, int | float):
+        hint = in_metres(float(found), most)
     return f"expected {expected}, found {shown(found)}{hint}"
 
 

@@ -35,9 +35,9 @@ _WIDTH_SHARE: Final = 0.12
 _MAX_WIDTH_SHARE: Final = 0.5
 # In front of what counts as seen, metres: its own cushions and blankets.
 _BEFORE_M: Final = 0.05
-# Nearer than this, metres, things are too large before the lens; pictures lose a factor e for each
-# such share of their pixels.
-_CLOSE_M: Final = 0.6
+# Nearer than this, metres, things are too large before the lens: a lamp on a desk, the saddle of a
+# bicycle. Pictures lose a factor e for each such share of their pixels.
+_CLOSE_M: Final = 0.95
 _CLOSE_SHARE: Final = 0.03
 _FOREGROUND_M: Final = 1.2
 _FOREGROUND_SHARE: Final = 0.25

@@ -83,6 +83,21 @@ def test_a_shelf_beside_the_lens_costs_half_of_the_score() -> None:
     assert ratings(eye, aim, table)[0] > 0.8 * ratings(eye, aim)[0]
 
 
+@pytest.mark.parametrize(("away", "near"), [(0.8, True), (1.1, False)])
+def test_a_thing_before_the_lens_costs_by_its_share_of_the_picture(away: float, near: bool) -> None:
+    """A plate across the line of sight, low in the picture, against the same view without it."""
+    eye, aim, wide = np.array([[3.0, 0.3, 1.4]]), np.array([[3.0, 4.0, 1.4]]), 0.12
+    half = np.tan(np.radians(0.5 * 65.0)) * away
+    low = 1.4 - 0.9 * 0.75 * half
+    corners = (3.0 - wide, 0.3 + away, low), (3.0 + wide, 0.305 + away, low + wide)
+    plate = (*corners, False)
+    bare, before = ratings(eye, aim)[0], ratings(eye, aim, plate)[0]
+    share = 2.0 * wide * wide / (4.0 * half * half * 0.75)
+    assert -np.log(before / bare) == pytest.approx(
+        share / 0.25 + near * share / 0.03, rel=0.4, abs=0.15
+    )
+
+
 def test_half_of_the_views_aim_at_a_subject() -> None:
     subject = np.array([[4.5, 0.5, 0.4]])
     views = photographers_views(

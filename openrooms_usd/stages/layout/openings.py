@@ -166,8 +166,8 @@ def _clashes(cuts: Sequence[Cut], clockwise: bool) -> Iterator[tuple[str, str]]:
         for other in cuts[:i]:
             if other.wall is cut.wall and too_close(other.hole, cut.hole):
                 places = " and ".join(f"{c.name} {_extent(c, clockwise)}" for c in (other, cut))
-                said = f"{other.name} and {cut.name} in {_words(cut.wall)} overlap: {places}; move one, or make it narrower"
-                yield cut.name, said
+                pair = f"{other.name} and {cut.name} in {_words(cut.wall)}"
+                yield cut.name, f"{pair} overlap: {places}; move one, or make it narrower"
 
 
 def _extent(cut: Cut, clockwise: bool) -> str:
