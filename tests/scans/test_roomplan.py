@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 from typing import Any
 
@@ -200,12 +201,33 @@ def test_boxes_have_their_width_right_depth_back_and_height_up(scanner, yaw: flo
     assert to_source(capture, box.center) == pytest.approx(scanner.source([1, 2, 0.45]))
 
 
-def test_sloped_walls_are_noted(scanner) -> None:
-    data = scanner.room(CORNERS, HEIGHT)
-    data["walls"][1]["polygonCorners"] = [[-1, -1, 0], [1, -1, 0], [0, 1, 0]]
+# Outlines of the second wall, 3 m by 2 m about its middle, and the height of the room's ceiling.
+GABLE = [[-1.5, -1, 0], [1.5, -1, 0], [1.5, 0, 0], [0, 1.5, 0], [-1.5, 0, 0]]
+SHED = [[-1.5, -1, 0], [1.5, -1, 0], [1.5, 1.25, 0], [-1.5, 0.5, 0]]
+SQUARE = [[-1.5, -1, 0], [1.5, -1, 0], [1.5, 1, 0], [-1.5, 1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("outline", "tall", "ceiling", "told"),
+    [
+        (GABLE, 2.0, 2.5, "2.50 m.*: 3 walls are 2.00 m high .*; 1 wall is sloped, up to 2.50 m"),
+        (SHED, 2.0, 2.25, "2.25 m.*: 3 walls are 2.00 m high .*; 1 wall is sloped, up to 2.25 m"),
+        (SQUARE, 2.0, 2.0, ""),
+        ([], 2.0, 2.0, ""),
+        ([], 2.8, 2.0, "level at 2.00 m.*: 1 wall is 2.80 m high \\(tall\\)"),
+        ([], 1.2, 2.0, "level at 2.00 m.*: 1 wall is 1.20 m high \\(tall\\)"),
+    ],
+)
+def test_walls_of_other_heights_and_shapes_are_told(
+    scanner, outline: list, tall: float, ceiling: float, told: str
+) -> None:
+    data = scanner.room(BOX, 2.0)
+    data["walls"][1] = scanner.surface("wall", BOX[1], BOX[2], 0.0, tall, identifier="tall")
+    data["walls"][1]["polygonCorners"] = outline
     capture = read(scanner.write(data))
-    assert same_ring(floor_in_source(capture), expected_floor(scanner), 1e-8)
-    assert "1 wall that is no rectangle" in "\n".join(capture.notes)
+    assert capture.height == pytest.approx(ceiling)
+    assert len(capture.notes) == bool(told)
+    assert re.search(told, " ".join(capture.notes))
 
 
 def spoiled(data: dict, **changes: object) -> dict:

@@ -4,5 +4,6 @@
   holds;
 - `records`: these, checked one by one; `curves`: curved walls;
 - `spaces`: which room is meant, and what is in it;
+- `heights`: how high it is, and which walls are not;
 - `importer`: all of it.
 """

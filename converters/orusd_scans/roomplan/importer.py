@@ -27,6 +27,7 @@ from openrooms_usd.capture import (
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.floorplan import TWIN_DISTANCE_M, from_lower_left, heading, tidied
+from orusd_scans.roomplan.heights import ceiling_height, tell_heights
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, facets, placed, rectangle
 from orusd_scans.worldframe import WorldFrame
@@ -73,12 +74,15 @@ class RoomPlanImporter:
         corners = None if outline is None else np.round(frame.points(outline)[:, :2], 9) + 0.0
         floor = None if corners is None else tidied(corners, notes)
         floor = None if floor is None else from_lower_left(floor)
-        notes += _approximations(room)
         # Walls outside belong to other rooms, where there are any.
         told = notes if space.is_whole else []
         inner = (
             InnerWalls() if floor is None else inner_walls(room.walls, floor, frame.points, told)
         )
+        height = ceiling_height(room.walls, frame)
+        others = {*(inner.names or ()), *inner.outside}
+        outer = (wall for wall in room.walls if wall.id not in others)
+        tell_heights(outer, height, frame, notes)
         openings = [
             *(_opening(record, "door", frame) for record in room.doors),
             *(_opening(record, "window", frame) for record in room.windows),
@@ -88,7 +92,7 @@ class RoomPlanImporter:
             source=source.name,
             source_from_world=frame.source_from_world(),
             floor=floor,
-            height=_height(room, frame),
+            height=height,
             openings=tuple(
                 replace(opening, wall=inner.wall_of(opening.wall))
                 for opening in _distinct(openings, notes)
@@ -118,17 +122,6 @@ def _frame(room: CapturedRoom, outline: Array | None) -> WorldFrame:
     turned = (outline - outline[0]) @ rotation.T
     corner = np.array([*turned[:, :2].min(axis=0), np.median(turned[:, 2])])
     return WorldFrame(rotation, outline[0] + corner @ rotation)
-
-
-def _height(room: CapturedRoom, frame: WorldFrame) -> float | None:
-    """The ceiling's height: the median of the walls' tops, weighted by their lengths."""
-    walls = [wall for wall in room.walls if wall.size[0] > 0.0 and wall.size[1] > 0.0]
-    if not walls:
-        return None
-    tops = np.array([frame.points(placed(w, rectangle(w)))[:, 2].max() for w in walls])
-    order = np.argsort(tops)
-    weight = np.cumsum(np.array([wall.size[0] for wall in walls])[order])
-    return float(tops[order][np.searchsorted(weight, 0.5 * weight[-1])])
 
 
 def _opening(
@@ -196,12 +189,6 @@ def _box(record: Record, frame: WorldFrame) -> CapturedBox:
     )
 
 
-def _approximations(room: CapturedRoom) -> list[str]:
-    sloped = sum(len(record.corners) not in (0, 4) for record in room.walls)
-    walls = "wall that is no rectangle is" if sloped == 1 else "walls that are no rectangles are"
-    return [f"{sloped} {walls} built up to the full height"] if sloped else []
-
-
 # The walls of RoomPlan that are not on the floor's outline: inside it they are partitions.
 
 # What stays nearer to the outline than this is the outline, seen inexactly, metres.
@@ -227,10 +214,12 @@ class InnerWalls:
     Attributes:
         partitions: The walls.
         names: For each wall of the source that became a part of some: which.
+        outside: Walls of the source that were left out.
     """
 
     partitions: tuple[CapturedPartition, ...] = ()
     names: Mapping[str, tuple[str, ...]] | None = None
+    outside: tuple[str, ...] = ()
 
     def wall_of(self, parent: str | None) -> str | None:
         """The wall that an opening is in, by its wall in the source; None where that is open."""
@@ -282,7 +271,7 @@ def inner_walls(
 
     polygon = shapely.Polygon(floor)
     pieces: list[_Piece] = []
-    outside: list[str] = []
+    outside: dict[str, float] = {}
     for wall in walls:
         top = float(to_world(placed(wall, rectangle(wall)))[:, 2].max())
         path = shapely.LineString(to_world(facets(wall))[:, :2])
@@ -295,11 +284,12 @@ def inner_walls(
                 "it are outside the floor and left out"
             )
         elif beyond > min(_MAX_CUT_M, 0.5 * path.length):
-            outside.append(f"{wall.id} ({path.length:.2f} m)")
+            outside[wall.id] = path.length
     if outside:
         words = "wall that is" if len(outside) == 1 else "walls that are"
-        notes.append(f"left out {len(outside)} {words} outside the floor: {', '.join(outside)}")
-    return _named(_paired(pieces))
+        each = ", ".join(f"{name} ({length:.2f} m)" for name, length in outside.items())
+        notes.append(f"left out {len(outside)} {words} outside the floor: {each}")
+    return replace(_named(_paired(pieces)), outside=tuple(outside))
 
 
 def _inside(path: "LineString", polygon: "Polygon") -> list[Array]:
