@@ -263,7 +263,7 @@ def _foot(corners: Array) -> Rows:
     lowest = np.flatnonzero(corners[:, 2] <= corners[:, 2].min() + WELD_SHARE)
     angles = np.arange(_FOOT_CORNERS) * (2.0 * np.pi / _FOOT_CORNERS)
     outward = np.stack([np.cos(angles), np.sin(angles)])
-    return lowest[(corners[lowest, :2] @ outward).argmax(axis=0)]
+    return np.asarray(lowest[(corners[lowest, :2] @ outward).argmax(axis=0)])
 
 
 _FOOT_CORNERS: Final = 12
