@@ -169,6 +169,14 @@ _RIGID: Final = {
 }
 
 
+# Friction of joints that holds: MuJoCo's own lets a lid droop by degrees in a second where its
+# sweeps against slip have much else to do.
+_DRY: Final = {
+    "solreffriction": text([2.0 * DEFAULT_TIMESTEP, 1.0]),
+    "solimpfriction": text([0.999, 0.999, 0.001, 0.5, 2.0]),
+}
+
+
 def write_mjcf(
     world: World,
     folder: Path,
@@ -262,6 +270,7 @@ def _defaults() -> Element:
     collision = SubElement(element, "default", {"class": "collision"})
     SubElement(collision, "geom", {"condim": "3", "group": "3", "mass": "0", **_RIGID})
     SubElement(element, "pair", {"condim": "3", **_RIGID})
+    SubElement(element, "joint", _DRY)
     return element
 
 

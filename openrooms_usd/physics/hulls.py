@@ -239,7 +239,7 @@ def _farthest(corners: Array, most: int) -> Array:
     from scipy.spatial import ConvexHull, QhullError
 
     directions = np.concatenate([np.eye(3), -np.eye(3), _DIAGONALS, -_DIAGONALS])
-    chosen = np.unique((corners @ directions.T).argmax(axis=0))
+    chosen = np.unique([*(corners @ directions.T).argmax(axis=0), *_foot(corners)])
     while len(chosen) < most:
         try:
             planes = ConvexHull(corners[chosen]).equations
@@ -258,6 +258,15 @@ def _farthest(corners: Array, most: int) -> Array:
     return np.asarray(corners[np.sort(chosen)])
 
 
+def _foot(corners: Array) -> Rows:
+    """Some corners of the lowest face: what stands on one or two of them tips over."""
+    lowest = np.flatnonzero(corners[:, 2] <= corners[:, 2].min() + WELD_SHARE)
+    angles = np.arange(_FOOT_CORNERS) * (2.0 * np.pi / _FOOT_CORNERS)
+    outward = np.stack([np.cos(angles), np.sin(angles)])
+    return np.asarray(lowest[(corners[lowest, :2] @ outward).argmax(axis=0)])
+
+
+_FOOT_CORNERS: Final = 12
 _DIAGONALS: Final = np.array([[1, 1, 1], [1, 1, -1], [1, -1, 1], [1, -1, -1]], dtype=np.float64)
 
 

@@ -197,3 +197,16 @@ def test_volumes_of_what_overlaps_count_once() -> None:
     assert found.shapes == pytest.approx(1.5, rel=1e-9)
     assert abs(found.thing - 1.0) < 4 * found.thing_error
     assert found.thing_error < 0.01
+
+
+def test_a_vessel_of_many_corners_stands_on_its_whole_foot() -> None:
+    """Few corners make its hull; those of the foot are among them, and it does not tip over."""
+    turn = np.arange(48) * (2.0 * np.pi / 48)
+    profile = [(45, 0), (50, 1), (53, 4), (55, 10), (60, 50), (58, 100), (50, 130), (30, 172)]
+    rings = [
+        np.stack([r * np.cos(turn), r * np.sin(turn), np.full(48, z)], axis=1) for r, z in profile
+    ]
+    hull = convex_hull(1e-3 * np.concatenate(rings))
+    foot = hull.points[hull.points[:, 2] < 1e-6, :2]
+    sides = np.sort(np.arctan2(*foot.T))
+    assert np.diff(sides, append=sides[0] + 2.0 * np.pi).max() <= np.pi / 4.0

@@ -9,6 +9,7 @@ import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd import adapters
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import Simulation
 from openrooms_usd.geometry.rotations import about_axis, pose
 from openrooms_usd.physics.world import World
@@ -145,7 +146,7 @@ def test_several_directions_lead_back_to_where_the_frames_meet(
         getattr(joint, f"CreateBody{side}Rel")().SetTargets([ends[side]])
         getattr(joint, f"CreateLocalPos{side}Attr")(places[side])
     joined(stage, UsdPhysics.FixedJoint, ("", "base"), ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), "Held")
-    moved = np.eye(4)
+    moved: Array = np.eye(4)
     for name, value in values.items():
         axis = "XYZ".index(name[-1])
         turn = name.startswith("rot")

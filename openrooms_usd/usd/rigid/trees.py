@@ -87,7 +87,7 @@ def without_loops(
             path = group[path]
         return path
 
-    kept, closing = [], []
+    kept, closing = list[Edge](), list[Edge]()
     for edge in sorted(edges, key=lambda edge: (edge.excluded, -(_pins(edge) or 4))):
         first, second = (top(end) for end in edge.links)
         (closing if first == second else kept).append(edge)
@@ -96,7 +96,8 @@ def without_loops(
             low, high = sorted((first, second), key=lambda one: one.IsAbsoluteRootPath())
             group[low] = high
     order = {edge.path: number for number, edge in enumerate(edges)}
-    return tuple(sorted(part, key=lambda e: order[e.path]) for part in (kept, closing))  # type: ignore[return-value]
+    kept.sort(key=lambda edge: order[edge.path])
+    return kept, sorted(closing, key=lambda edge: order[edge.path])
 
 
 def loops(
