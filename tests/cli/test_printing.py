@@ -2,14 +2,22 @@
 
 import ast
 import json
+import os
+import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from openrooms_usd import cli
+from openrooms_usd.cli import EXIT_CODES
 from openrooms_usd.cli.console import echo
+from openrooms_usd.cli.interruption import EXIT_CODE
 from openrooms_usd.errors import InputError, OrusdError, printable
-from tests.commands import run
+from tests.commands import output_of, run
+
+ROOT = Path(__file__).parents[2]
 
 HOSTILE = [
     "\x1b[2J",
@@ -71,3 +79,23 @@ def test_a_stage_of_others_cannot_colour_its_report(tmp_path: Path) -> None:
     assert "\x1b[31m" not in shown.output and "\\x1b[31m" in shown.output.replace("\n", "")
     data = run("validate", "--json", tmp_path / "a.usda")
     assert json.loads(data.stdout)["licences"][0]["name"] == name
+
+
+def test_the_documented_exit_codes_are_those_that_there_are() -> None:
+    text = (ROOT / "docs" / "installing.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| (.*) \|$", text, flags=re.MULTILINE)
+    assert {int(code): meaning for code, meaning in rows} == EXIT_CODES
+    kinds = [OrusdError]
+    for kind in kinds:
+        kinds += kind.__subclasses__()
+    assert {kind.exit_code for kind in kinds} | {0, EXIT_CODE} == {*EXIT_CODES}
+    assert all(meaning.split()[0] in output_of("--help") for meaning in EXIT_CODES.values())
+
+
+def test_shells_complete_commands() -> None:
+    """As the line of docs/installing.md has it."""
+    code = "from openrooms_usd.cli import orusd; orusd(prog_name='orusd')"
+    env = {**os.environ, "_ORUSD_COMPLETE": "bash_source"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+    assert "_ORUSD_COMPLETE=bash_complete" in done.stdout

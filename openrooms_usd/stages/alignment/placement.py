@@ -350,8 +350,8 @@ class Supports:
         top = support.top(item.x, item.y)
         if top is None:
             self.notes.append(
-                f"{item.name} stands beside {support.name} that shall carry it: it is placed at "
-                "the height of its top"
+                f"{item.name} is not above {support.name}, so it floats at the height of its top; "
+                "change `at`"
             )
             top = support.size[2]
         return top
