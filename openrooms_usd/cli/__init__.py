@@ -40,6 +40,18 @@ _COMMANDS: Final = {
 }
 
 
+EXIT_CODES: Final = {
+    0: "done",
+    1: "errors were found (validate, verify), work failed, or something is lacking (doctor)",
+    2: "a mistake in a description, a file that cannot be read, or an unknown option",
+    3: "a file or folder cannot be written",
+    4: "a USD stage is not what the command needs",
+    5: "a renderer cannot do what is asked",
+    6: "a package or a library is not installed",
+    130: "interrupted; what was finished is kept",
+}
+"""What a command ends with."""
+
 # New objects between two looks for cycles. At 700, looks at what was imported take a tenth.
 _GARBAGE_THRESHOLD: Final = 20_000
 
@@ -64,6 +76,8 @@ class LazyGroup(Group):
         """Write the list of commands from the table alone."""
         with formatter.section("Commands"):
             formatter.write_dl([(name, row[2]) for name, row in _COMMANDS.items()])
+        with formatter.section("Exit codes"):
+            formatter.write_dl([(str(code), text) for code, text in EXIT_CODES.items()])
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})

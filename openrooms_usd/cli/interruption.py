@@ -19,7 +19,7 @@ from typing import Final, NoReturn
 from openrooms_usd.cli.console import echo
 
 EXIT_CODE: Final = 130
-_SAID: Final = "interrupted: what was finished is whole"
+_SAID: Final = "Interrupted. What was finished is kept."
 _IMPORTING: Final = "<frozen importlib._bootstrap>"
 _SHOW_CURSOR: Final = "\x1b[?25h"
 # How long the main thread has to answer; and then, to leave as it likes.

@@ -57,7 +57,7 @@ class Exposed(Model):
     """EV100 of the previews (data is never exposed); by default fitted to each picture."""
 
 
-class Viewed(Exposed):
+class Viewed(Exposed, CheckedModel):
     """A camera whose lens is described."""
 
     fov: FieldOfView = 60.0
@@ -70,8 +70,14 @@ class Viewed(Exposed):
     the main thing in it, or else what is in its middle; by default the target, where there is
     one."""
 
+    @classmethod
+    def disagreements(cls, given: Any) -> Iterator[Found]:
+        """A focus of a camera without a lens."""
+        if peek(given, "focus") is not None and peek(given, "f_stop") is None:
+            yield Found(("focus",), "without f_stop all is sharp; give one, or leave focus out")
 
-class LookAtCamera(Viewed, CheckedModel):
+
+class LookAtCamera(Viewed):
     """A camera at one point that looks at another."""
 
     source: Literal["look_at"] = Field(default="look_at", alias="from")
@@ -85,6 +91,7 @@ class LookAtCamera(Viewed, CheckedModel):
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """A camera that looks nowhere."""
+        yield from super().disagreements(given)
         eye = peek(given, "eye")
         if eye is not None and eye == peek(given, "target"):
             yield Found(("target",), "eye and target are the same point")

@@ -39,6 +39,10 @@ USUAL_OPENINGS: Final = {
 STYLES: Final = {"door": get_args(DoorStyle), "window": get_args(WindowStyle)}
 
 
+# What is said of a leaf that is shut, and built as leaves are where nothing is said.
+_OF_LEAVES: Final = (None, 0, "left", "in")
+
+
 class Partition(Model):
     """A wall that stands free in the room."""
 
@@ -95,6 +99,10 @@ class Opening(CheckedModel):
         elif places == 2:
             yield Found(("partition",), "an opening is in a wall or in a partition, not in both")
         kind, style = peek_text(given, "kind"), peek_text(given, "style")
+        for key in ("open", "hinge", "swing"):
+            if kind in ("window", "opening") and peek(given, key) not in _OF_LEAVES:
+                what = "a window has no leaf" if kind == "window" else "an opening has no leaf"
+                yield Found((key,), f"{what}; leave {key} out, or make it a door")
         known = STYLES.get(kind or "", ())
         if style in {name for names in STYLES.values() for name in names} - {*known}:
             what = "an opening has no style" if not known else f"no {kind} is {style!r}"

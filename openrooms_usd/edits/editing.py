@@ -130,7 +130,7 @@ class History:
             InputError: There is none, or another program has written the file since.
             OutputError: The file cannot be written.
         """
-        self._go(self._before, self._after, "there is nothing to take back")
+        self._go(self._before, self._after, "there is nothing to undo")
 
     def redo(self) -> None:
         """Make the change again that was taken back last.
@@ -139,7 +139,7 @@ class History:
             InputError: There is none, or another program has written the file since.
             OutputError: The file cannot be written.
         """
-        self._go(self._after, self._before, "there is nothing to make again")
+        self._go(self._after, self._before, "there is nothing to redo")
 
     def told(self) -> dict[str, int | str]:
         """How many changes can be taken back and made again, and which version the file is."""

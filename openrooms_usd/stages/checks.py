@@ -18,8 +18,8 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library.styles.beams import BEAMS
 from openrooms_usd.stages.base import input_file
 
-# The keys of names of files.
-_FILES: Final = ("file", "profile", "scan")
+# The keys of names of files, wherever they stand.
+_FILES: Final = ("file", "scan")
 
 Found = tuple[Steps, str]
 
@@ -94,14 +94,13 @@ def _named_files(given: Any, path: Steps) -> Iterator[tuple[Steps, str]]:
     if isinstance(given, Sequence) and not isinstance(given, str):
         rows = enumerate(given)
     for key, value in rows:
-        named = key in _FILES or (path[-1:] == ("annotations",)) or (*path, key) == _CAD
-        if named and isinstance(value, str) and not (key == "profile" and value in BEAMS):
-            yield (*path, key), value
+        here = (*path, key)
+        named = key in _FILES or path[-1:] == ("annotations",) or here == ("alignment", "cad")
+        shining = key == "profile" and path[-2:-1] == ("lamps",) and value not in BEAMS
+        if (named or shining) and isinstance(value, str):
+            yield here, value
         elif key != "options":
-            yield from _named_files(value, (*path, key))
-
-
-_CAD: Final = ("alignment", "cad")
+            yield from _named_files(value, here)
 
 
 def _valid(kind: Any, given: Any) -> Any:

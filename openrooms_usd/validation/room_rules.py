@@ -3,7 +3,7 @@
 A stage that breaks them is sound, and shows what nobody meant.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import Final, NamedTuple
 
@@ -17,6 +17,7 @@ from openrooms_usd.furniture.registry import BUILT, record
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.scan.placement.bodies import Body
 from openrooms_usd.scan.placement.penetration import penetration
+from openrooms_usd.validation import carrying
 from openrooms_usd.validation.model import Complaint, Subject
 from openrooms_usd.validation.roomview import RoomObject, RoomView
 
@@ -33,7 +34,11 @@ _LINES: Final = 600
 # A thing of less than the one share of the smallest that is built, or more than the other of the
 # largest, along any of its sides, is no such thing.
 _SIZE_SHARES: Final = (0.6, 1.6)
-# Prims beyond these are counted in a note.
+# Sides and heights of rooms, widths and heights of openings beyond these are slips of the unit.
+_ROOM_M: Final = (0.5, 60.0)
+_HEIGHT_M: Final = (1.5, 15.0)
+_WIDTHS_M: Final = (0.15, 12.0)
+# Complaints beyond these are counted in a note.
 _NAMED: Final = 4
 _ALL_WAYS: Final = np.concatenate([np.eye(3), -np.eye(3)])
 
@@ -43,10 +48,10 @@ def outside_room(subject: Subject) -> Iterator[Complaint]:
     room = subject.room
     for thing in room.things:
         if (beyond := _beyond(room, thing)) > _MAX_OUTSIDE_M:
-            yield thing.path, f"it reaches {beyond:.2f} m out of the room"
+            yield thing.path, f"sticks {_cm(beyond)} out of the room"
     for path, place in room.cameras:
         if _beyond_points(room, place[None]) > 0.0:
-            yield path, "the camera is outside of the room"
+            yield path, "is a camera outside of the room"
 
 
 def _beyond(room: RoomView, thing: RoomObject) -> float:
@@ -91,7 +96,7 @@ def cameras_inside(subject: Subject) -> Iterator[Complaint]:
     for path, place in subject.room.cameras:
         for thing in subject.room.things:
             if (place > thing.low).all() and (place < thing.high).all() and _is_in(place, thing):
-                yield path, f"the camera is inside of {thing.name}"
+                yield path, f"is a camera inside of {thing.name}"
 
 
 def _is_in(place: Array, thing: RoomObject) -> bool:
@@ -117,12 +122,12 @@ def _overlaps(room: RoomView, only: RoomObject | None = None) -> Iterator[Compla
         depth = _depth(one.body, other.body, max(_yields(one), _yields(other)))
         if depth > 0.0:
             first, second = sorted((one, other), key=lambda thing: thing.path)
-            yield first.path, f"it is {depth:.2f} m deep in {second.name}"
+            yield first.path, f"overlaps {second.name} by {_cm(depth)}"
     for wall in room.partitions:
         body = _body(wall.outline, room.floor or 0.0, wall.height)
         for thing in room.things if only is None else (only,):
             if (depth := _depth(thing.body, body, _yields(thing))) > 0.0:
-                yield thing.path, f"it is {depth:.2f} m deep in {wall.path.rpartition('/')[2]}"
+                yield thing.path, f"overlaps {wall.path.rpartition('/')[2]} by {_cm(depth)}"
 
 
 def _depth(a: Body, b: Body, yields: float) -> float:
@@ -150,6 +155,14 @@ def _body(outline: Array, low: float, height: float) -> Body:
     return Body(np.concatenate([np.stack(face, axis=1) for face in faces]), axes)
 
 
+def floating(subject: Subject) -> Iterator[Complaint]:
+    """Something carries each thing: the floor, what is below it, a wall or the ceiling."""
+    floor = subject.room.floor or 0.0
+    for thing in carrying.floating(subject.room):
+        above = float(thing.low[2]) - floor
+        yield thing.path, f"floats {_cm(above)} above the floor: nothing carries it"
+
+
 def sizes(subject: Subject) -> Iterator[Complaint]:
     """Things have sizes that such things have."""
     for thing in subject.room.things:
@@ -165,7 +178,8 @@ def sizes(subject: Subject) -> Iterator[Complaint]:
             yield (
                 thing.path,
                 (
-                    f"it is {_in_words(thing.size)}, and a {thing.category.replace('_', ' ')} is "
+                    f"has an unusual size: {_in_words(thing.size)}, and a "
+                    f"{thing.category.replace('_', ' ')} is "
                     f"{_in_words(np.array(spec.min_size))} to {_in_words(np.array(spec.max_size))}"
                 ),
             )
@@ -176,15 +190,39 @@ def _level_sorted(size: Array) -> Array:
     return np.array([*np.sort(size[:2]), size[2]])
 
 
+def _cm(length: float) -> str:
+    return f"{100.0 * length:.0f} cm"
+
+
 def _in_words(size: Array) -> str:
     return " x ".join(f"{side:.2f}" for side in size.tolist()) + " m"
+
+
+def slips(subject: Subject) -> Iterator[Complaint]:
+    """Rooms, walls and openings have sizes that a house has: others are slips of the unit."""
+    room = subject.room
+    if room.outline is not None:
+        longest = max(np.ptp(np.array(room.outline.exterior.coords), axis=0).tolist())
+        yield from _slip(names.ROOM, "a room", "long", longest, _ROOM_M)
+        if room.floor is not None and room.ceiling is not None:
+            yield from _slip(names.ROOM, "a room", "high", room.ceiling - room.floor, _HEIGHT_M)
+    for path, kind, width, height in room.openings:
+        yield from _slip(path, f"a {kind}", "wide", width, _WIDTHS_M)
+        yield from _slip(path, f"a {kind}", "high", height, _WIDTHS_M)
+
+
+def _slip(
+    path: str, what: str, how: str, length: float, usual: tuple[float, float]
+) -> Iterator[Complaint]:
+    if not usual[0] <= length <= usual[1]:
+        yield path, f"is {length:g} m {how}: {what} of that size is a slip of the unit"
 
 
 def light(subject: Subject) -> Iterator[Complaint]:
     """Something shines: a lamp, or the sky by an opening."""
     room = subject.room
     if subject.stage.GetPrimAtPath(names.ROOM) and room.cameras and not room.is_lit:
-        yield names.ROOM, "neither a lamp shines nor the sky by an opening: pictures are black"
+        yield names.ROOM, "is dark: nothing shines, neither a lamp nor the sky by an opening"
 
 
 class RoomRule(NamedTuple):
@@ -194,38 +232,25 @@ class RoomRule(NamedTuple):
         code: Its stable name.
         check: Gives the complaints about a stage.
         remedy: What to do about them.
-        told: What is wrong, in a note, with the names of the prims.
     """
 
     code: str
     check: Callable[[Subject], Iterator[Complaint]]
     remedy: str
-    told: str
 
 
 ROOM_RULES: Final = (
+    RoomRule("outside-room", outside_room, "move it into the room, or leave it out"),
+    RoomRule("camera-inside", cameras_inside, "move the camera or the thing"),
+    RoomRule("overlap", overlaps, "move one of the two, or leave it out"),
     RoomRule(
-        "outside-room",
-        outside_room,
-        "move it into the room, or leave it out",
-        "wholly or in part out of the room: {}",
+        "floating",
+        floating,
+        "put it on the floor or over what shall carry it, or to a wall; a lamp to the ceiling",
     ),
-    RoomRule(
-        "camera-inside", cameras_inside, "move the camera or the thing", "inside of things: {}"
-    ),
-    RoomRule("overlap", overlaps, "move one of the two, or leave it out", "deep in others: {}"),
-    RoomRule(
-        "size",
-        sizes,
-        "give it its size, a file its unit, or another category",
-        "of sizes that no such things have: {}",
-    ),
-    RoomRule(
-        "light",
-        light,
-        "put a lamp into the room, or an opening and lights.environment",
-        "nothing shines, neither a lamp nor the sky by an opening: pictures are black",
-    ),
+    RoomRule("size", sizes, "give it its size, a file its unit, or another category"),
+    RoomRule("unit", slips, "write lengths in metres, or with their unit: 210 cm"),
+    RoomRule("light", light, "put a lamp into the room, or an opening and lights.environment"),
 )
 
 
@@ -245,23 +270,19 @@ def about(stage: Usd.Stage, path: str) -> list[str]:
         return []
     own = [found for found in (*outside_room(subject), *sizes(subject)) if found[0] == path]
     found = [*own, *_overlaps(subject.room, thing)]
-    return [f"{place.rpartition('/')[2]}: {said}" for place, said in found]
+    return [_sentence(complaint) for complaint in found]
+
+
+def _sentence(complaint: Complaint) -> str:
+    return f"{complaint[0].rpartition('/')[2]} {complaint[1]}"
 
 
 def told(subject: Subject) -> Iterator[str]:
-    """One sentence about each rule that the room breaks, which names the first few prims."""
+    """One sentence about each rule that the room breaks, of the first few complaints."""
     for rule in ROOM_RULES:
-        first = list(islice(_unique(place for place, _ in rule.check(subject)), _NAMED + 1))
+        # To look for all may take long.
+        first = list(islice(rule.check(subject), _NAMED + 1))
         if first:
-            listed = ", ".join(place.rpartition("/")[2] for place in first[:_NAMED])
-            more = " and more" if len(first) > _NAMED else ""
-            yield f"{rule.told.format(listed + more)} (orusd validate tells all)"
-
-
-def _unique(places: Iterable[str]) -> Iterator[str]:
-    """Each once, as soon as it is known: to look for all may take long."""
-    seen: set[str] = set()
-    for place in places:
-        if place not in seen:
-            seen.add(place)
-            yield place
+            more = ", and more" if len(first) > _NAMED else ""
+            listed = "; ".join(map(_sentence, first[:_NAMED]))
+            yield f"{listed}{more} (`orusd validate` lists all)"

@@ -1,6 +1,6 @@
 """A composed room as people see it: its things, walls, cameras and light, in the world, metres."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
@@ -57,6 +57,11 @@ class RoomObject:
         return np.concatenate([mesh.world_points() for mesh in self.meshes])
 
     @cached_property
+    def triangles(self) -> Array:
+        """(N, 3, 3) of all its surfaces, counter-clockwise from outside."""
+        return _triangles(self.meshes)
+
+    @cached_property
     def size(self) -> Array:
         """(3,) width, depth and height along its own axes."""
         return np.asarray(np.ptp(self.points @ self.frame, axis=0))
@@ -70,6 +75,14 @@ class RoomObject:
             for mesh, start in zip(self.meshes, counts, strict=False)
         ]
         return Body(solid(self.points, np.concatenate(faces)), unit(_level(self.frame)))
+
+
+def _triangles(meshes: Iterable[PlacedMesh]) -> Array:
+    found = [
+        mesh.world_points()[mesh.mesh.triangles[:, ::-1] if mesh.mirrored else mesh.mesh.triangles]
+        for mesh in meshes
+    ]
+    return np.concatenate(found) if found else np.zeros((0, 3, 3))
 
 
 def _level(frame: Array) -> Array:
@@ -109,10 +122,19 @@ class RoomView:
     stage: Usd.Stage
 
     @cached_property
+    def _meshes(self) -> tuple[PlacedMesh, ...]:
+        return tuple(read_meshes(self.stage, outside=False, bare=True))
+
+    @cached_property
+    def fixed(self) -> Array:
+        """(N, 3, 3) triangles of the room's own surfaces."""
+        return _triangles(m for m in self._meshes if m.path.startswith(f"{names.ROOM}/"))
+
+    @cached_property
     def things(self) -> tuple[RoomObject, ...]:
         """What stands below the furniture's prim and can be seen."""
         found: dict[str, list[PlacedMesh]] = {}
-        for mesh in read_meshes(self.stage, outside=False, bare=True):
+        for mesh in self._meshes:
             if mesh.path.startswith(f"{names.FURNITURE}/"):
                 name = mesh.path[len(names.FURNITURE) + 1 :].partition("/")[0]
                 found.setdefault(f"{names.FURNITURE}/{name.partition('[')[0]}", []).append(mesh)
@@ -178,21 +200,32 @@ class RoomView:
         return boxes.ComputeWorldBound(prim).ComputeAlignedRange() if prim else Gf.Range3d()
 
     @cached_property
-    def reveals(self) -> tuple[Reveal, ...]:
-        """The holes of all windows."""
-        openings = self.stage.GetPrimAtPath(names.OPENINGS)
-        cache, to_world = UsdGeom.XformCache(TIME), world_from_stage(self.stage)
+    def openings(self) -> tuple[tuple[str, str, float, float], ...]:
+        """The path, the kind, the width and the height of each window, door and passage."""
+        scope = self.stage.GetPrimAtPath(names.OPENINGS)
         found = []
-        for prim in openings.GetChildren() if openings else ():
+        for prim in scope.GetChildren() if scope else ():
             width, height = (
                 attribute.Get(TIME) if (attribute := prim.GetAttribute(name)) else None
                 for name in (names.OPENING_WIDTH, names.OPENING_HEIGHT)
             )
-            if read_label(prim, names.CATEGORY) == "window" and width and height:
+            if width and height:
+                kind = read_label(prim, names.CATEGORY) or "opening"
+                found.append((str(prim.GetPath()), kind, float(width), float(height)))
+        return tuple(found)
+
+    @cached_property
+    def reveals(self) -> tuple[Reveal, ...]:
+        """The holes of all windows."""
+        cache, to_world = UsdGeom.XformCache(TIME), world_from_stage(self.stage)
+        found = []
+        for path, kind, width, height in self.openings:
+            prim = self.stage.GetPrimAtPath(path)
+            if kind == "window":
                 local = np.asarray(
                     np.linalg.inv(to_world @ local_to_world(prim, cache)), dtype=np.float64
                 )
-                found.append(Reveal(local, float(width), float(height)))
+                found.append(Reveal(local, width, height))
         return tuple(found)
 
     @cached_property

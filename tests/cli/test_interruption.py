@@ -25,7 +25,7 @@ def interrupt(process: "subprocess.Popen[str]", when: Callable[[], bool], lab: A
     assert said.code == INTERRUPTED, said
     assert "Traceback" not in said.err
     told = [line for line in said.err.splitlines() if line and not line.startswith("note: ")]
-    assert told == ["interrupted: what was finished is whole"]
+    assert told == ["Interrupted. What was finished is kept."]
     assert said.out == ""
 
 

@@ -2,18 +2,25 @@
 
 import ast
 import json
+import os
+import re
+import subprocess
+import sys
 import time
 from pathlib import Path
 
 import pytest
 
 from openrooms_usd import cli
-from openrooms_usd.cli import console
+from openrooms_usd.cli import EXIT_CODES, console
 from openrooms_usd.cli.console import echo
+from openrooms_usd.cli.interruption import EXIT_CODE
 from openrooms_usd.cli.validating import _print_findings
 from openrooms_usd.errors import InputError, OrusdError, printable
 from openrooms_usd.validation.model import Finding
-from tests.commands import run
+from tests.commands import output_of, run
+
+ROOT = Path(__file__).parents[2]
 
 HOSTILE = [
     "\x1b[2J",
@@ -130,3 +137,23 @@ def test_notes_and_findings_that_say_the_same_are_one_line(
     assert ": 7 errors" in findings_text
     assert "7 x: /World/Thing_0, /World/Thing_1, /World/Thing_2 and 4 more" in findings_text
     assert findings_text.count("has no material") == 1
+
+
+def test_the_documented_exit_codes_are_those_that_there_are() -> None:
+    text = (ROOT / "docs" / "installing.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| (.*) \|$", text, flags=re.MULTILINE)
+    assert {int(code): meaning for code, meaning in rows} == EXIT_CODES
+    kinds = [OrusdError]
+    for kind in kinds:
+        kinds += kind.__subclasses__()
+    assert {kind.exit_code for kind in kinds} | {0, EXIT_CODE} == {*EXIT_CODES}
+    assert all(meaning.split()[0] in output_of("--help") for meaning in EXIT_CODES.values())
+
+
+def test_shells_complete_commands() -> None:
+    """As the line of docs/installing.md has it."""
+    code = "from openrooms_usd.cli import orusd; orusd(prog_name='orusd')"
+    env = {**os.environ, "_ORUSD_COMPLETE": "bash_source"}
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
+    assert "_ORUSD_COMPLETE=bash_complete" in done.stdout

@@ -67,7 +67,7 @@ def test_the_process_ends_soon_and_leaves_nothing(
         # Far less than the computation takes, and far more than a busy machine may need.
         said = process.communicate(timeout=120)[1]
     assert process.returncode == 130
-    assert said.strip() == "interrupted: what was finished is whole"
+    assert said.strip() == "Interrupted. What was finished is kept."
     left = sorted(path.name for path in tmp_path.rglob("*"))
     assert left == (["out", "picture.png"] if is_there else [])
     if is_there:
@@ -87,7 +87,7 @@ with prompt_interrupts():
 """
     done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
     assert done.returncode == 130
-    assert done.stderr == "interrupted: what was finished is whole\n"
+    assert done.stderr == "Interrupted. What was finished is kept.\n"
 
 
 def test_what_ignores_ctrl_c_goes_on_ignoring_it() -> None:

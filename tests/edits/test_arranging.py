@@ -181,12 +181,12 @@ def test_changes_are_taken_back_and_made_again(scene: Path) -> None:
     for wanted in versions[-2::-1]:
         history.undo()
         assert history.file.read_bytes() == wanted
-    with pytest.raises(InputError, match="nothing to take back"):
+    with pytest.raises(InputError, match="nothing to undo"):
         history.undo()
     for wanted in versions[1:]:
         history.redo()
         assert history.file.read_bytes() == wanted
-    with pytest.raises(InputError, match="nothing to make again"):
+    with pytest.raises(InputError, match="nothing to redo"):
         history.redo()
 
 

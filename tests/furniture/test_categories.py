@@ -1,6 +1,8 @@
 """One record a category, beside its builder."""
 
+import re
 from dataclasses import MISSING, fields
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -14,7 +16,7 @@ from openrooms_usd.furniture.others import OTHERS
 from openrooms_usd.furniture.placements import Place, Pose
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.registry import BUILT, module_of, modules, record, records
-from openrooms_usd.furniture.words import library_words
+from openrooms_usd.furniture.words import library_words, meaning
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, usual_support
 from openrooms_usd.usd.semantics import TAXONOMIES, classes
 
@@ -95,3 +97,17 @@ def test_what_carries_a_thing_is_said_once() -> None:
     assert usual_support("chandelier") == CEILING
     assert usual_support("cabinet") is usual_support("television") is None
     assert usual_support("bag") is usual_support("no such thing") is None
+
+
+def test_the_table_of_the_words_of_captures_is_true() -> None:
+    """Each word is built as the table of docs/captures.md has it, or is a box, or nothing."""
+    text = (Path(__file__).parents[2] / "docs" / "captures.md").read_text(encoding="utf-8")
+    table = text[text.index("| a capture says |") :].partition("\n\n")[0].splitlines()[2:]
+    for row in table:
+        words, seen = (cell.strip() for cell in row.strip("|").split("|"))
+        named = re.findall(r"`(\w+)`", seen)
+        found = [meaning([word], 0.3) for word in words.split(", ")]
+        first = {one.choices[0][0] for one in found if one.choices}
+        assert first == set(named), row
+        assert all((one.kind != "thing") == seen.startswith("nothing") for one in found), row
+    assert len(table) > 20

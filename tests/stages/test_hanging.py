@@ -5,7 +5,7 @@ import pytest
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.errors import InputError, StageError
+from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports
@@ -108,9 +108,9 @@ def test_heights_come_from_the_own_support() -> None:
 
 
 def test_frames_that_do_not_exist_or_go_round_are_refused() -> None:
-    with pytest.raises(InputError, match="a is relative to 'b', which is no object"):
+    with pytest.raises(DescriptionError, match="a is relative to 'b', which is no object"):
         stands(item("a", 0, 0, relative_to="b"))
-    with pytest.raises(InputError, match="circle: a, b, a"):
+    with pytest.raises(DescriptionError, match="circle: a, b, a"):
         stands(item("a", 0, 0, relative_to="b"), item("b", 0, 0, relative_to="a"))
 
 

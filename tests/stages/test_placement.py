@@ -82,7 +82,7 @@ def test_what_stands_beside_its_support_is_noted() -> None:
     notes: list[str] = []
     items = [_item("table"), _item("lamp", x=5.0, on="table")]
     assert _stands(*items, notes=notes)["lamp"].z == 0.5
-    assert "lamp stands beside table" in notes[0]
+    assert "lamp is not above table" in notes[0]
 
 
 def test_circles_and_unknown_supports_are_refused() -> None:

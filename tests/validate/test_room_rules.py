@@ -58,6 +58,9 @@ WRONG = {
     "sofa": ("overlap", "{category: sofa, at: [1.5, 1.5]"),
     "walled": ("overlap", "{category: cabinet, at: [4.5, 0.9]"),
     "toy": ("size", "{category: chair, at: [5, 2.2], size: [0.2, 0.2, 0.2]"),
+    "high": ("floating", "{category: chair, at: [0.5, 0.5, 0.8]"),
+    "lost": ("floating", "{category: laptop, at: [2.7, 0.5], on: table"),
+    "hung": ("floating", "{category: ceiling_lamp, at: [5, 2.2, 1]"),
     "huge": ("size", "{category: chair, at: [1.5, 4], size: [2, 1.2, 2.5]"),
 }
 
@@ -67,9 +70,41 @@ def test_what_is_wrong_is_named(tmp_path: Path) -> None:
     rows, notes = found(tmp_path, LAMP + objects)
     # The sofa lies in the chair, too.
     assert set(rows) == {(code, name) for name, (code, _) in WRONG.items()} | {("overlap", "chair")}
-    assert len(rows) == len(set(rows)) and len(notes) == 3
+    assert len(rows) == len(set(rows)) and len(notes) == 4
     assert all("orusd validate" in note for note in notes)
-    assert all(name in " ".join(notes) for name in WRONG)
+    assert all(f"{name} " in " ".join(notes) for name in WRONG)
+
+
+def test_what_stands_lies_hangs_or_is_stacked_is_carried(tmp_path: Path) -> None:
+    """On a desk, on what lies there, in a shelf, at a wall, at the ceiling, on a sill."""
+    carried = """
+    - {name: desk, category: desk, at: [4, 2.5], size: [1.2, 0.6, 0.74]}
+    - {name: book, category: book, at: [4, 2.5], size: [0.2, 0.15, 0.05], on: desk}
+    - {category: mug, at: [4, 2.5], on: book}
+    - {name: shelf, category: bookshelf, at: [0.2, 4], yaw: 90, size: [0.8, 0.3, 1.8]}
+    - {category: picture, at: [0, 2], on: wall}
+    - {category: picture, at: [4.45, 1], on: wall}
+    - {category: curtain, at: [3, 0], on: wall}
+    - {category: mug, at: [3, -0.06, 0.925], on: floor}
+"""
+    rows, _ = found(tmp_path, LAMP + carried.lstrip("\n"), WINDOW)
+    assert [row for row in rows if row[0] == "floating"] == []
+
+
+def test_sizes_that_are_slips_of_the_unit_are_named(tmp_path: Path) -> None:
+    text = (
+        "layout: {polygon: [[0, 0], [100, 0], [100, 4], [0, 4]], openings: [{kind: door, wall: 0, "
+    )
+    made = compose_room(
+        parse_room(text + "width: 2 cm}]}\nmaterials: {resolution: 16}\n"), tmp_path
+    )
+    rows = [
+        (f.place.rpartition("/")[2], f.message)
+        for f in validate_stage(made.scene)
+        if f.code == "unit"
+    ]
+    assert [name for name, _ in rows] == ["Room", "door_0"]
+    assert "100 m long" in rows[0][1] and "0.02 m wide" in rows[1][1]
 
 
 @pytest.mark.parametrize("place", ["8, 1, 1.5", "3.5, 3.5, 1.5", "1, 1, 2.9"])

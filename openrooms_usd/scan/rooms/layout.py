@@ -192,7 +192,7 @@ def find_layout(
         elif _its_own(room, rooms, spaces):
             rooms.append(room)
     if not rooms:
-        raise _too_little(f"the scan shows {100.0 * refused:.0f} % of the walls of any room")
+        raise _too_little(f"only {100.0 * refused:.0f} % of the walls were scanned")
     return tuple(rooms)
 
 

@@ -103,7 +103,7 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
     far = [instance for instance, metres in moved.items() if metres > _COUNTED_MOTION_M]
     if far:
         most = max(far, key=moved.__getitem__)
-        text = f"{len(far)} of {len(moved)} objects were moved towards where they can be"
+        text = f"moved {len(far)} of {len(moved)} objects out of walls and each other"
         yield f"{text}, {words[most]} (instance {most}) the farthest: {moved[most]:.2f} m"
     cut = {
         thing.instance: 100.0 * (1.0 - float(thing.fitted.min()))

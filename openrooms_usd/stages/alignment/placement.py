@@ -27,6 +27,8 @@ CEILING: Final = "ceiling"
 # Support on the highest top at a place, of all objects on the floor.
 SURFACE: Final = "surface"
 WALL: Final = "wall"
+# Headings that are apart by less are the same, degrees.
+_TURNED_DEG: Final = 1.0
 # Categories that hang in front of openings on purpose.
 _COVERS: Final = ("curtain",)
 
@@ -285,6 +287,10 @@ class Supports:
             self.notes.append(
                 f"{item.name} is {width:g} m wide, its wall only {self.room.length(hung.wall):g} m"
             )
+        if item.yaw and abs((item.yaw - hung.yaw + 180.0) % 360.0 - 180.0) > _TURNED_DEG:
+            self.notes.append(
+                f"{item.name} hangs with its back to the wall: its yaw of {item.yaw:g} does nothing"
+            )
         return replace(item, x=hung.x, y=hung.y, yaw=hung.yaw)
 
     def _note_openings(self, item: Placement) -> None:
@@ -350,8 +356,8 @@ class Supports:
         top = support.top(item.x, item.y)
         if top is None:
             self.notes.append(
-                f"{item.name} stands beside {support.name} that shall carry it: it is placed at "
-                "the height of its top"
+                f"{item.name} is not above {support.name}, so it floats at the height of its top; "
+                "change `at`"
             )
             top = support.size[2]
         return top

@@ -16,7 +16,12 @@ from openrooms_usd.building.shell import slab, wall_solid
 from openrooms_usd.building.walls import Wall, walls_of
 from openrooms_usd.capture import Capture, CapturedPartition
 from openrooms_usd.description import layout
-from openrooms_usd.description.layout import CapturedLayout, PolygonLayout, ScanLayout
+from openrooms_usd.description.layout import (
+    CapturedLayout,
+    PolygonLayout,
+    ScanLayout,
+    named_partitions,
+)
 from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.description.room import Room
@@ -183,6 +188,11 @@ def _drawn(
     except FieldsError as error:
         _check_outline(layout, walls, height, clockwise, error)
         raise
+    notes += [
+        f"{name}: {row.height:g} m are more than the room has; it ends at the ceiling"
+        for name, row in named_partitions(layout.partitions)
+        if row.height is not None and row.height > height
+    ]
     walls += walls_within(partitions, corners, notes)
     cuts = described_cuts(layout.openings, walls, height, clockwise=clockwise)
     return Plan(
@@ -288,7 +298,7 @@ def described_partitions(
     """
     made = [
         Partition(name, np.array(row.line), row.thickness, _below(row.height, height))
-        for name, row in layout.named_partitions(described)
+        for name, row in named_partitions(described)
     ]
     mistakes = [
         (("layout", "partitions", index, "line"), f"{one.name} {reason}")
@@ -317,7 +327,7 @@ def captured_partitions(
         described: The partitions of the description, whose names stay theirs.
         notes: Receives a sentence for each that is left out.
     """
-    taken = {name for name, _ in layout.named_partitions(described)}
+    taken = {name for name, _ in named_partitions(described)}
     made = []
     for name, source in zip(
         captured_names([("partition", row.id) for row in captured], taken), captured, strict=True
