@@ -33,6 +33,8 @@ def odd(room_type: str, items: Sequence[Item]) -> Iterator[str]:
         if item.style == "chandelier" and room_type in PLAIN_LIGHT:
             yield f"a chandelier hangs in a {room_type}"
         if item.category == "clock" and item.on == "wall":
+            if item.style == "mantel":
+                yield "a clock for a mantelpiece hangs on a wall"
             middle = item.z + 0.5 * item.size[2]
             if not EYE_LEVEL[0] <= middle <= EYE_LEVEL[1]:
                 yield f"a clock hangs {middle:.2f} m high"

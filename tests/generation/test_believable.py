@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.generation import generate
+from openrooms_usd.description import parse_room
+from openrooms_usd.generation import expanded, generate
 from openrooms_usd.generation.programs import PROGRAMS
 from openrooms_usd.generation.shapes import Shapes
 from openrooms_usd.geometry.solids import box
@@ -88,3 +89,25 @@ def test_what_hangs_wrong_is_found(name: str) -> None:
     found = list(misplaced(scene, supports))
     assert len(found) == bool(wanted)
     assert all(wanted in sentence for sentence in found)
+
+
+DESCRIBED = """\
+room: bathroom
+clutter: 3
+seed: {seed}
+layout: {{polygon: [[0, 0], [3.2, 0], [3.2, 1.6], [0, 1.6]], openings: [{{kind: door, wall: 1}}]}}
+alignment:
+  objects:
+    - {{name: shower, category: shower, at: [0.6, 0.8], size: [1.2, 1.6, 2.05], style: walk_in}}
+"""
+
+
+def test_nothing_hangs_in_a_shower_of_a_description() -> None:
+    """What of a shower are panes is thin: between them the wall is free."""
+    hung = [
+        row
+        for seed in range(4)
+        for row in expanded(parse_room(DESCRIBED.format(seed=seed))).alignment.objects
+        if row.category in ("picture", "clock")
+    ]
+    assert hung and all(row.at[0] - 0.5 * row.size[0] > 1.2 for row in hung)

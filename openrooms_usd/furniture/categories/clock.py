@@ -218,5 +218,8 @@ CATEGORY: Final = BuiltCategory(
         scheme("black", ray="brass", frame="brass", face="enamel", needs="ray", weight=500.0),
     ),
     construction=(row(ANY, filled(500), "weight"),),
-    placements=(on("wall", weight=0.3, max_groups=1),),
+    placements=(
+        on("wall", styles="round square sunburst", weight=0.3, max_groups=1),
+        on("mantel cabinet_top", styles="mantel", weight=0.15, max_groups=1),
+    ),
 )
