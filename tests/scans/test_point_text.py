@@ -168,6 +168,12 @@ def test_a_damaged_line_is_left_out_and_its_number_told(tmp_path: Path, damaged:
     assert "the first is line 6" in scanned.notes[0]
 
 
+def test_a_first_line_may_be_the_damaged_one(tmp_path: Path) -> None:
+    scanned = read(tmp_path, "\n".join(["1-1 2.x 3 4 5 6", *LINES]))
+    assert len(scanned.cloud) == 9
+    assert "the first is line 1" in scanned.notes[0]
+
+
 def test_a_last_line_that_is_cut(tmp_path: Path) -> None:
     scanned = read(tmp_path, "\n".join([*LINES[:4], "4.5 5"]))
     assert len(scanned.cloud) == 4

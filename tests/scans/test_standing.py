@@ -92,6 +92,7 @@ DENSE: dict[str, Callable[[np.ndarray], np.ndarray]] = {
         [points[points[:, 2] < 0.05] + [0, 0, 0.0005 * i] for i in range(4)]
     ),
     "strays": lambda points: points[::2000] * 1000.0,
+    "a stray that is damaged": lambda points: points[:1] * 1e37,
 }
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from openrooms_usd import untrusted
 from openrooms_usd.scan.models.objtext import KNOWN, standard_obj
 from orusd_scans.formats.rows import read_rows
-from orusd_scans.scanned import Scanned, broken, cloud_of
+from orusd_scans.scanned import MOST_POINTS, Scanned, broken, cloud_of
 
 _NAMES: Final = ("x", "y", "z", "red", "green", "blue")
 _ENTRIES_AFTER: Final = re.compile(r"/\S*")
@@ -65,9 +65,11 @@ def _triangles(
     for size in np.unique(sizes[sizes > 2]).tolist():
         some = np.flatnonzero(sizes == size)
         rows = read_rows([" ".join(corners[i]) for i in some.tolist()], size, path)
-        sound = ~rows.lost & (rows.values % 1.0 == 0.0).all(axis=1) & (rows.values != 0).all(axis=1)
+        whole = np.abs(rows.values) <= MOST_POINTS
+        given = np.where(whole, rows.values, 0.0).astype(np.int64)
+        sound = ((given == rows.values) & (given != 0)).all(axis=1)
         lost += int((~sound).sum())
-        given, known = rows.values[sound].astype(np.int64), before[some][sound, None]
+        given, known = given[sound], before[some][sound, None]
         index = np.where(given > 0, given - 1, known + given)
         fans += [index[:, [0, i, i + 1]] for i in range(1, size - 1)]
     if lost:

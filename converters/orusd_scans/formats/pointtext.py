@@ -112,4 +112,14 @@ def _seen(start: list[str], path: Path) -> tuple[Layout, int, int]:
     if best is None:
         shown = next((line.strip()[:60] for _, line in lines), "")
         raise broken(path, f"no line is a row of three numbers or more; one is {shown!r}", _REMEDY)
-    return best[1:]
+    _, layout, first, width = best
+    # Before the first sound row there may be damaged ones, which have words that are no names.
+    for index, line in lines:
+        fields = layout.fields(line)
+        if index < first and len(fields) == width and not all(map(_is_name, fields)):
+            first = index
+    return layout, first, width
+
+
+def _is_name(field: str) -> bool:
+    return field[:1].isalpha() or field[:1] == "_"

@@ -64,7 +64,10 @@ def main_part(cloud: Cloud, outside: Outside = FEW) -> Cloud:
     away = np.asarray(KDTree(single).query(places, k=[_NEIGHBOUR])[0])
     link = _LINK * float(np.percentile(away, 100.0 - outside.percent))
     cells, cell, counts = np.unique(
-        np.floor((some.points - single[0]) / link), axis=0, return_inverse=True, return_counts=True
+        np.floor((some.points - np.median(single, axis=0)) / link),
+        axis=0,
+        return_inverse=True,
+        return_counts=True,
     )
     pairs = KDTree(cells).query_pairs(_TOUCHING_CELLS, output_type="ndarray")
     joined = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(cells),) * 2)

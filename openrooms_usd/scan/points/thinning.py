@@ -22,13 +22,11 @@ _MAX_LACKING_SHARE: Final = 0.01
 _MIN_MEAN_NORMAL: Final = 1e-3
 _MIN_NORMAL: Final = 1e-6
 # Of an evened cloud: voxels that are wanted, least points for each on average, and most points of
-# one. Their edge is searched from this part of the extent, which outliers may stretch, in so many
-# steps; cells on either side of the origin.
+# one; in how many steps their edge is searched; cells on either side of the origin.
 _PIECES: Final = 30_000
 _POINTS_EACH: Final = 1.5
 _MOST_IN_VOXEL: Final = 10
-_FINEST: Final = 1 << 22
-_HALVINGS: Final = 13
+_HALVINGS: Final = 12
 _MOST_CELLS: Final = 1 << 19
 
 
@@ -139,15 +137,24 @@ def evened(points: Array) -> tuple[Rows, float]:
     rows = np.flatnonzero(_first_of_equal(points))
     single = points[rows]
     some = single[:: max(len(single) // (_MOST_IN_VOXEL * _PIECES), 1)]
-    origin, size = np.percentile(some, 5.0, axis=0), float(np.ptp(some, axis=0).max())
-    if not size > 0.0:
+    origin, end = np.percentile(some, (5.0, 95.0), axis=0)
+    size, whole = float((end - origin).max()), float(np.ptp(some, axis=0).max())
+    if not whole > 0.0:
         return rows, 0.0
-    fine, coarse = size / _FINEST, size / 5.0
+
+    def are_many(voxel: float) -> bool:
+        counts = np.unique(_clipped_keys(some - origin, voxel), return_counts=True)[1]
+        points = int(np.minimum(counts, _MOST_IN_VOXEL).sum())
+        return len(counts) > min(_PIECES, int(points / _POINTS_EACH))
+
+    size = size or 1e-9 * whole
+    fine, coarse = size / 2000.0, size / 5.0
+    # What most points span may be but a small thing.
+    while coarse < whole and are_many(coarse):
+        fine, coarse = coarse, 400.0 * coarse
     for _ in range(_HALVINGS):
         voxel = float(np.sqrt(fine * coarse))
-        counts = np.unique(_clipped_keys(some - origin, voxel), return_counts=True)[1]
-        wanted = min(_PIECES, int(np.minimum(counts, _MOST_IN_VOXEL).sum() / _POINTS_EACH))
-        fine, coarse = (voxel, coarse) if len(counts) > wanted else (fine, voxel)
+        fine, coarse = (voxel, coarse) if are_many(voxel) else (fine, voxel)
     voxel = float(np.sqrt(fine * coarse))
     group, _ = groups(_clipped_keys(single - origin, voxel))
     order = np.argsort(group, kind="stable")
