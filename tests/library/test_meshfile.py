@@ -16,6 +16,7 @@ from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.uvquality import uv_quality
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.models.meshfile import read_model
 from openrooms_usd.library.models.pieces import prim_names
@@ -145,7 +146,7 @@ def test_the_copyright_of_a_glb_is_kept(tmp_path: Path) -> None:
 
 def test_mtl_colours_and_pictures(tmp_path: Path) -> None:
     _write(tmp_path / "wedge.mtl", "newmtl red\nKd 1 0 0\nNs 6\nnewmtl wood\nmap_Kd w.png\n")
-    (tmp_path / "w.png").write_bytes(b"")
+    write_png(tmp_path / "w.png", np.zeros((2, 2, 3), np.uint8))
     head = "mtllib wedge.mtl\nvt 0 0\nvt 5 0\nvt 5 5\n"
     body = WEDGE.replace("g body", "g body\nusemtl red").replace(
         "f 1 4 5", "usemtl wood\nf 1/1 4/2 5/3"
@@ -174,6 +175,37 @@ def test_files_outside_the_models_folder_are_ignored(tmp_path: Path) -> None:
     outside = [note for note in model.notes if "outside the model's folder" in note]
     assert len(outside) == 2
     assert any("none.mtl" in note for note in model.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "taken", "note"),
+    [
+        ("none.png", "", "does not exist"),
+        ("WOOD.png", "Wood.PNG", "Wood.PNG is taken"),
+        ("folder%20a\\b%20c.png", "folder a/b c.png", "b c.png is taken"),
+        ("%2e%2e/outside.png", "", "does not exist"),
+        ("empty.png", "", "the file is empty"),
+        ("pointer.png", "", "git lfs pull"),
+    ],
+)
+def test_pictures_of_other_systems_and_broken_ones(
+    tmp_path: Path, name: str, taken: str, note: str
+) -> None:
+    home = tmp_path / "model"
+    (home / "folder a").mkdir(parents=True)
+    for file in ("model/Wood.PNG", "model/folder a/b c.png", "outside.png"):
+        write_png(tmp_path / f"{file}.png", np.zeros((2, 2, 3), np.uint8))
+        (tmp_path / f"{file}.png").rename(tmp_path / file)
+    (home / "empty.png").write_bytes(b"")
+    (home / "pointer.png").write_text("version https://git-lfs.github.com/spec/v1\n")
+    _write(home / "own.mtl", f"newmtl a\nKd 1 0 0\nmap_Kd {name}\n")
+    model = read_model(_write(home / "wedge.obj", "mtllib own.mtl\nusemtl a\n" + WEDGE))
+    color = model.surfaces["body"].base_color
+    if taken:
+        assert isinstance(color, Texture) and Path(color.file) == home / taken
+    else:
+        assert color == (1.0, 0.0, 0.0)
+    assert any(note in one for one in model.notes)
 
 
 def test_inside_out_faces_follow_their_normals(tmp_path: Path) -> None:
@@ -329,7 +361,7 @@ def test_useless_coordinates_of_a_file_are_projected_and_reported(
 
 
 def test_coordinates_of_a_part_with_pictures_are_its_own(tmp_path: Path) -> None:
-    (tmp_path / "wood.png").write_bytes(b"")
+    write_png(tmp_path / "wood.png", np.zeros((2, 2, 3), np.uint8))
     _write(tmp_path / "sheet.mtl", "newmtl wood\nmap_Kd wood.png\n")
     text = "mtllib sheet.mtl\nusemtl wood\n"
     for t, number in (("9", 9.0), ("nan", 2.0)):

@@ -8,6 +8,7 @@ import pytest
 import trimesh
 
 from openrooms_usd.furniture import category
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.models.meshfile import read_model
 from openrooms_usd.library.models.posture import Posture, Usual, posture, standing
 
@@ -113,7 +114,7 @@ def test_pictures_in_a_sibling_folder(tmp_path: Path, folder: str) -> None:
     )
     for where, picture in ((folder, "a.png"), ("secrets", "b.png")):
         (tmp_path / where).mkdir()
-        (tmp_path / where / picture).write_bytes(b"picture")
+        write_png(tmp_path / where / picture, np.zeros((2, 2, 3), np.uint8))
         (objs / "a.mtl").write_text(f"newmtl m\nmap_Kd ../{where}/{picture}\n")
         model = read_model(objs / "a.obj")
         (surface,) = model.surfaces.values()

@@ -3,10 +3,11 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -194,13 +195,24 @@ def beside(model: Path, name: str, notes: list[str]) -> Path | None:
         notes.append(f"{name[:60]!r} cannot be the path of a file and is ignored")
         return None
     allowed = [folder, *(folder.parent / beside for beside in _PICTURE_FOLDERS)]
-    if not any(path.is_relative_to(one) for one in allowed):
+    if not _is_in(path, allowed):
         notes.append(f"{name!r} lies outside the model's folder and is ignored")
         return None
-    if not path.is_file():
+    if path.is_file():
+        return path
+    from openrooms_usd.usd.files.strayed import below
+
+    # Names of other systems: of another case, or with blanks as %20.
+    found = below(folder, unquote(name).replace("\\", "/").split("/"))
+    if found is None or not _is_in(found.resolve(), allowed):
         notes.append(f"{name!r} does not exist")
         return None
-    return path
+    notes.append(f"{name!r} does not exist, {found.name} is taken")
+    return found
+
+
+def _is_in(path: Path, folders: Sequence[Path]) -> bool:
+    return any(path.is_relative_to(one) for one in folders)
 
 
 def _read_mtl(path: Path, notes: list[str]) -> "dict[str, PreviewSurface]":
@@ -248,6 +260,12 @@ def _clipped(word: str, most: float) -> float:
 
 def _picture(path: Path, name: str, notes: list[str]) -> "Texture | None":
     from openrooms_usd.usd.shading.materials import Texture
+    from openrooms_usd.usd.shading.textures import flaw
 
     file = beside(path, name, notes)
-    return Texture(str(file), color_space="sRGB") if file else None
+    if file is None:
+        return None
+    if why := flaw(str(file)):
+        notes.append(why)
+        return None
+    return Texture(str(file), color_space="sRGB")

@@ -1,13 +1,14 @@
 """Numbers for objects, parts, materials and classes, and what they mean."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from pxr import Sdf, Usd, UsdShade
 
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.rendering.scene.arrays import Piece
 from openrooms_usd.rendering.scene.legend import Legend
-from openrooms_usd.usd.places.ancestry import Ancestry, Stand
+from openrooms_usd.usd.places.ancestry import Ancestry, Key, Stand
 from openrooms_usd.usd.semantics import TAXONOMIES, is_labelled, read_category, read_number
 
 
@@ -28,6 +29,7 @@ class Labels:
         self._objects: dict[str, tuple[int, tuple[int, ...]]] = {}
         self._ancestry = Ancestry(stage)
         self._labelled: dict[Sdf.Path, bool] = {}
+        self._owners: dict[Key, _Owner] = {}
 
     def row(self, path: str, material: str | None) -> int:
         """The row in `pieces` of a surface.
@@ -64,24 +66,51 @@ class Labels:
 
         That is the nearest labelled prim, else the nearest component, else the surface itself.
         """
-        chain = self._ancestry.of(path)
-        labelled = _from_first(chain, self._is_labelled)
-        owner = labelled or _from_first(chain, Usd.Prim.IsComponent)
-        stands = owner[0][0] if owner else path
+        key, instance_of = self._ancestry.shared(path)
+        if key not in self._owners:
+            self._owners[key] = self._owner(path, instance_of)
+        owner = self._owners[key]
+        stands = f"{instance_of}{owner.place}" if owner.is_in_instance else owner.place
         if stands not in self._objects:
             instance = _number(self._instances, stands)
-            prims = [prim for _, prim in labelled]
-            if category := read_category(prims):
-                self._categories[instance] = category
-            classes = tuple(read_number(prims, name) for name in CLASS_CHANNELS)
-            self._objects[stands] = instance, classes
+            if owner.category:
+                self._categories[instance] = owner.category
+            self._objects[stands] = instance, owner.classes
         return self._objects[stands]
+
+    def _owner(self, path: str, instance: str) -> "_Owner":
+        chain = self._ancestry.of(path)
+        labelled = _from_first(chain, self._is_labelled)
+        found = labelled or _from_first(chain, Usd.Prim.IsComponent)
+        place = found[0][0] if found else path
+        prims = [prim for _, prim in labelled]
+        classes = tuple(read_number(prims, name) for name in CLASS_CHANNELS)
+        is_in_instance = bool(instance) and place.startswith(instance)
+        place = place.removeprefix(instance) if is_in_instance else place
+        return _Owner(place, is_in_instance, read_category(prims), classes)
 
     def _is_labelled(self, prim: Usd.Prim) -> bool:
         path = prim.GetPath()
         if path not in self._labelled:
             self._labelled[path] = is_labelled(prim)
         return self._labelled[path]
+
+
+@dataclass(frozen=True)
+class _Owner:
+    """The object that surfaces are part of.
+
+    Attributes:
+        place: Where it stands, in the instance of a point instancer where it is in one.
+        is_in_instance: Whether it is.
+        category: What it is.
+        classes: Numbers of its classes.
+    """
+
+    place: str
+    is_in_instance: bool
+    category: str | None
+    classes: tuple[int, ...]
 
 
 def _from_first(chain: tuple[Stand, ...], test: Callable[[Usd.Prim], bool]) -> tuple[Stand, ...]:

@@ -49,7 +49,7 @@ def _beside(layer: Sdf.Layer, stage: Usd.Stage, authored: str) -> str:
     parts = [part for part in said.split("/") if part not in ("", ".")]
     down = [part for part in parts if part != ".."]
     places = [(_above(home, parts), down), *((home, down[start:]) for start in range(len(down)))]
-    found = (_below(folder, names) for folder, names in places)
+    found = (below(folder, names) for folder, names in places)
     whole = Path(os.path.realpath(root))
     return next(
         (str(f) for f in found if f and Path(os.path.realpath(f)).is_relative_to(whole)), ""
@@ -64,8 +64,10 @@ def _above(folder: Path, parts: Sequence[str]) -> Path:
     return folder
 
 
-def _below(folder: Path, names: Sequence[str]) -> Path | None:
-    """A file below a folder by names in any case."""
+def below(folder: Path, names: Sequence[str]) -> Path | None:
+    """A file below a folder by names in any case; None where there is none, or they lead above."""
+    if ".." in names:
+        return None
     try:
         for name in names:
             exact = folder / name

@@ -2,12 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Usd, UsdGeom
 
 from openrooms_usd.usd.places.frames import TIME
 
 Stand = tuple[str, Usd.Prim]
 """A place, and the prim that stands there."""
+
+
+Key = tuple[str, int, str]
 
 
 def above(path: str) -> str:
@@ -25,7 +28,7 @@ class Ancestry:
     def __init__(self, stage: Usd.Stage) -> None:
         self._stage = stage
         self._known: dict[str, tuple[Stand, ...]] = {"": ()}
-        self._scattered: dict[str, tuple[Sequence[Sdf.Path], Sequence[int]]] = {}
+        self._which: dict[str, Sequence[int]] = {}
 
     def of(self, place: str) -> tuple[Stand, ...]:
         """What stands at a place and above it, the nearest first; nothing where nothing stands.
@@ -52,6 +55,21 @@ class Ancestry:
                 others.append((place, parent))
         return (*inner, *outer, *others)
 
+    def shared(self, place: str) -> tuple[Key, str]:
+        """What a place has in common with others, and where the instance begins that it is in.
+
+        Places of equal keys are in instances of one point instancer that show the same, with the
+        same prims; the other text is empty where no point instancer made the place.
+        """
+        head, bracket, tail = place.rpartition("[")
+        if not bracket:
+            return (place, 0, ""), ""
+        number, _, rest = tail.partition("]")
+        instancer = UsdGeom.PointInstancer(self.of(head)[0][1]) if head not in self._which else None
+        if instancer:
+            self._which[head] = instancer.GetProtoIndicesAttr().Get(TIME)
+        return (head, self._which[head][int(number)], rest), f"{head}[{number}]"
+
     def _child(self, parent: Usd.Prim, place: str) -> Usd.Prim:
         path = parent.GetPath().AppendChild(place.rpartition("/")[2])
         return self._stage.GetPrimAtPath(path)
@@ -61,12 +79,9 @@ class Ancestry:
         instancer = UsdGeom.PointInstancer(outer[0][1]) if outer else None
         if not instancer:
             return None
-        key = outer[0][0]
-        if key not in self._scattered:
-            targets = instancer.GetPrototypesRel().GetForwardedTargets()
-            self._scattered[key] = targets, instancer.GetProtoIndicesAttr().Get(TIME)
-        targets, indices = self._scattered[key]
-        return self._stage.GetPrimAtPath(targets[indices[int(place[len(key) + 1 : -1])]])
+        (_, which, _), _ = self.shared(place)
+        targets = instancer.GetPrototypesRel().GetForwardedTargets()
+        return self._stage.GetPrimAtPath(targets[which])
 
 
 def _parents(prim: Usd.Prim) -> Iterator[Usd.Prim]:
