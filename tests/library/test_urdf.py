@@ -52,6 +52,16 @@ def middle(model: Model, part: str) -> np.ndarray:
     return np.asarray(model.parts[part].extent.mean(axis=0))
 
 
+def test_visuals_have_the_colours_that_the_file_says(tmp_path: Path) -> None:
+    named = '<material name="wood"><color rgba="0 0.5 1 1"/></material>'
+    text = CABINET.replace("<link name", f"{named}<link name", 1).replace(
+        "</geometry></visual>", '</geometry><material name="wood"/></visual>', 1
+    )
+    surfaces = read_model(written(tmp_path, text)).surfaces
+    assert list(surfaces) == ["frame"]
+    np.testing.assert_allclose(surfaces["frame"].base_color, [0.0, 0.214, 1.0], atol=0.001)
+
+
 def test_the_front_is_where_it_opens_to(tmp_path: Path) -> None:
     model = read_model(written(tmp_path))
     # Depth comes along our Y, the door in front at -Y, its hinge on the right of who looks at it.

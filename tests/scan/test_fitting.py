@@ -123,9 +123,20 @@ def test_a_box_too_long_between_two_walls_is_shortened_by_just_that(yaw: float) 
     assert thing.as_dict()["fitted"] == thing.fitted.tolist()
 
 
-def test_what_is_more_than_a_fifth_too_long_is_left_out() -> None:
-    home = room([[0, 0], [0.94, 0], [0.94, 3], [0, 3]])
-    result = run(found(1, "wardrobe", (0.47, 1.5, 0)), home=home)
+@pytest.mark.parametrize(("width", "place"), [(0.94, 0.47), (0.7, 0.35), (1.6, 1.6)])
+def test_a_thing_of_this_room_is_cut_by_half_or_moved_before_it_is_left_out(
+    width: float, place: float
+) -> None:
+    # 1.20 m long: with a wall on either side, or half behind one.
+    home = room([[0, 0], [width, 0], [width, 3], [0, 3]])
+    result = run(found(1, "wardrobe", (place, 1.5, 0)), home=home)
+    assert not result.left_out and not result.unresolved
+    assert outside(result.objects[0], home) < 1e-3
+
+
+def test_what_is_more_than_half_too_long_is_left_out() -> None:
+    home = room([[0, 0], [0.5, 0], [0.5, 3], [0, 3]])
+    result = run(found(1, "wardrobe", (0.25, 1.5, 0)), home=home)
     assert [gone.instance for gone in result.left_out] == [1]
 
 

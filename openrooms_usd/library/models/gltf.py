@@ -1,5 +1,6 @@
-"""Reads GLB, PLY and STL files through trimesh: nodes as pieces, with constant materials."""
+"""Reads GLB, PLY and STL files through trimesh: nodes as pieces, of one colour each."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -8,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.models.pieces import Piece, Reading
+from openrooms_usd.library.models.pieces import Piece, Reading, colored
 from openrooms_usd.scan.models.meshscene import ShownMesh, glb_header, shown_meshes
 
 if TYPE_CHECKING:
@@ -19,6 +21,14 @@ if TYPE_CHECKING:
 
 # Base colour of a material that says none, scene-linear.
 _UNSAID: Final = (0.6, 0.6, 0.6)
+# What is read of GLB and PLY files; primitives below this mode have no triangles.
+_ATTRIBUTES: Final = ("POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0")
+_EXTENSIONS: Final = ("KHR_draco_mesh_compression",)
+_STRIPS: Final = 4
+_PROPERTIES: Final = frozenset(
+    "x y z nx ny nz red green blue alpha vertex_indices vertex_index".split()
+)
+_PLY_HEADER: Final = 1 << 16  # bytes
 
 
 def read_glb(path: Path) -> Reading:
@@ -30,8 +40,9 @@ def read_glb(path: Path) -> Reading:
     """
     content = untrusted.read_bytes(path, "model")
     header = glb_header(content, path)
-    pieces = _pieces(shown_meshes(path, content), path.stem)
-    return Reading(pieces, _picture_notes(header), licence=_copyright(header))
+    notes = _unused(header)
+    pieces = _pieces(shown_meshes(path, content), path.stem, notes)
+    return Reading(pieces, notes, licence=_copyright(header))
 
 
 def read_ply(path: Path) -> Reading:
@@ -43,7 +54,12 @@ def read_ply(path: Path) -> Reading:
     content = untrusted.read_bytes(path, "model")
     if not content.startswith(b"ply"):
         raise InputError("not a PLY file", place=path, remedy="export the mesh again")
-    return Reading(_pieces(shown_meshes(path, content), path.stem), up="Z")
+    shown, notes = shown_meshes(path, content), list[str]()
+    for one in shown:
+        notes += _unused_properties(one.mesh.metadata.get("_ply_raw", {}))
+    if re.search(rb"^comment TextureFile", content[:_PLY_HEADER], re.MULTILINE):
+        notes.append("the picture that the PLY file names is not used")
+    return Reading(_pieces(shown, path.stem, notes, encoded=True), notes, up="Z")
 
 
 def read_stl(path: Path) -> Reading:
@@ -53,12 +69,40 @@ def read_stl(path: Path) -> Reading:
         InputError: It is no STL file, or it is truncated.
     """
     content = untrusted.read_bytes(path, "model")
-    return Reading(_pieces(shown_meshes(path, content), path.stem), up="Z")
+    shown, notes = shown_meshes(path, content), list[str]()
+    if any(np.any(one.mesh.face_attributes.get("stl", 0)) for one in shown):
+        notes.append("the colours of the STL file's facets are not used")
+    return Reading(_pieces(shown, path.stem, notes, encoded=True), notes, up="Z")
 
 
-def _picture_notes(header: dict[str, Any]) -> list[str]:
+def _unused(header: dict[str, Any]) -> list[str]:
+    """What a GLB file has and is not used, in a sentence or two."""
     count = len(header.get("images", []))
-    return [f"{count} textures in the GLB file are left out"] if count else []
+    notes = [f"{count} textures in the GLB file are left out"] if count else []
+    unused = [name for name in ("animations", "skins", "cameras") if header.get(name)]
+    for mesh in header.get("meshes", ()):
+        for primitive in mesh["primitives"]:
+            unused += [name for name in primitive["attributes"] if name not in _ATTRIBUTES]
+            unused += ["morph targets"] if primitive.get("targets") else []
+            unused += ["points and lines"] if primitive.get("mode", 4) < _STRIPS else []
+    for material in header.get("materials", ()):
+        unused += ["emission"] if any(material.get("emissiveFactor", ())) else []
+        unused += ["masks"] if material.get("alphaMode") == "MASK" else []
+    unused += [str(name) for name in header.get("extensionsUsed", ()) if name not in _EXTENSIONS]
+    if unused:
+        notes.append(f"not used of the GLB file: {', '.join(dict.fromkeys(unused))[:300]}")
+    return notes
+
+
+def _unused_properties(elements: dict[str, Any]) -> list[str]:
+    """What the vertices and faces of a PLY file have besides, in a sentence."""
+    unused = [
+        name
+        for element in ("vertex", "face")
+        for name in elements.get(element, {}).get("properties", ())
+        if name not in _PROPERTIES
+    ]
+    return [f"not used of the PLY file: {', '.join(unused)[:300]}"] if unused else []
 
 
 def _copyright(header: dict[str, Any]) -> str:
@@ -66,18 +110,31 @@ def _copyright(header: dict[str, Any]) -> str:
     return str(asset.get("copyright") or "") if isinstance(asset, dict) else ""
 
 
-def _pieces(shown: Sequence[ShownMesh], title: str) -> list[Piece]:
+def _pieces(
+    shown: Sequence[ShownMesh], title: str, notes: list[str], *, encoded: bool = False
+) -> list[Piece]:
+    """A piece for each mesh; its colours are for screens where they are encoded, else linear."""
     # What has no name in the file is called so by trimesh.
     named = {one.name for one in shown} - {"geometry_0"}
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused later
-        return [
-            Piece(
-                one.name if named else title,
-                _mesh(one.mesh).transformed(one.file_from_mesh),
-                _surface(one.mesh.visual),
-            )
-            for one in shown
-        ]
+        pieces = []
+        for one in shown:
+            name, surface = one.name if named else title, _surface(one.mesh.visual)
+            if (colors := _colors(one.mesh.visual)) is not None:
+                linear = linear_from_srgb(colors) if encoded else colors
+                surface = colored(name, surface, linear, notes)
+            mesh = _mesh(one.mesh).transformed(one.file_from_mesh)
+            pieces.append(Piece(name, mesh, surface))
+        return pieces
+
+
+def _colors(visual: Any) -> NDArray[np.float64] | None:
+    """(N, 3) the colours of vertices or faces, from 0 to 1; None without any."""
+    if visual.kind in ("vertex", "face"):
+        values = visual.vertex_colors if visual.kind == "vertex" else visual.face_colors
+        return np.asarray(values, dtype=np.float64)[:, :3] / 255.0
+    given = getattr(visual, "vertex_attributes", {}).get("color")
+    return None if given is None else np.asarray(given, dtype=np.float64)[:, :3]
 
 
 def _mesh(mesh: Any) -> Mesh:

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import face_vectors, with_normals
 from openrooms_usd.geometry.triangulation import triangulate
@@ -14,6 +15,11 @@ from openrooms_usd.geometry.vectors import UP, unit
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.shading.materials import PreviewSurface
+
+# Vertex colours that differ by no more are one; how rough a surface is of which they are all that
+# is known.
+_SAME_COLOR: Final = 0.02
+_PAINTED_ROUGHNESS: Final = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +81,32 @@ class Reading:
     licence: str = ""
     front: Literal["+X", "-X", "+Y", "-Y"] = "-Y"
     joints: Sequence[ForeignJoint] = ()
+
+
+def colored(
+    title: str, surface: "PreviewSurface | None", colors: Array, notes: list[str]
+) -> "PreviewSurface":
+    """A surface of the colour that a piece's vertices have; of their mean where they differ.
+
+    Args:
+        title: Of the piece, for notes.
+        surface: The material that the file gives it; its constant base colour is a factor.
+        colors: (N, 3) of the vertices, scene-linear.
+        notes: Receives a sentence where the colours differ.
+    """
+    from openrooms_usd.usd.shading.materials import PreviewSurface
+
+    mean = np.clip(colors.mean(axis=0), 0.0, 1.0)
+    if np.ptp(colors, axis=0).max() > _SAME_COLOR:
+        notes.append(f"the colours of the vertices of {title[:60]} differ: their mean is taken")
+    if surface is None:
+        r, g, b = np.round(mean, 6).tolist()
+        return PreviewSurface(base_color=(r, g, b), roughness=_PAINTED_ROUGHNESS)
+    if isinstance(surface.base_color, tuple):
+        r, g, b = np.round(mean * surface.base_color, 6).tolist()
+        return replace(surface, base_color=(r, g, b))
+    notes.append(f"the colours of the vertices of {title[:60]} are not used: it has a picture")
+    return surface
 
 
 def is_textured(surface: "PreviewSurface | None") -> bool:

@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.models.pieces import ForeignJoint, Piece, Reading
+from openrooms_usd.library.models.pieces import ForeignJoint, Piece, Reading, colored
 from openrooms_usd.library.models.plainxml import read_xml
 
 Array = NDArray[np.float64]
@@ -227,15 +228,36 @@ def read_urdf(path: Path, read_mesh: ReadMesh) -> Reading:
     poses = link_poses(links, holds, path)
     movers = {name: mover_of(name, holds) for name in links}
     notes = notes_of(holds, movers)
+    colors = {
+        m.get("name"): color
+        for m in root.iter("material")
+        if (color := m.find("color")) is not None
+    }
     pieces = []
     for name, link in links.items():
         for visual in link.findall("visual"):
             for piece in _pieces(visual, name, path, read_mesh, notes):
                 moved = piece.mesh.transformed(poses[name])
-                pieces.append(replace(piece, mesh=moved, link=movers[name] or ""))
+                shown = _in_color(piece, visual, colors, path)
+                pieces.append(replace(shown, mesh=moved, link=movers[name] or ""))
     moving = {piece.link for piece in pieces if piece.link}
     joints = tuple(foreign_joint(holds[name], poses[name]) for name in links if name in moving)
     return Reading(pieces, notes, up="Z", front=_front(pieces, joints), joints=joints)
+
+
+def _in_color(
+    piece: Piece, visual: Element, colors: Mapping[str | None, Element], path: Path
+) -> Piece:
+    """A piece in the colour that its visual says, where its mesh file has no material for it."""
+    material = visual.find("material")
+    if material is None or piece.surface is not None:
+        return piece
+    color = material.find("color")
+    color = colors.get(material.get("name")) if color is None else color
+    if color is None:
+        return piece
+    rgba = read_numbers(color.get("rgba"), (0.8, 0.8, 0.8, 1.0), path)
+    return replace(piece, surface=colored("", None, linear_from_srgb(rgba[None, :3]), []))
 
 
 def meshes_of(path: Path) -> Iterator[Path]:

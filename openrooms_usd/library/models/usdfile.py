@@ -9,7 +9,7 @@ import numpy as np
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.models.pieces import Piece, Reading
+from openrooms_usd.library.models.pieces import Piece, Reading, colored
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -110,13 +110,17 @@ def _mesh(placed: "PlacedMesh") -> Mesh:
 
 
 def _surface(placed: "PlacedMesh", path: Path, notes: list[str]) -> "PreviewSurface | None":
-    """The bound material, without pictures from outside the model's folder."""
+    """The bound material, without pictures from elsewhere; without one, the displayed colour."""
+    from pxr import UsdGeom
+
     from openrooms_usd.usd.shading.materialreader import read_preview_surface
     from openrooms_usd.usd.shading.materials import PreviewSurface, Texture, bound_material
 
     material = bound_material(placed.prim)
     if not material:
-        return None
+        shown = UsdGeom.Gprim(placed.prim).GetDisplayColorAttr().Get()
+        name = placed.prim.GetName()
+        return colored(name, None, np.asarray(shown, np.float64), notes) if shown else None
     surface, losses = read_preview_surface(material)
     notes.extend(f"{material.GetPath()}: {loss}" for loss in losses)
     kept = {}

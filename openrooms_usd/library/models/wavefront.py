@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.models.pieces import Piece, Reading
+from openrooms_usd.library.models.pieces import Piece, Reading, colored
 from openrooms_usd.scan.models.objtext import standard_obj
 
 if TYPE_CHECKING:
@@ -23,6 +24,11 @@ if TYPE_CHECKING:
 
 Corner = tuple[int, int | None, int | None]
 
+# Words of a vertex with a colour: x, y, z and r, g, b.
+_COLORED: Final = 7
+# Statements that say nothing of shapes or looks.
+_READ_OF_MTL: Final = frozenset(("Kd", "Ns", "d", "map_Kd", "illum", "Ka"))
+_SHAPELESS: Final = frozenset(("s", "mg"))
 # Folders beside a model's own that may hold its pictures.
 _PICTURE_FOLDERS: Final = ("images", "textures", "texture")
 
@@ -33,10 +39,12 @@ class _Obj:
 
     path: Path
     v: list[list[float]] = field(default_factory=list)
+    colors: list[list[float]] = field(default_factory=list)
     vt: list[list[float]] = field(default_factory=list)
     vn: list[list[float]] = field(default_factory=list)
     faces: dict[tuple[str, str], list[list[Corner]]] = field(default_factory=dict)
     libraries: list[str] = field(default_factory=list)
+    unused: dict[str, None] = field(default_factory=dict)
     group: str = ""
     material: str = ""
 
@@ -65,13 +73,15 @@ def read_obj(path: Path) -> Reading:
                 remedy="export the mesh again",
             ) from error
     notes: list[str] = []
+    if obj.unused:
+        notes.append(f"not used of the OBJ file: {', '.join(obj.unused)[:300]}")
     surfaces = _read_libraries(obj, notes)
     groups = Counter(group for group, _ in obj.faces)
     pieces = [
         Piece(
             f"{group}_{material}" if groups[group] > 1 and material else group or path.stem,
             _mesh(obj, corners),
-            surfaces.get(material),
+            _painted(obj, corners, group or path.stem, surfaces.get(material), notes),
             material=material,
         )
         for (group, material), corners in obj.faces.items()
@@ -112,6 +122,8 @@ def _statement(obj: _Obj, words: list[str]) -> None:
         case "v":
             x, y, z = (float(word) for word in words[1:4])
             obj.v.append([x, y, z])
+            if len(words) >= _COLORED:
+                obj.colors.append([float(word) for word in words[4:7]])
         case "vt":
             obj.vt.append([float(word) for word in [*words[1:3], "0"][:2]])
         case "vn":
@@ -128,6 +140,8 @@ def _statement(obj: _Obj, words: list[str]) -> None:
             obj.material = " ".join(words[1:])
         case "mtllib":
             obj.libraries.append(" ".join(words[1:]))
+        case unused if unused not in _SHAPELESS:
+            obj.unused[unused] = None
 
 
 def _corner(obj: _Obj, word: str) -> Corner:
@@ -162,6 +176,22 @@ def _mesh(obj: _Obj, faces: list[list[Corner]]) -> Mesh:
         normals=_gathered(obj.vn, normals),
         st=_gathered(obj.vt, st),
     )
+
+
+def _painted(
+    obj: _Obj,
+    faces: list[list[Corner]],
+    title: str,
+    surface: "PreviewSurface | None",
+    notes: list[str],
+) -> "PreviewSurface | None":
+    """The surface with the colours of the vertices, where all vertices have one."""
+    if not obj.colors or len(obj.colors) < len(obj.v):
+        return surface
+    rows = sorted({corner[0] for face in faces for corner in face})
+    colors = np.array([obj.colors[row] for row in rows])
+    scale = 255.0 if max(max(color) for color in obj.colors) > 1.0 else 1.0
+    return colored(title, surface, linear_from_srgb(colors / scale), notes)
 
 
 def _gathered(rows: list[list[float]], indices: list[int | None]) -> NDArray[np.float32] | None:
@@ -225,6 +255,9 @@ def _read_mtl(path: Path, notes: list[str]) -> "dict[str, PreviewSurface]":
             block[words[0]] = words[1:]
     surfaces = {}
     for name, values in blocks.items():
+        unused = [word for word in values if word not in _READ_OF_MTL]
+        if unused:
+            notes.append(f"not used of the material {name!r}: {', '.join(unused)[:200]}")
         try:
             surfaces[name] = _surface(path, values, notes)
         except (ValueError, IndexError):

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError, MissingPackageError, OrusdError
+from openrooms_usd.scan.models.glbarrays import WIDTHS, with_plain_arrays
 
 # Without a handler, Python prints a library's warnings with their tracebacks.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
@@ -68,7 +69,7 @@ def shown_meshes(path: Path, content: bytes) -> list[ShownMesh]:
 
     kind = path.suffix.lower().removeprefix(".")
     if kind == "glb":
-        glb_header(content, path)
+        content = _plain(content, glb_header(content, path), path)
     try:
         with np.errstate(all="ignore"):  # of this thread; what is not finite is found later
             scene = trimesh.load_scene(io.BytesIO(content), file_type=kind, process=False)
@@ -81,6 +82,13 @@ def shown_meshes(path: Path, content: bytes) -> list[ShownMesh]:
         raise InputError(text, place=path, remedy=_REMEDY) from error
     _check_meshes(found, path)
     return found
+
+
+def _plain(content: bytes, header: dict[str, Any], place: object) -> bytes:
+    try:
+        return with_plain_arrays(content, header)
+    except (ValueError, TypeError, LookupError, AttributeError, struct.error) as error:
+        raise _broken(str(error) or type(error).__name__, place) from error
 
 
 def _shown(scene: Any) -> Any:
@@ -118,7 +126,6 @@ _HEAD: Final = struct.calcsize("<4sIIII")
 # What a file may require and is understood, or says nothing of shapes.
 _HARMLESS: Final = ("KHR_materials_", "KHR_lights_", "KHR_texture_transform", "KHR_xmp", _DRACO)
 _BYTES: Final = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
-_NUMBERS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 # Unpacked arrays have no more bytes than this, or so many times the file; compressed ones have.
 _MIN_ARRAY_BYTES: Final = 64 << 20
 _MAX_COMPRESSION_GAIN: Final = 16
@@ -194,7 +201,7 @@ def _check_amounts(header: Mapping[str, Any], most: int) -> None:
     if any(_whole(view.get("byteStride", 1)) < 1 for view in views):
         raise ValueError("a buffer view has no stride")
     counts = [_whole(accessor["count"]) for accessor in accessors]
-    sizes = [_BYTES[a["componentType"]] * _NUMBERS[a["type"]] for a in accessors]
+    sizes = [_BYTES[a["componentType"]] * WIDTHS[a["type"]] for a in accessors]
     if sum(count * size for count, size in zip(counts, sizes, strict=True)) > most:
         raise ValueError("its accessors announce many times as much as the file holds")
     corners = [

@@ -6,7 +6,7 @@ are resolved by the least motion. Plausible poses are returned unchanged. What i
 may be lowered, moved farther or shortened, and where that does not help either, be left out.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -17,7 +17,14 @@ from openrooms_usd.furniture.words import category_of
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement import settling
 from openrooms_usd.scan.placement.arrangement import Arrangement, arranged, posed, rotation_of
-from openrooms_usd.scan.placement.fitting import MAX_GAP_M, LeftOut, fit, left_out
+from openrooms_usd.scan.placement.fitting import (
+    LAST_SHARE,
+    MAX_GAP_M,
+    USUAL_SHARE,
+    LeftOut,
+    fit,
+    left_out,
+)
 from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest
 from openrooms_usd.scan.results import FoundObject, FoundRoom
@@ -35,8 +42,9 @@ _MAX_FITS: Final = 4
 # Motion by which what was shortened comes to rest, metres: the cut leaves it free.
 _FITTED_REACH_M: Final = 0.03
 _FITTED_ROUNDS: Final = 4
-# Largest fall, metres: what the holes of a scan hide, such as the mattress under a pillow.
-_MAX_FALL_M: Final = 0.5
+# Largest fall, metres: what the holes of a scan hide, such as the mattress under a pillow, or the
+# legs of a table.
+_MAX_FALL_M: Final = 1.0
 # Least part of a base on what carries it.
 _MIN_BASE_SHARE: Final = 0.3
 
@@ -102,6 +110,9 @@ def _resolved(
         wrong = _mended(state, wrong, models) if remedies else _moved_farther(state, wrong)
         last = tries == _MAX_TRIES - 1
         out = left_out(state, wrong, with_carried=last)
+        if out and remedies:
+            wrong = _rescued(state, wrong, {one.instance for one in out.values()}, models)
+            out = left_out(state, wrong, with_carried=last)
         gone |= {found.instance: found for found in out.values()}
         if not out or last:
             break
@@ -163,12 +174,37 @@ def _mended(
     return _fitted(state, _moved_farther(state, wrong), models)
 
 
+def _rescued(
+    state: Arrangement,
+    wrong: list[settling.Unresolved],
+    lost: Collection[int],
+    models: Mapping[str, CadModel],
+) -> list[settling.Unresolved]:
+    """What is wrong still after what would be left out lost half its length, or was moved inside.
+
+    Most of its points lie in this room, so there is such a thing here.
+    """
+    _fitted(state, [one for one in wrong if {one.instance, one.other} & {*lost}], models, LAST_SHARE)
+    for row, thing in enumerate(state.objects):
+        if thing.instance in lost:
+            room = state.rooms[row]
+            out = room.outward(room.footprint(state.bodies[row]))
+            inwards = -(out.max(axis=0).clip(0.0) + out.min(axis=0).clip(None, 0.0))
+            for each in (row, *state.carried(row)) if np.abs(inwards).max() > MAX_GAP_M else ():
+                state.shift(each, np.append(inwards, 0.0))
+    settling.settle_again(state)
+    return settling.violations(state)
+
+
 def _fitted(
-    state: Arrangement, wrong: list[settling.Unresolved], models: Mapping[str, CadModel]
+    state: Arrangement,
+    wrong: list[settling.Unresolved],
+    models: Mapping[str, CadModel],
+    share: float = USUAL_SHARE,
 ) -> list[settling.Unresolved]:
     """What is wrong still after what has no room was shortened."""
     for _ in range(_MAX_FITS):
-        if not fit(state, wrong, models):
+        if not fit(state, wrong, models, share):
             break
         _spread(state, Spread(state, _FITTED_REACH_M, _FITTED_ROUNDS))
         wrong = settling.violations(state)

@@ -15,14 +15,15 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import Arrangement, posed, rotation_of
 from openrooms_usd.scan.placement.bodies import Body
-from openrooms_usd.scan.placement.enclosure import LOST_M
 from openrooms_usd.scan.placement.penetration import FINE_LINES, exits, penetration
 from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.placement.support import CEILING, WALL
 from openrooms_usd.scan.registration.scalelimits import sizes_of
 
-# Largest part of an object's measured length along an axis by which it is shortened.
-_MAX_SHARE: Final = 0.2
+USUAL_SHARE: Final = 0.2
+"""Largest part of an object's measured length along an axis by which it is shortened."""
+LAST_SHARE: Final = 0.5
+"""The same before it is left out: half a bed is better than none."""
 # Least cosine between an object's axis and the direction in which it reaches into something.
 _SAME_WAY_COS: Final = 0.9
 # Gap that is left beside what was shortened, metres.
@@ -49,13 +50,19 @@ class Cut:
     depth: float
 
 
-def fit(state: Arrangement, wrong: Sequence[Unresolved], models: Mapping[str, CadModel]) -> bool:
+def fit(
+    state: Arrangement,
+    wrong: Sequence[Unresolved],
+    models: Mapping[str, CadModel],
+    share: float = USUAL_SHARE,
+) -> bool:
     """Shorten what reaches into walls and other objects, each object for one reason at a time.
 
     Args:
         state: The objects; changed.
         wrong: What is wrong with them.
         models: CADs by their ids.
+        share: Largest part of a measured length that is cut off.
 
     Returns:
         Whether anything was shortened.
@@ -68,9 +75,9 @@ def fit(state: Arrangement, wrong: Sequence[Unresolved], models: Mapping[str, Ca
             continue
         cuts = _of_walls(state, rows[one.instance]) if one.other is None else []
         if one.other is not None:
-            cuts = _of_pair(state, rows[one.instance], rows[one.other], models)
+            cuts = _of_pair(state, rows[one.instance], rows[one.other], models, share)
         for each in cuts:
-            if _cost(state, each, models) < np.inf:
+            if _cost(state, each, models, share) < np.inf:
                 _shorten(state, each)
                 cut.add(each.row)
     return bool(cut)
@@ -85,15 +92,20 @@ def _of_walls(state: Arrangement, row: int) -> list[Cut]:
         reach = out @ side
         along = reach > np.maximum(_SAME_WAY_COS * np.linalg.norm(out, axis=1), _TOUCHING_M)
         depth = float(reach[along].max(initial=0.0)) + _CLEARANCE_M
-        if along.any() and depth < LOST_M:
+        if along.any():
             cuts.append(Cut(row, np.append(side, 0.0), depth))
     return cuts
 
 
-def _of_pair(state: Arrangement, i: int, j: int, models: Mapping[str, CadModel]) -> list[Cut]:
+def _of_pair(
+    state: Arrangement, i: int, j: int, models: Mapping[str, CadModel], share: float
+) -> list[Cut]:
     """The least cut of one of two objects that parts them; none where none does."""
     cuts = sorted(
-        ((_cost(state, cut, models), number, cut) for number, cut in enumerate(_ways(state, i, j))),
+        (
+            (_cost(state, cut, models, share), number, cut)
+            for number, cut in enumerate(_ways(state, i, j))
+        ),
         key=lambda each: each[:2],
     )
     return [cuts[0][2]] if cuts and cuts[0][0] < np.inf else []
@@ -118,7 +130,7 @@ def _ways(state: Arrangement, i: int, j: int) -> Iterator[Cut]:
             yield Cut(other, -top, depth + _CLEARANCE_M)
 
 
-def _cost(state: Arrangement, cut: Cut, models: Mapping[str, CadModel]) -> float:
+def _cost(state: Arrangement, cut: Cut, models: Mapping[str, CadModel], share: float) -> float:
     """The part of an object that is cut off, more for well measured ones; infinite: too much."""
     thing = state.objects[cut.row]
     number, factor = _scaling(state, cut)
@@ -126,7 +138,7 @@ def _cost(state: Arrangement, cut: Cut, models: Mapping[str, CadModel]) -> float
     measured = thing.pose.scale * np.ptp(model.extent, axis=0)
     before = np.ones(3) if thing.fitted is None else thing.fitted
     least = sizes_of(model, np.eye(3), measured / before)[0]
-    if number < 0 or before[number] * factor < 1.0 - _MAX_SHARE:
+    if number < 0 or before[number] * factor < 1.0 - share:
         return np.inf
     if measured[number] * factor < least[number]:
         return np.inf
