@@ -46,6 +46,13 @@ def tapered(
     return with_normals(replace(mesh, points=points), crease=crease)
 
 
+def seated(mesh: Mesh, crease: float = 60.0) -> Mesh:
+    """What is soft lies flat on the ground where it would reach below it: z = 0."""
+    points = mesh.points.copy()
+    points[:, 2] = np.maximum(points[:, 2], 0.0)
+    return with_normals(replace(mesh, points=points), crease=crease)
+
+
 def oval(mesh: Mesh, size: Size) -> Mesh:
     """What was turned with the smaller half side as radius, stretched to the box."""
     least = min(size[0], size[1])
