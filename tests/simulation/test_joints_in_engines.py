@@ -2,14 +2,15 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics
 
 from openrooms_usd import adapters
-from openrooms_usd.arrays import Array
 from openrooms_usd.engines import Simulation
 from openrooms_usd.geometry.rotations import about_axis, pose
 from openrooms_usd.physics.world import World
@@ -146,7 +147,7 @@ def test_several_directions_lead_back_to_where_the_frames_meet(
         getattr(joint, f"CreateBody{side}Rel")().SetTargets([ends[side]])
         getattr(joint, f"CreateLocalPos{side}Attr")(places[side])
     joined(stage, UsdPhysics.FixedJoint, ("", "base"), ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0)), "Held")
-    moved: Array = np.eye(4)
+    moved: NDArray[Any] = np.eye(4)
     for name, value in values.items():
         axis = "XYZ".index(name[-1])
         turn = name.startswith("rot")

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.joinery.posing import tapered
+from openrooms_usd.furniture.joinery.posing import seated, tapered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -45,19 +45,16 @@ def _straps(width: float, height: float, back: float, strap: float) -> list[Mesh
 def day(size: Size, rng: np.random.Generator) -> Parts:
     """A school or city backpack, narrower above."""
     width, depth, height = size
-    back, strap = 0.5 * depth, 0.02
+    back, strap, sag = 0.5 * depth, 0.02, 0.014
     deep = 0.72 * depth
     high = height - 0.03
-    body = tapered(
-        cushion(
-            (1.056 * width, deep, high),
-            radius=0.05,
-            crown=(0.012, 0.02, 0.01),
-            center=(0.0, back - strap - 0.5 * deep, 0.5 * high),
-        ),
-        "z",
-        (0.86, 0.72),
+    whole = cushion(
+        (1.056 * width, deep, high + sag),
+        radius=0.05,
+        crown=(0.012, 0.02, 0.01),
+        center=(0.0, back - strap - 0.5 * deep, 0.5 * (high - sag)),
     )
+    body = seated(tapered(whole, "z", (0.86, 0.72)))
     pocket = cushion(
         (0.74 * width, 0.4 * depth, 0.42 * height),
         radius=0.03,

@@ -7,6 +7,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.posing import at_rest
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -87,7 +88,7 @@ def spoon(size: Size, rng: np.random.Generator) -> Parts:
     depth[t > 0.5] = 0.35 * (2.0 * t[t > 0.5] - 1.0) ** 2
     bowl = [(0.68 + 0.32 * s, a, z) for s, a, z in zip(t, around, depth, strict=True)]
     handle = [(t, 0.6 * a, z) for t, a, z in _HANDLE]
-    return {"cutlery": _strip(_rows(size, (*handle, *bowl), thick), 0.28, thick, 26)}
+    return at_rest({"cutlery": _strip(_rows(size, (*handle, *bowl), thick), 0.28, thick, 26)})
 
 
 def knife(size: Size, rng: np.random.Generator) -> Parts:

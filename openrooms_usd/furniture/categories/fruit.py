@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import boxed
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import at_rest, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -95,7 +95,7 @@ def lemon(size: Size, rng: np.random.Generator) -> Parts:
         (0.0, 1.0),
     ]
     standing = _round(profile, (depth, height, width))
-    return {"lemon": boxed(turned(standing, "y", 90.0), size)}
+    return at_rest({"lemon": boxed(turned(standing, "y", 90.0), size)})
 
 
 def banana(size: Size, rng: np.random.Generator) -> Parts:
@@ -103,7 +103,7 @@ def banana(size: Size, rng: np.random.Generator) -> Parts:
     bend = np.radians(np.linspace(205.0, 335.0, 11))
     path = np.stack([np.cos(bend), -np.sin(bend), 0.0 * bend], axis=1) * 0.1
     radii = [0.005, 0.006, 0.013, 0.0165, 0.018, 0.018, 0.018, 0.017, 0.013, 0.006, 0.004]
-    return {"banana": boxed(tube(path, radii, segments=8), size)}
+    return at_rest({"banana": boxed(tube(path, radii, segments=8), size)})
 
 
 CATEGORY: Final = BuiltCategory(

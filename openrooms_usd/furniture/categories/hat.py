@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.joinery.posing import oval
+from openrooms_usd.furniture.joinery.posing import at_rest, oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -66,7 +66,7 @@ def cap(size: Size, rng: np.random.Generator) -> Parts:
     z = 0.0075 - 0.0035 * v + 0.0 * u
     visor = sheet(np.stack([x, y, z], axis=-1)[::-1], 0.003)
     shift = (0.0, 0.5 * depth - r, 0.0)
-    return {"hat": joined([shell, knob]).moved(shift), "visor": visor.moved(shift)}
+    return at_rest({"hat": joined([shell, knob]).moved(shift), "visor": visor.moved(shift)})
 
 
 CATEGORY: Final = BuiltCategory(

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import at_rest, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -60,11 +60,8 @@ def lying(size: Size, rng: np.random.Generator) -> Parts:
             [0.0, 0.0, 0.0, 1.0],
         ]
     )
-    return {
-        "band": band.transformed(lie),
-        "cup": joined(cups).transformed(lie),
-        "pad": joined(pads).transformed(lie),
-    }
+    parts = {"band": band, "cup": joined(cups), "pad": joined(pads)}
+    return at_rest({name: mesh.transformed(lie) for name, mesh in parts.items()})
 
 
 def stand(size: Size, rng: np.random.Generator) -> Parts:

@@ -6,13 +6,16 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from openrooms_usd.furniture.joinery.boards import Size
+from openrooms_usd.arrays import Array
+from openrooms_usd.furniture.joinery.boards import Parts, Size
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.rotations import about_point, about_x, about_y, about_z
 from openrooms_usd.geometry.sweeps import tube
 
 _ABOUT: Final = {"x": about_x, "y": about_y, "z": about_z}
+# A sine of less is no angle.
+_LEVEL: Final = 1e-6
 _AXES: Final = {"x": 0, "y": 1, "z": 2}
 
 
@@ -44,6 +47,50 @@ def tapered(
         middle = 0.5 * (low[j] + high[j])
         points[:, j] = middle + (points[:, j] - middle) * (1.0 + (scale - 1.0) * along)
     return with_normals(replace(mesh, points=points), crease=crease)
+
+
+def seated(mesh: Mesh, crease: float = 60.0) -> Mesh:
+    """What is soft lies flat on the ground where it would reach below it: z = 0."""
+    points = mesh.points.copy()
+    points[:, 2] = np.maximum(points[:, 2], 0.0)
+    return with_normals(replace(mesh, points=points), crease=crease)
+
+
+def at_rest(parts: Parts) -> Parts:
+    """What lies, turned by the least angle after which it would not tip over.
+
+    A face of the hull carries it if the line from the centre along the face's normal leaves the
+    hull there. All parts count as equally dense.
+    """
+    from scipy.spatial import ConvexHull
+
+    points = np.concatenate([mesh.points for mesh in parts.values()])
+    weights, centres = zip(*map(_volume, parts.values()), strict=True)
+    centre = np.average(centres, axis=0, weights=np.abs(weights))
+    planes = np.unique(np.round(ConvexHull(points).equations, 9), axis=0)
+    normals, depths = planes[:, :3], -(planes[:, :3] @ centre + planes[:, 3])
+    with np.errstate(divide="ignore"):
+        along = normals @ normals.T
+        ways = np.where(along > 0.0, depths / along, np.inf)
+    carries = depths <= ways.min(axis=1) * (1.0 + 1e-6)
+    down = normals[carries][np.argmin(normals[carries, 2])]
+    axis = np.cross(down, (0.0, 0.0, -1.0))
+    sine = float(np.linalg.norm(axis))
+    if sine < _LEVEL:
+        return parts
+    x, y, z = axis / sine
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    R = np.eye(3) + sine * K + (1.0 + float(down[2])) * K @ K
+    return {name: mesh.transformed(R) for name, mesh in parts.items()}
+
+
+def _volume(mesh: Mesh) -> tuple[float, Array]:
+    """The volume of a closed mesh and its middle."""
+    corners, _ = mesh.triangles()
+    a, b, c = np.moveaxis(mesh.points[mesh.indices[corners]], 1, 0)
+    volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+    total = float(volumes.sum())
+    return total, np.asarray(volumes @ (a + b + c) / (4.0 * total))
 
 
 def oval(mesh: Mesh, size: Size) -> Mesh:
