@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 from openrooms_usd import atomic, claims, names
 from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
 from openrooms_usd.description.mistakes import FieldsError
-from openrooms_usd.description.room import Room
+from openrooms_usd.description.room import Room, refused_fields
 from openrooms_usd.edits.fitting import misfits_of
 from openrooms_usd.edits.foreign import refuse_foreign
 from openrooms_usd.edits.orphans import Orphan, orphans_of
@@ -111,7 +111,7 @@ def compose_room(
                 try:
                     summaries.append(_run(stage, room, source, draft, workers, share))
                 except FieldsError as error:
-                    raise described.refused(error.found) from None
+                    raise refused_fields(described, error.found) from None
             noted = None
             if any(summary.state == "written" for summary in summaries):
                 from openrooms_usd.validation.model import Subject

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 from pydantic import ConfigDict
 
 from openrooms_usd import description
-from openrooms_usd.api.given import AnyPath, path_of
+from openrooms_usd.api.given import AnyPath, path_of, unknown_name
 from openrooms_usd.description.alignment import Placed
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.spelling import did_you_mean
 
 if TYPE_CHECKING:
     from openrooms_usd.api.scene import Scene
@@ -280,8 +279,7 @@ class Room(description.Room):
         rows = self._rows(data, "alignment", "objects")
         known = [name for name, _ in self._named()]
         if name not in known:
-            hint, there = did_you_mean(name, known), ", ".join(known[:30])
-            raise InputError(f"no object is named {name!r}{hint}", remedy=f"there are: {there}")
+            raise unknown_name("object", name, known, "the room")
         # The names of the others stay, also where they are numbered.
         for row, own in zip(rows, known, strict=True):
             row["name"] = own
@@ -384,6 +382,7 @@ class Room(description.Room):
         """Become what a checked room says; where its names of files begin stays."""
         for name in ("__dict__", "__pydantic_fields_set__"):
             object.__setattr__(self, name, getattr(room, name).copy())
+        self._text = room._text  # of the file, until something is changed
 
 
 def given_of(**fields: Any) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from openrooms_usd.description.diagnosis import diagnose
 from openrooms_usd.description.mistakes import Mistake, MistakesError
 from openrooms_usd.description.model import Model
 from openrooms_usd.description.reading import place_of, read_yaml
-from openrooms_usd.description.room import Room
+from openrooms_usd.description.room import Room, of_text
 from openrooms_usd.description.scalars import FIRST, PLAIN
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.untrusted import MOST_BYTES, read_bytes
@@ -85,7 +85,7 @@ def _parsed(model: type[Described], text: str | bytes, name: str) -> Described:
         raise MistakesError(name, [*mistakes, *further], data) from None
     if mistakes:
         raise MistakesError(name, mistakes, data)
-    return found.of_text(name, data) if isinstance(found, Room) else found
+    return of_text(found, name, data) if isinstance(found, Room) else found
 
 
 def dump_room(room: Room) -> str:

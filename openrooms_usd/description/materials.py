@@ -59,8 +59,11 @@ class Look(CheckedModel):
             for other in others:
                 if {first, other} <= has:
                     yield Found((other,), f"{other} has no meaning beside {first}")
-        if "size" in has and not has & {"family", "substance", "file"}:
+        constant = "metallic" in has or not has & {"family", "substance", "file"}
+        if "size" in has and constant:
             yield Found(("size",), "a constant has no textures that could have a size")
+        if "number" in has and constant and "file" not in has:
+            yield Found(("number",), "a constant is no family, of which there are several")
 
 
 def _look(given: Any) -> Any:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, PrivateAttr, ValidationError
 
@@ -122,24 +122,6 @@ class Room(CheckedModel):
         room._folder = folder
         return room
 
-    def of_text(self, name: str, data: reading.Mapping) -> Self:
-        """The same room, which knows the name and the data of the file that it was read from."""
-        room = self.model_copy()
-        room._text = _Text(name, data)
-        return room
-
-    def refused(self, found: Iterable[tuple[Steps, str]]) -> MistakesError:
-        """What to raise where fields ask for what cannot be made.
-
-        Args:
-            found: The path of each, and what is wrong there.
-        """
-        from openrooms_usd.description.data import placed
-        from openrooms_usd.description.diagnosis import located
-
-        data = self._text.data or placed(self.as_dict())
-        return MistakesError(self._text.name, located(data, found))
-
     def as_dict(self) -> dict[str, Any]:
         """What was given of it, as plain data that makes the same room again."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
@@ -179,6 +161,31 @@ class Room(CheckedModel):
             for name in entries.keys() - set(names):
                 hint = did_you_mean(str(name), names)
                 yield Found((section, key, name), f"no object is named {name!r}{hint}")
+
+
+AnyRoom = TypeVar("AnyRoom", bound=Room)
+
+
+def of_text(room: AnyRoom, name: str, data: reading.Mapping) -> AnyRoom:
+    """The same room, which knows the name and the data of the file that it was read from."""
+    same = room.model_copy()
+    same._text = _Text(name, data)
+    return same
+
+
+def refused_fields(room: Room, found: Iterable[tuple[Steps, str]]) -> MistakesError:
+    """What to raise where fields of a room ask for what cannot be made.
+
+    Args:
+        room: As it was described.
+        found: The path of each, and what is wrong there.
+    """
+    from openrooms_usd.description.data import placed
+    from openrooms_usd.description.diagnosis import located
+
+    text = room._text
+    data = placed(room.as_dict()) if text.data is None else text.data
+    return MistakesError(text.name, located(data, found))
 
 
 def room_of(data: Mapping[str, Any]) -> Room:

@@ -13,7 +13,7 @@ from openrooms_usd.description.alignment import AlignedObject, LibraryObject
 from openrooms_usd.description.diagnosis import located
 from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.mistakes import FieldsError, MistakesError, Steps
-from openrooms_usd.description.room import Room
+from openrooms_usd.description.room import Room, refused_fields
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.styles.beams import BEAMS
 from openrooms_usd.stages.base import input_file
@@ -45,7 +45,7 @@ def checked(description: Room | Path, base: Path | None) -> tuple[Room, Path]:
         raise MistakesError(error.name, [*error.mistakes, *further]) from None
     source = base or room.folder or Path()
     if found := list(_impossible(room.as_dict(), source)):
-        raise room.refused(found)
+        raise refused_fields(room, found)
     return room, source
 
 

@@ -11,7 +11,7 @@ from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.layout import CapturedLayout, PolygonLayout
 from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.rewriting import rewritten
-from openrooms_usd.description.room import Room
+from openrooms_usd.description.room import Room, refused_fields
 from openrooms_usd.errors import DescriptionError, OrusdError, OutputError
 from openrooms_usd.stages.layout.stage import described_plan, plan_of
 from openrooms_usd.untrusted import read_bytes, read_text
@@ -122,7 +122,7 @@ class Document:
                 assert self.under.capture is not None, "it was read"
                 plan_of(self._layout(text), self.under.capture, self.file.parent, [])
         except FieldsError as error:
-            raise room.refused(error.found) from None
+            raise refused_fields(room, error.found) from None
 
     def save(self, plan: Drawing) -> None:
         """Write a plan into the file, and forget the draft.
