@@ -219,7 +219,20 @@ _ARCHIVES: Final = (".zip", ".tar", ".tgz", ".gz", ".bz2", ".xz", ".7z", ".rar")
 # What reads files of these endings, whatever they were given to.
 _READERS: Final = {
     **dict.fromkeys(
-        (".ply", ".pcd", ".obj", ".glb", ".stl", ".off", ".las", ".laz", ".e57", ".xyz", ".pts"),
+        (
+            ".ply",
+            ".pcd",
+            ".obj",
+            ".glb",
+            ".stl",
+            ".off",
+            ".las",
+            ".laz",
+            ".e57",
+            ".xyz",
+            ".pts",
+            ".ptx",
+        ),
         "scan",
     ),
     ".usdz": "roomplan",
