@@ -226,7 +226,7 @@ def test_stations_of_ptx_stand_where_their_matrix_says(tmp_path: Path) -> None:
         assert given(scanned.cloud) == "colors"
     with pytest.raises(InputError, match="ends too early"):
         read(tmp_path, text[:-150])
-    with pytest.raises(InputError, match="no station of a PTX file begins at line 18"):
+    with pytest.raises(InputError, match="no station of a PTX file begins at line 35"):
         read(tmp_path, text + "1 2 3\n")
 
 
