@@ -86,6 +86,7 @@ READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".xyz": read_text,
     ".txt": read_text,
     ".pts": read_text,
+    ".ptx": read_text,
     ".asc": read_text,
     ".csv": read_text,
     ".npz": read_npz,

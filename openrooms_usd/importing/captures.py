@@ -217,10 +217,8 @@ def _equal(content: bytes | Path, target: Path) -> bool:
 _ARCHIVES: Final = (".zip", ".tar", ".tgz", ".gz", ".bz2", ".xz", ".7z", ".rar")
 # What reads files of these endings, whatever they were given to.
 _READERS: Final = {
-    **dict.fromkeys(
-        (".ply", ".pcd", ".obj", ".glb", ".stl", ".off", ".las", ".laz", ".e57", ".xyz", ".pts"),
-        "scan",
-    ),
+    **dict.fromkeys((".ply", ".pcd", ".obj", ".glb", ".stl", ".off"), "scan"),
+    **dict.fromkeys((".las", ".laz", ".e57", ".xyz", ".pts", ".ptx"), "scan"),
     ".usdz": "roomplan",
     ".pkl": "sunrgbd",
     ".sens": "scannet",

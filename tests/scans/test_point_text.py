@@ -207,6 +207,29 @@ def test_the_true_cause_is_told(tmp_path: Path, text: str, said: str) -> None:
     assert "scan again" not in caught.value.remedy
 
 
+def test_stations_of_ptx_stand_where_their_matrix_says(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    text, expected, origins = "", [], []
+    for angle in (0.3, 2.0):
+        c, s = np.cos(angle), np.sin(angle)
+        turn, place = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]), rng.random(3)
+        points, colors = rng.random((6, 3)), rng.integers(0, 256, (6, 3))
+        axes = [place, *turn.T, *np.column_stack([np.vstack([turn.T, place]), [0, 0, 0, 1]])]
+        rows = [*np.column_stack([points, np.full(6, 0.5), colors]), [0, 0, 0, 0.5, 0, 0, 0]]
+        text += "7\n1\n" + "".join(" ".join(f"{v:.9f}" for v in row) + "\n" for row in axes + rows)
+        expected.append(points @ turn.T + place)
+        origins.append(place)
+    for name in ("a.ptx", "a.txt"):
+        scanned = read(tmp_path, text, name)
+        assert scanned.cloud.points == pytest.approx(np.concatenate(expected), abs=1e-8)
+        assert scanned.cloud.sensor_origins == pytest.approx(np.array(origins), abs=1e-8)
+        assert given(scanned.cloud) == "colors"
+    with pytest.raises(InputError, match="ends too early"):
+        read(tmp_path, text[:-150])
+    with pytest.raises(InputError, match="no station of a PTX file begins at line 35"):
+        read(tmp_path, text + "1 2 3\n")
+
+
 def test_a_long_table_is_read_in_pieces(tmp_path: Path) -> None:
     points = np.arange(300_000).reshape(-1, 3)
     lines = [f"{x} {y} {z}" for x, y, z in points]

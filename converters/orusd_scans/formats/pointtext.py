@@ -17,6 +17,7 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from orusd_scans.formats.columns import guessed, heading_of
+from orusd_scans.formats.ptx import is_ptx, read_stations
 from orusd_scans.formats.rows import ANY, Layout, read_rows
 from orusd_scans.scanned import Scanned, broken, cloud_of, opened
 
@@ -46,6 +47,8 @@ def read_text(path: Path) -> Scanned:
     with opened(path) as stream:
         lines = _lines(stream)
         start = list(islice(lines, _MOST_HEADING))
+        if is_ptx(start):
+            return read_stations(chain(start, lines), path)
         layout, first, width = _seen(start, path)
         before = start[:first]
         heading = heading_of(before, layout, width, path)
@@ -77,13 +80,10 @@ def _lines(stream: BinaryIO) -> Iterator[str]:
     stream.seek(0)
     wide = mark[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
     decoded = io.TextIOWrapper(stream, "utf-16" if wide else "utf-8-sig", errors="replace")
-    try:
-        for line in iter(partial(decoded.readline, _LONGEST_LINE), ""):
-            yield line
-            while len(line) == _LONGEST_LINE and not line.endswith("\n"):
-                line = decoded.readline(_LONGEST_LINE)
-    finally:
-        decoded.detach()
+    for line in iter(partial(decoded.readline, _LONGEST_LINE), ""):
+        yield line
+        while len(line) == _LONGEST_LINE and not line.endswith("\n"):
+            line = decoded.readline(_LONGEST_LINE)
 
 
 def _is_row(line: str) -> bool:
