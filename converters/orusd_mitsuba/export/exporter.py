@@ -16,7 +16,7 @@ from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
-from openrooms_usd.rendering.scene.cameras import clipping_loss, stage_resolution
+from openrooms_usd.rendering.scene.cameras import camera_losses, stage_resolution
 from openrooms_usd.rendering.scene.instances import Instances
 from openrooms_usd.rendering.scene.models import report_simplified, with_model, without_shaping
 from openrooms_usd.rendering.scene.pictures import Array, Picture
@@ -109,7 +109,7 @@ def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
     export = _Export(scene, file.parent)
     # 1. What a scene is rendered with.
     export.add("integrator", {"type": "path", "max_depth": DEFAULT_BOUNCES + 1})
-    for name, camera in _cameras(stage, scene.report).items():
+    for name, camera in _cameras(stage, scene).items():
         export.add_camera(name, camera, stage_resolution(stage))
     # 2. Light from far away.
     if scene.environment is not None:
@@ -122,16 +122,15 @@ def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
     atomic.write_text(file, scene_text(export.objects))
 
 
-def _cameras(stage: Usd.Stage, report: Report) -> dict[str, PinholeCamera]:
+def _cameras(stage: Usd.Stage, scene: Scene) -> dict[str, PinholeCamera]:
     width, height = stage_resolution(stage)
     cameras = {}
     for prim in list_cameras(stage):
         try:
             cameras[str(prim.GetPath())] = read_camera(prim, width, height)
-            loss = clipping_loss(prim)
-            report.add(prim.GetPath(), "approximated" if loss else "translated", loss)
+            scene.report.say(prim.GetPath(), camera_losses(prim, scene))
         except StageError as error:
-            report.add(prim.GetPath(), "skipped", error.message)
+            scene.report.add(prim.GetPath(), "skipped", error.message)
     return cameras or {"/framing": framing_camera(stage, width, height)}
 
 
