@@ -170,4 +170,4 @@ def test_a_missing_file_shows_its_fallback_and_says_so(tmp_path: Path, limits: A
     texture = Texture(str(tmp_path / "gone.png"), fallback=(0.25, 0.5, 1.0, 1.0))
     picture = loaded(texture, limits=limits)
     assert np.allclose(picture.pixels, (0.25, 0.5, 1.0))
-    assert any("gone.png: no such file; its fallback" in loss for loss in picture.losses)
+    assert any("gone.png cannot be read: no such file" in loss for loss in picture.losses)
