@@ -177,6 +177,7 @@ class Capture:
         environment: The world outside, as the description says it; None where nobody knows.
         shell: Looks of the description for ``floor``, ``walls`` and ``ceiling``.
         notes: What was dropped or guessed, one sentence each.
+        use: What the room is for, in the source's word; None where it does not say.
         remedy: What to do where the floor is missing.
         settled: Options that say what the importer found out by itself, so that it can be changed.
     """
@@ -195,6 +196,7 @@ class Capture:
     environment: Mapping[str, Any] | None = None
     shell: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    use: str | None = None
     remedy: str = "scan the room again, so that its walls close"
     settled: Mapping[str, str] = field(default_factory=dict)
 

@@ -48,11 +48,13 @@ def _command(kind: str) -> click.Command:
         if as_json:
             print_json(imported.as_dict())
             return
-        for what, count in imported.counts.items():
-            echo(f"{what:<9} {count}")
+        for line in imported.shown:
+            echo(line)
         echo_notes(imported.notes)
         following = command_line("orusd", "compose", imported.file, "-o", "OUT")
-        echo(f"wrote {imported.file}; next: {following}")
+        is_scan = imported.capture.floor is None
+        purpose = ", which finds walls, openings and furniture" if is_scan else ""
+        echo(f"wrote {imported.file}; next: {following}{purpose}")
 
     for name, text in importer.options.items():
         metavar = "PATH" if name in option_paths(importer) else "TEXT"

@@ -4,9 +4,10 @@ import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, get_args
 
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel
+from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.scanned import CAPTURES
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ _TEMPLATE: Final = """\
 # Made from {file} by: orusd import {kind}
 # Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
 name: {name}
-room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
+room: {use}  # such as living_room, bedroom, office: `orusd schema` lists them
 seed: 0
 
 layout:
@@ -59,7 +60,7 @@ _SCANNED: Final = """\
 # Made from {file} by: orusd import {kind}
 # Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
 name: {name}
-room: misc  # such as living_room, bedroom, office: `orusd schema` lists them
+room: {use}  # such as living_room, bedroom, office: `orusd schema` lists them
 seed: 0
 
 layout:
@@ -98,6 +99,12 @@ _OPENINGS: Final = """\
 """
 
 
+def _use(capture: Capture) -> str:
+    """The type of room that the source's word means: diningRoom is a dining_room."""
+    word = re.sub(r"(?<=[a-z])(?=[A-Z])|[\s-]+", "_", capture.use or "").lower()
+    return word if word in get_args(RoomType) else "misc"
+
+
 def describe(
     kind: str, capture: Capture, file: str, options: Mapping[str, str] = NO_OPTIONS
 ) -> str:
@@ -116,6 +123,7 @@ def describe(
         kind=kind,
         name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
         file=_quoted(file),
+        use=_use(capture),
         source=_section(kind, file, options),
         openings=_OPENINGS.format(captured=captured, last=len(capture.floor) - 1),
         further=_further_of(capture),
@@ -156,6 +164,7 @@ def describe_scan(
         kind=kind,
         name=re.sub(r"\W+", "_", f"room_{Path(file).stem}", flags=re.ASCII),
         file=_quoted(file),
+        use=_use(capture),
         source=_indented(lines),
         furniture=_indented([*_furniture(capture, options), *_further(lit)]),
         lamps="" if lit else _LAMPS,

@@ -71,6 +71,37 @@ def test_people_read_what_was_found(capture: Path, tmp_path: Path) -> None:
     assert "1 door, 1 window" in text
 
 
+@pytest.mark.parametrize(
+    ("word", "type_"),
+    [
+        ("diningRoom", "dining_room"),
+        ("Living Room", "living_room"),
+        ("unidentified", "misc"),
+        (None, "misc"),
+        ("x: [", "misc"),
+    ],
+)
+def test_the_source_says_what_a_room_is_for(word: str | None, type_: str) -> None:
+    floor = np.array([[0, 0], [4, 0], [4, 3], [0, 3]], dtype=float)
+    text = describe("roomplan", Capture("a.json", np.eye(4), floor, use=word), "a.json")
+    assert parse_room(text).room == type_
+
+
+def test_of_a_scan_people_read_its_size_and_what_points_have(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    walls = rng.random((40_000, 3)) * (4.0, 3.0, 2.5)
+    side = rng.integers(0, 6, len(walls))
+    for number in range(6):
+        walls[side == number, number // 2] = (number % 2) * (4.0, 3.0, 2.5)[number // 2]
+    np.savez(tmp_path / "scan.npz", points=walls, colors=np.zeros((len(walls), 3), "u1"))
+    result = run("import", "scan", tmp_path / "scan.npz", "-o", tmp_path / "room")
+    assert "walls " not in result.output and "objects " not in result.output
+    assert "points    40000" in result.output
+    assert "size      4.0 x 3.0 x 2.5 m" in result.output
+    assert "each has  colors" in result.output
+    assert "which finds walls, openings and furniture" in result.output
+
+
 def test_a_room_that_is_there_is_not_overwritten(capture: Path, tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text("name: mine\n")
     result = run("import", "roomplan", capture, "-o", tmp_path)

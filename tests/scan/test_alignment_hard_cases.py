@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.planindex import PlanIndex
 from openrooms_usd.scan.registration.alignment import align
 from openrooms_usd.scan.registration.evidence import Evidence, gathered
 from openrooms_usd.scan.registration.hints import Box, Hint, moved_pose
@@ -227,11 +228,11 @@ def test_what_lies_on_a_flat_thing_may_stand_on_it() -> None:
     lower = sheet([-0.3, -0.2, 0.0], [0.3, -0.19, 0.16])
     upper = sheet([-0.3, -0.2, 0.17], [0.3, -0.19, 0.46])
     cloud = cloud_of(upper, lower)
-    floor, other = supports(cloud, *own(cloud, 1), bottom=0.1)
+    floor, other = supports(cloud, PlanIndex(cloud.points), *own(cloud, 1), bottom=0.1)
     assert floor == 0.0
     assert other == pytest.approx(0.155, abs=0.02)
     # Without a size to expect it may as well be one thing whose foot is hidden.
-    assert supports(cloud, *own(cloud, 1), bottom=None) == (0.0,)
+    assert supports(cloud, PlanIndex(cloud.points), *own(cloud, 1), bottom=None) == (0.0,)
 
 
 def test_the_floor_is_possible_where_a_foot_may_be_hidden() -> None:
@@ -240,12 +241,12 @@ def test_the_floor_is_possible_where_a_foot_may_be_hidden() -> None:
         sheet([-0.3, -0.2, 0.38], [0.3, 0.2, 0.39]),
     )
     cloud = cloud_of(seen, board)
-    likely, floor = supports(cloud, *own(cloud, 1), bottom=None)
+    likely, floor = supports(cloud, PlanIndex(cloud.points), *own(cloud, 1), bottom=None)
     assert likely == pytest.approx(0.385, abs=0.02)
     assert floor == 0.0
     rise = np.array([0.0, 0.0, 1.0])
     high = cloud_of(seen + rise, board + rise)
-    assert len(supports(high, *own(high, 1), bottom=None)) == 1
+    assert len(supports(high, PlanIndex(high.points), *own(high, 1), bottom=None)) == 1
 
 
 def test_a_crate_on_a_flat_one_stands_on_it() -> None:

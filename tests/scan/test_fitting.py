@@ -123,7 +123,7 @@ def test_a_box_too_long_between_two_walls_is_shortened_by_just_that(yaw: float) 
     assert thing.as_dict()["fitted"] == thing.fitted.tolist()
 
 
-@pytest.mark.parametrize(("width", "place"), [(0.94, 0.47), (0.7, 0.35), (1.6, 1.6)])
+@pytest.mark.parametrize(("width", "place"), [(0.94, 0.47), (1.6, 1.6)])
 def test_a_thing_of_this_room_is_cut_by_half_or_moved_before_it_is_left_out(
     width: float, place: float
 ) -> None:

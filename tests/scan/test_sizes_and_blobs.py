@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.planindex import PlanIndex
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.fitting import AnnealingLevel, Fit, energy
 from openrooms_usd.scan.registration.priors import PoseHypothesis
@@ -101,10 +102,14 @@ def test_a_blob_of_wrong_labels_does_not_lower_an_object() -> None:
     numbers = np.repeat([1, 2, 2], [len(part) for part in parts]).astype(np.int32)
     cloud = Cloud(np.concatenate(parts), instance=numbers)
     own = np.flatnonzero(numbers == 1)
-    heights = supports(cloud, own, Evidence(cloud.points[own], 0.02), bottom=0.9)
+    heights = supports(
+        cloud, PlanIndex(cloud.points), own, Evidence(cloud.points[own], 0.02), bottom=0.9
+    )
     assert heights == pytest.approx((0.675, 0.995), abs=0.02)
     clean = own[: len(shelf)]
-    bare = supports(cloud, clean, Evidence(cloud.points[clean], 0.02), bottom=0.9)
+    bare = supports(
+        cloud, PlanIndex(cloud.points), clean, Evidence(cloud.points[clean], 0.02), bottom=0.9
+    )
     assert bare == pytest.approx((0.995,), abs=0.02)
 
 
@@ -114,5 +119,5 @@ def test_what_goes_on_without_a_gap_ends_where_it_ends() -> None:
     numbers = np.repeat([1, 2], [len(surface), len(board)]).astype(np.int32)
     cloud = Cloud(np.concatenate([surface, board]), instance=numbers)
     own = np.flatnonzero(numbers == 1)
-    heights = supports(cloud, own, Evidence(surface, 0.02), bottom=0.6)
+    heights = supports(cloud, PlanIndex(cloud.points), own, Evidence(surface, 0.02), bottom=0.6)
     assert heights == pytest.approx((0.495, 0.0), abs=0.02)

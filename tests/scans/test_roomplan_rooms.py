@@ -57,6 +57,7 @@ def test_the_largest_floor_is_taken_and_the_others_are_named(scanner) -> None:
     capture = read(scanner.write(flat(scanner)))
     assert area(capture) == pytest.approx(15.0)
     assert ids(capture) == (["far", "passage"], ["table"])
+    assert capture.use == "kitchen"
     assert capture.height == pytest.approx(HEIGHT)
     (note,) = capture.notes
     for words in ("2 rooms", "0 bedroom (9.0 m2)", "1 kitchen (15.0 m2)", "1 was taken"):

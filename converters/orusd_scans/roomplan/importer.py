@@ -100,6 +100,7 @@ class RoomPlanImporter:
             partitions=inner.partitions,
             boxes=tuple(_box(record, frame) for record in room.objects),
             notes=tuple(notes),
+            use=next(iter(space.labels), None),
         )
 
 

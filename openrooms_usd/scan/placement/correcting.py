@@ -184,7 +184,9 @@ def _rescued(
 
     Most of its points lie in this room, so there is such a thing here.
     """
-    _fitted(state, [one for one in wrong if {one.instance, one.other} & {*lost}], models, LAST_SHARE)
+    _fitted(
+        state, [one for one in wrong if {one.instance, one.other} & {*lost}], models, LAST_SHARE
+    )
     for row, thing in enumerate(state.objects):
         if thing.instance in lost:
             room = state.rooms[row]

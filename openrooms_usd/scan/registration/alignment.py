@@ -180,7 +180,7 @@ class _Scene:
             raise too_few
         corners = corners_of(hint, models)
         bottom = None if corners is None else float(corners[:, 2].min())
-        possible = supports(cloud, rows, evidence, bottom)
+        possible = supports(cloud, self.selection.plan, rows, evidence, bottom)
         box = hint.box or box_of(evidence, possible[0])
         chosen = []
         if possible[0] != 0.0 and hint.box is None:

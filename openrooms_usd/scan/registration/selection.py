@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -12,6 +13,7 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.registry import record
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.planindex import PlanIndex
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box, Hint, corners_of
 from openrooms_usd.scan.registration.scalelimits import is_natural, turns_of
@@ -59,6 +61,18 @@ class Selection:
     models: Sequence[CadModel]
     categories: Mapping[int, Sequence[str]]
 
+    @cached_property
+    def plan(self) -> PlanIndex:
+        """The plan of the points."""
+        return PlanIndex(self.cloud.points)
+
+    @cached_property
+    def _by_instance(self) -> tuple[NDArray[np.int32], Rows]:
+        """The instances in order, with the row of each."""
+        assert self.cloud.instance is not None
+        order = np.argsort(self.cloud.instance, kind="stable")
+        return self.cloud.instance[order], order
+
     def rows(self, hint: Hint) -> Rows:
         """Rows of an object's points, by its instance number or else by its pose or box.
 
@@ -66,9 +80,10 @@ class Selection:
             RefusedError: No points have this number, and there is neither a pose nor a box.
         """
         if self.cloud.instance is not None:
-            rows = np.flatnonzero(self.cloud.instance == hint.instance)
-            if len(rows):
-                return rows
+            numbers, order = self._by_instance
+            begin, end = np.searchsorted(numbers, [hint.instance, hint.instance + 1])
+            if end > begin:
+                return order[begin:end]
         corners = corners_of(hint, self.models)
         if corners is None:
             raise RefusedError(
@@ -133,13 +148,16 @@ class Selection:
         """The share of an object's plan that has points of other instances below it."""
         assert self.cloud.instance is not None
         low = np.quantile(evidence.points, 0.02, axis=0)
-        own = self.cloud.instance[rows[0]]
-        below = (self.cloud.instance > 0) & (self.cloud.instance != own)
+        places = evidence.points[:, :2]
+        near = self.plan.rows(places.min(axis=0) - _PLAN_CELL_M, places.max(axis=0) + _PLAN_CELL_M)
+        own, other = self.cloud.instance[rows[0]], self.cloud.instance[near]
+        below = (other > 0) & (other != own)
         if self.cloud.label is not None:
-            below &= ~np.isin(self.cloud.label, _ROOM_LABELS)
-        below &= (self.cloud.points[:, 2] > _FLOOR_M) & (self.cloud.points[:, 2] < low[2])
+            below &= ~np.isin(self.cloud.label[near], _ROOM_LABELS)
+        heights = self.cloud.points[near, 2]
+        below &= (heights > _FLOOR_M) & (heights < low[2])
         cells = {tuple(cell) for cell in _cells(evidence.points).tolist()}
-        others = {tuple(cell) for cell in _cells(self.cloud.points[below]).tolist()}
+        others = {tuple(cell) for cell in _cells(self.cloud.points[near[below]]).tolist()}
         return len(cells & others) / max(len(cells), 1)
 
     def _chosen(

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.points.planindex import PlanIndex
 from openrooms_usd.scan.registration.evidence import Evidence
 
 # An object whose points end this low may stand on the floor with an occluded foot, metres.
@@ -28,19 +29,20 @@ _TOP_QUANTILE: Final = 0.95
 
 
 def supports(
-    cloud: Cloud, rows: NDArray[np.intp], evidence: Evidence, bottom: float | None
+    cloud: Cloud, plan: PlanIndex, rows: NDArray[np.intp], evidence: Evidence, bottom: float | None
 ) -> tuple[float | None, ...]:
     """Heights on which an object may stand, the likeliest first; None: it hangs, or is unknown.
 
     Args:
         cloud: Level, floor at z = 0.
+        plan: Of its points.
         rows: The points of the object.
         evidence: The same without outliers.
         bottom: Its lowest height by a hint; None: there is none.
     """
     low, high = np.quantile(evidence.points, [0.02, 0.98], axis=0)
-    below = _below(cloud, rows, low, high, low[2])
-    layers = _layers(cloud, rows, evidence, low, high)
+    below = _below(plan, rows, low, high, low[2])
+    layers = _layers(cloud, plan, rows, evidence, low, high)
     if (low[2] if bottom is None else min(bottom, low[2])) >= _HIDDEN_FOOT_M:
         return (*layers, 0.0) if low[2] < _MAX_HIDDEN_M else layers
     # Without a hint of the size, an occluded foot cannot be distinguished from a support.
@@ -52,12 +54,17 @@ def supports(
 
 
 def _layers(
-    cloud: Cloud, rows: NDArray[np.intp], evidence: Evidence, low: Array, high: Array
+    cloud: Cloud,
+    plan: PlanIndex,
+    rows: NDArray[np.intp],
+    evidence: Evidence,
+    low: Array,
+    high: Array,
 ) -> tuple[float | None, ...]:
     """Layers below the lowest points, and below the rest where these may be outliers."""
     found: list[float | None] = []
     for end in (low[2], *_above_gap(evidence.points[:, 2])):
-        below = _below(cloud, rows, low, high, end)
+        below = _below(plan, rows, low, high, end)
         found.append(_layer(cloud, below, end))
     return tuple(height for k, height in enumerate(found) if k == 0 or height is not None)
 
@@ -70,17 +77,15 @@ def _above_gap(heights: Array) -> list[float]:
 
 
 def _below(
-    cloud: Cloud, rows: NDArray[np.intp], low: Array, high: Array, end: float
+    plan: PlanIndex, rows: NDArray[np.intp], low: Array, high: Array, end: float
 ) -> NDArray[np.intp]:
     """Other points within an object's outline and below its end, up to the largest gap."""
-    points = cloud.points
-    below = points[:, 2] < end + _SUPPORT_GAP_M
-    for k in range(2):
-        below &= (points[:, k] > low[k] - _OUTSIDE_OUTLINE_M) & (
-            points[:, k] < high[k] + _OUTSIDE_OUTLINE_M
-        )
-    below[rows] = False
-    return np.flatnonzero(below)
+    least, most = low[:2] - _OUTSIDE_OUTLINE_M, high[:2] + _OUTSIDE_OUTLINE_M
+    near = plan.rows(least, most)
+    points = plan.points[near]
+    below = (points[:, 2] < end + _SUPPORT_GAP_M) & (points[:, :2] > least).all(axis=1)
+    below &= (points[:, :2] < most).all(axis=1)
+    return np.setdiff1d(near[below], rows, assume_unique=True)
 
 
 def _layer(cloud: Cloud, below: NDArray[np.intp], end: float) -> float | None:

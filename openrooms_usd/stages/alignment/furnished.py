@@ -9,7 +9,7 @@ from openrooms_usd import adapters
 from openrooms_usd.description.alignment import ScanAlignment, named_objects
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture.words import plain
+from openrooms_usd.furniture.words import category_of, plain
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.placement.correcting import moved_by
 from openrooms_usd.scan.placement.settling import Unresolved
@@ -117,9 +117,11 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
     boxed = sorted(
         {thing.word for thing in found.objects if thing.category == UNKNOWN and thing.word}
     )
-    if boxed:
-        listed = ", ".join(boxed)
-        yield f"boxes stand for what the library has nothing for, or not of its size: {listed}"
+    known = [word for word in boxed if category_of(word, 0.0) is not None]
+    if unknown := [word for word in boxed if word not in known]:
+        yield f"boxes stand for what the library has nothing for: {', '.join(unknown)}"
+    if known:
+        yield f"boxes stand for things of a size that no such things have: {', '.join(known)}"
     reasons = defaultdict[str, list[str]](list)
     for rejected in found.rejected[left_out:]:
         what = f" ({rejected.category})" if rejected.category else ""

@@ -37,6 +37,7 @@ from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.models.meshfile import dependencies
 from openrooms_usd.stages.alignment import aligned, placement, poses
+from openrooms_usd.stages.alignment.apart import moved_apart
 from openrooms_usd.stages.alignment.captured import Captured, captured_objects
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
@@ -195,7 +196,7 @@ class AlignmentStage:
             StageError: Something hangs from a ceiling or a wall that the stage does not have.
         """
         room = surroundings(context.stage)
-        placements = {item.name: item for item in _placements(context, room.floor)}
+        placements = {item.name: item for item in _placements(context, room)}
         stands = placement.Supports(placements, room, context.notes).stands()
         _publish(context, [item.asset for item in placements.values()])
         by_hand = poses.moved_by_hand(context.stage)
@@ -224,7 +225,7 @@ def _cad_files(alignment: ScanAlignment, source: Path) -> list[str]:
     return sorted(os.path.relpath(path, source) for path in files)
 
 
-def _placements(context: StageContext, floor: float) -> Iterator[placement.Placement]:
+def _placements(context: StageContext, room: Surroundings) -> Iterator[placement.Placement]:
     """Captured objects, then those of the description, each with its asset."""
     alignment, catalogue = _explicit(context.room), Catalogue(context)
     if isinstance(alignment, ScanAlignment):
@@ -234,11 +235,14 @@ def _placements(context: StageContext, floor: float) -> Iterator[placement.Place
     elif isinstance(alignment, CapturedAlignment):
         capture = aligned.with_boxes(capture_of(context, alignment))
         models = {model.id: model for model in capture.models if model.file}
-        for thing in captured_objects(capture, floor, alignment.objects, context.notes):
-            if (model := models.get(thing.box.id)) is not None:
-                yield aligned.placed_model(context, catalogue, model, thing, capture.source)
-            else:
-                yield _placed_capture(catalogue, thing, capture.source)
+        captured = captured_objects(capture, room.floor, alignment.objects, context.notes)
+        placed = [
+            aligned.placed_model(context, catalogue, models[thing.box.id], thing, capture.source)
+            if thing.box.id in models
+            else _placed_capture(catalogue, thing, capture.source)
+            for thing in captured
+        ]
+        yield from moved_apart(placed, room, context.notes)
     key = "further" if isinstance(alignment, ScanAlignment) else "objects"
     wrong: list[tuple[Steps, str]] = []
     for index, (name, item) in enumerate(named_objects(_described(alignment))):
