@@ -141,7 +141,7 @@ def _bridged(runs: Sequence[Array]) -> Array:
             break
         tries = [
             (*_inserted(ring, run[::way, ::way], gap), i)
-            for gap in np.flatnonzero(_gaps(ring) >= min(MAX_GAP_M, _gaps(ring).max()))
+            for gap in map(int, np.flatnonzero(_gaps(ring) >= min(MAX_GAP_M, _gaps(ring).max())))
             for i, run in enumerate(others or rest)
             for way in (1, -1)
         ]

@@ -125,7 +125,8 @@ def _splits(text: str, layout: Layout) -> Iterator[list[str]]:
 
 
 def _named(words: Sequence[str]) -> Heading | None:
-    names, units = [], set()
+    names: list[str] = []
+    units = set()
     for word in words:
         name, unit = _plain(word)
         if name in _PLACE:

@@ -207,7 +207,7 @@ class _Binary:
     def _uneven(self, element: _Element) -> dict[str, Any]:
         """Row by row, where lists differ in length: where each property is, then its values."""
         at, places, lists = self._stream.tell(), list[int](), list[tuple[str, str, int, int]]()
-        data = np.memmap(self._stream, np.uint8, "r")
+        data: Any = np.memmap(self._stream, np.uint8, "r")
         kept, ordered = element.corners, element.properties
         lengths = [p.length and struct.Struct(self._order + _CODES[p.length]) for p in ordered]
         steps = [(p, np.dtype(p.type).itemsize, n) for p, n in zip(ordered, lengths, strict=True)]
@@ -343,7 +343,7 @@ def _strips(corners: NDArray[np.int64]) -> NDArray[np.int64]:
     odd = (number[:-2] - begin) % 2 == 1
     found = np.column_stack([np.where(odd, b, a), np.where(odd, a, b), c])
     sound = ~(is_end[:-2] | is_end[1:-1] | is_end[2:]) & (a != b) & (b != c) & (a != c)
-    return found[sound]
+    return np.asarray(found[sound])
 
 
 def _are_whole(numbers: NDArray[Any]) -> bool:

@@ -84,7 +84,7 @@ def described_cuts(
     """
     cuts: list[Cut] = []
     mistakes: list[tuple[Steps, str]] = []
-    places = {cut.name: _OPENINGS for cut in before}
+    places: dict[str, Steps] = {cut.name: _OPENINGS for cut in before}
     for index, (name, opening) in enumerate(named_openings(openings)):
         places[name] = field = (*_OPENINGS, index)
         wall = _wanted(opening, walls)

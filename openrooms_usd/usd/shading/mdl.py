@@ -145,7 +145,7 @@ def _glow(network: Network, shader: UsdShade.Shader) -> Color | Texture:
     nits = network.number(shader, "emissive_intensity", 40.0) / math.pi
     picture = _texture(network, shader, "emissive_color_texture")
     color = _color(network, shader, "emissive_color", (1.0, 0.1, 0.1))
-    return cast(Any, affine(color if picture is None else picture, (nits,)))
+    return cast(Color | Texture, affine(color if picture is None else picture, (nits,)))
 
 
 def _normal(network: Network, shader: UsdShade.Shader) -> Color | Texture:

@@ -77,7 +77,8 @@ def _pick_channels(scope: _Element) -> None:
         names.add(name)
         kind = socket.get("type", "")
         made = ElementTree.SubElement(scope, "swizzle", {"name": name, "type": kind})
-        source = {key: socket.attrib.pop(key) for key in _SOURCE if key in socket.attrib}
+        moved = [key for key in _SOURCE if key in socket.attrib]
+        source: dict[str, str] = {key: socket.attrib.pop(key) for key in moved}
         ElementTree.SubElement(made, "input", {"name": "in", "type": "color4", **source})
         picked = {"name": "channels", "type": "string", "value": channels}
         ElementTree.SubElement(made, "input", picked)

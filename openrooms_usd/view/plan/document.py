@@ -114,15 +114,15 @@ class Document:
         Raises:
             DescriptionError: It is no valid description, or something does not fit.
         """
-        room = self._room(text)
+        layout = self._layout(text)
         try:
-            if isinstance(room.layout, PolygonLayout):
-                described_plan(room.layout, [])
+            if isinstance(layout, PolygonLayout):
+                described_plan(layout, [])
             else:
                 assert self.under.capture is not None, "it was read"
-                plan_of(self._layout(text), self.under.capture, self.file.parent, [])
+                plan_of(layout, self.under.capture, self.file.parent, [])
         except FieldsError as error:
-            raise refused_fields(room, error.found) from None
+            raise refused_fields(self._room(text), error.found) from None
 
     def save(self, plan: Drawing) -> None:
         """Write a plan into the file, and forget the draft.
