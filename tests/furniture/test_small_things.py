@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from openrooms_usd.furniture import CATEGORIES, Furniture, make, part_of
-from openrooms_usd.furniture.joinery.posing import facing, oval, tapered, turned
+from openrooms_usd.furniture.joinery.posing import at_rest, facing, oval, tapered, turned
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.geometry.rotations import about_y
+from openrooms_usd.geometry.solids import box
 
 
 def made(name: str, style: str, seed: int = 0) -> Furniture:
@@ -194,3 +196,12 @@ def test_rolled_napkins_lie_on_their_ends_not_on_their_rings(seed: int) -> None:
     # The ring is around the cloth there.
     inner = np.abs(cloth.points[:, 0]) < 0.0121
     assert np.abs(cloth.points[inner, 1]).max() < np.abs(ring.points[:, 1]).max()
+
+
+def test_what_lies_is_turned_until_it_lies_still() -> None:
+    """A slab of 3 by 1 by 1 that stands on an edge lies down on the nearest side."""
+    slab = box((0.3, 0.1, 0.1)).transformed(about_y(np.radians(30.0)))
+    lying = at_rest({"slab": slab}, (0.3, 0.1, 0.1))["slab"]
+    height = lying.points[:, 2] - lying.points[:, 2].min()
+    assert sorted(np.round(height, 6)) == [0.0] * 4 + [0.1] * 4
+    assert at_rest({"slab": lying}, (0.3, 0.1, 0.1))["slab"] is lying

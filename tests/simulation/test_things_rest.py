@@ -29,8 +29,12 @@ QUICK = ("backpack", "jar", "table_lamp")
 EXCUSED: Final[dict[tuple[str, str], str]] = {
     ("bag", "hung"): "it hangs on a hook",
     ("dish_cloth", "draped"): "it hangs over a rail",
-    ("cutlery", "spoon"): "its shapes are less true than a spoon is thick",
-    ("cable", "coil"): "its shapes are less true than a cable is thick",
+    ("pillow", "square"): "it leans against a back",
+    ("pen", "pencil"): "it turns onto a face of its six",
+    ("photo_frame", "wide"): "its strut's shape is less true than it is thick",
+    ("photo_frame", "upright"): "its strut's shape is less true than it is thick",
+    ("guitar", "acoustic"): "it leans on a stand that its shapes fill",
+    ("guitar", "electric"): "it leans on a stand that its shapes fill",
 }
 
 

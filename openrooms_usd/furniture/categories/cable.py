@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.posing import at_rest
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -60,7 +61,7 @@ def coil(size: Size, rng: np.random.Generator) -> Parts:
     )
     ends = [(0.36 * width, y, 0.5 * height) for y in (-0.006, 0.006)]
     tie = tube(ends, 0.5 * height, segments=12)
-    return {"cable": tube(path, thick, segments=6), "tie": tie}
+    return at_rest({"cable": tube(path, thick, segments=6), "tie": tie}, size)
 
 
 CATEGORY: Final = BuiltCategory(

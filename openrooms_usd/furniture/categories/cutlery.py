@@ -88,7 +88,8 @@ def spoon(size: Size, rng: np.random.Generator) -> Parts:
     depth[t > 0.5] = 0.35 * (2.0 * t[t > 0.5] - 1.0) ** 2
     bowl = [(0.68 + 0.32 * s, a, z) for s, a, z in zip(t, around, depth, strict=True)]
     handle = [(t, 0.6 * a, z) for t, a, z in _HANDLE]
-    return at_rest({"cutlery": _strip(_rows(size, (*handle, *bowl), thick), 0.28, thick, 26)})
+    whole = _strip(_rows(size, (*handle, *bowl), thick), 0.28, thick, 26)
+    return at_rest({"cutlery": whole}, size)
 
 
 def knife(size: Size, rng: np.random.Generator) -> Parts:

@@ -54,7 +54,8 @@ def orange(size: Size, rng: np.random.Generator) -> Parts:
     """An orange, a little flat at its poles."""
     t = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 13)
     profile = [(float(np.cos(a)) ** 0.95, 0.5 + 0.5 * float(np.sin(a))) for a in t]
-    return {"orange": _round([(0.0, 0.0), *profile[1:-1], (0.0, 0.985)], size)}
+    orange = _round([(0.0, 0.0), *profile[1:-1], (0.0, 0.985)], size)
+    return at_rest({"orange": orange}, size)
 
 
 def pear(size: Size, rng: np.random.Generator) -> Parts:
@@ -95,7 +96,7 @@ def lemon(size: Size, rng: np.random.Generator) -> Parts:
         (0.0, 1.0),
     ]
     standing = _round(profile, (depth, height, width))
-    return at_rest({"lemon": boxed(turned(standing, "y", 90.0), size)})
+    return at_rest({"lemon": turned(standing, "y", 90.0)}, size)
 
 
 def banana(size: Size, rng: np.random.Generator) -> Parts:
@@ -103,7 +104,7 @@ def banana(size: Size, rng: np.random.Generator) -> Parts:
     bend = np.radians(np.linspace(205.0, 335.0, 11))
     path = np.stack([np.cos(bend), -np.sin(bend), 0.0 * bend], axis=1) * 0.1
     radii = [0.005, 0.006, 0.013, 0.0165, 0.018, 0.018, 0.018, 0.017, 0.013, 0.006, 0.004]
-    return at_rest({"banana": boxed(tube(path, radii, segments=8), size)})
+    return at_rest({"banana": boxed(tube(path, radii, segments=8), size)}, size)
 
 
 CATEGORY: Final = BuiltCategory(

@@ -66,7 +66,8 @@ def cap(size: Size, rng: np.random.Generator) -> Parts:
     z = 0.0075 - 0.0035 * v + 0.0 * u
     visor = sheet(np.stack([x, y, z], axis=-1)[::-1], 0.003)
     shift = (0.0, 0.5 * depth - r, 0.0)
-    return at_rest({"hat": joined([shell, knob]).moved(shift), "visor": visor.moved(shift)})
+    parts = {"hat": joined([shell, knob]).moved(shift), "visor": visor.moved(shift)}
+    return at_rest(parts, size)
 
 
 CATEGORY: Final = BuiltCategory(

@@ -61,7 +61,7 @@ def lying(size: Size, rng: np.random.Generator) -> Parts:
         ]
     )
     parts = {"band": band, "cup": joined(cups), "pad": joined(pads)}
-    return at_rest({name: mesh.transformed(lie) for name, mesh in parts.items()})
+    return at_rest({name: mesh.transformed(lie) for name, mesh in parts.items()}, size)
 
 
 def stand(size: Size, rng: np.random.Generator) -> Parts:

@@ -7,8 +7,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.joinery.linens import boxed
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import at_rest, turned
 from openrooms_usd.furniture.joinery.prints import Print, label_lines
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -108,7 +107,7 @@ def crumpled(size: Size, rng: np.random.Generator) -> Parts:
     ball = sphere(0.5, segments=14)
     dents = 1.0 + 0.22 * rng.uniform(-1.0, 1.0, len(ball.points))
     same = np.unique(ball.points.round(6), axis=0, return_inverse=True)[1].ravel()
-    return {"ball": boxed(replace(ball, points=ball.points * dents[same][:, None]), size)}
+    return at_rest({"ball": replace(ball, points=ball.points * dents[same][:, None])}, size)
 
 
 CATEGORY: Final = BuiltCategory(

@@ -56,11 +56,12 @@ def seated(mesh: Mesh, crease: float = 60.0) -> Mesh:
     return with_normals(replace(mesh, points=points), crease=crease)
 
 
-def at_rest(parts: Parts) -> Parts:
+def at_rest(parts: Parts, size: Size) -> Parts:
     """What lies, turned by the least angle after which it would not tip over.
 
     A face of the hull carries it if the line from the centre along the face's normal leaves the
-    hull there. All parts count as equally dense.
+    hull there. All parts count as equally dense. It is stretched to its box again, which leaves
+    that so.
     """
     from scipy.spatial import ConvexHull
 
@@ -81,7 +82,8 @@ def at_rest(parts: Parts) -> Parts:
     x, y, z = axis / sine
     K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     R = np.eye(3) + sine * K + (1.0 + float(down[2])) * K @ K
-    return {name: mesh.transformed(R) for name, mesh in parts.items()}
+    fit = np.diag(size / np.ptp(points @ R.T, axis=0)) @ R
+    return {name: mesh.transformed(fit) for name, mesh in parts.items()}
 
 
 def _volume(mesh: Mesh) -> tuple[float, Array]:
