@@ -169,11 +169,11 @@ def _runs(walls: Array) -> list[Array]:
         if a not in partner and b not in partner and run[a // 2] != run[b // 2]:
             partner |= {a: b, b: a}
             run[run == run[b // 2]] = run[a // 2]
-    found, seen = [], set[int]()
+    found, seen = list[Array](), set[int]()
     for start in range(len(ends)):
         if start in partner or start // 2 in seen:
             continue
-        chain, end = [], start
+        chain, end = list[Array](), start
         while True:
             wall = walls[end // 2]
             chain.append(wall if end % 2 == 0 else wall[::-1])

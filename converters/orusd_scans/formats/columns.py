@@ -125,8 +125,7 @@ def _splits(text: str, layout: Layout) -> Iterator[list[str]]:
 
 
 def _named(words: Sequence[str]) -> Heading | None:
-    names: list[str] = []
-    units = set()
+    names, units = list[str](), set[str | None]()
     for word in words:
         name, unit = _plain(word)
         if name in _PLACE:

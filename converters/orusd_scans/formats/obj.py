@@ -30,7 +30,7 @@ def read_obj(path: Path) -> Scanned:
     vertices, faces, before, unknown = list[str](), list[str](), list[int](), list[str]()
     count = 0
     for number, line in enumerate(re.sub(r"\\[ \t\r]*\n", " ", text).split("\n"), 1):
-        word, *rest = line.split(None, 1)[:2] or ("#",)
+        word, *rest = line.split(None, 1)[:2] or ["#"]
         is_vertex = word == "v"
         count += is_vertex
         # Other lines stay empty, so that damaged ones have their number in the file.

@@ -209,12 +209,15 @@ class _Binary:
         at, places, lists = self._stream.tell(), list[int](), list[tuple[str, str, int, int]]()
         data: Any = np.memmap(self._stream, np.uint8, "r")
         kept, ordered = element.corners, element.properties
-        lengths = [p.length and struct.Struct(self._order + _CODES[p.length]) for p in ordered]
+        lengths = [
+            None if p.length is None else struct.Struct(self._order + _CODES[p.length])
+            for p in ordered
+        ]
         steps = [(p, np.dtype(p.type).itemsize, n) for p, n in zip(ordered, lengths, strict=True)]
         try:
             for _ in range(element.count):
                 for p, size, length in steps:
-                    if not length:
+                    if length is None:
                         places.append(at)
                         at += size
                         continue
