@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 _Element = ElementTree.Element
 
 # What says where an input comes from.
-_SOURCE: Final = ("nodename", "nodegraph", "interfacename", "output")
+_SOURCE: Final[tuple[str, ...]] = ("nodename", "nodegraph", "interfacename", "output")
 _BINDINGS: Final = ("bindinput", "bindparam")
 _OLD_GRAPH: Final = "opgraph"
 
