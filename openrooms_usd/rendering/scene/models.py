@@ -57,14 +57,18 @@ def report_simplified(scene: Scene) -> None:
 
 
 def report_principled(scene: Scene) -> None:
-    """Say in the report what surfaces lose that Mitsuba's ``principled`` shows."""
+    """Say in the report what surfaces lose that Mitsuba's own BSDFs and integrators show."""
     lost = {}
     for path, surface in scene.owners:
+        why = []
         if surface.f0 is None and surface.pane is None and not surface.is_diffuse:
-            why = "Mitsuba's principled stands for UsdPreviewSurface: brighter at grazing angles"
-            why += "; its specularColor has no hue" if surface.specular is not None else ""
-            why += "; its clearcoat is Disney's, at most as rough as 0.32" * bool(surface.clearcoat)
-            lost[path] = why
+            why = ["Mitsuba's principled stands for UsdPreviewSurface: brighter at grazing angles"]
+            why += ["its specularColor has no hue"] * (surface.specular is not None)
+            why += ["its clearcoat is Disney's, at most as rough as 0.32"] * bool(surface.clearcoat)
+        if surface.emission is not None and surface.opacity != 1.0:
+            why.append("its emission is dimmed by its opacity where it is seen")
+        if why:
+            lost[path] = "; ".join(why)
     scene.report.lose(lost)
 
 
