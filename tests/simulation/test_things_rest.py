@@ -32,6 +32,7 @@ EXCUSED: Final[dict[tuple[str, str], str]] = {
     ("throw", "draped"): "it hangs over a back",
     ("towel", "hung"): "it hangs on a hook",
     ("towel", "draped"): "it hangs over a rail",
+    ("television", "mounted"): "it hangs on a wall",
     ("umbrella", "rolled"): "it leans in a stand",
     ("toy", "ball"): "it rolls onto a face",
     ("pillow", "square"): "it leans against a back",
