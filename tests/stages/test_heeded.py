@@ -76,7 +76,7 @@ OBJ: Final = "v 0 0 0\nv 1 0 0\nv 1 2 0\nv 0 2 0\nv 0.5 0.5 3\n" + "".join(
 SKY: Final[Data] = {"latitude": 50, "longitude": 10, "date": "2026-06-21", "time": "12:00"}
 GARDEN: Final[Data] = {"scene": "garden", "near": False}
 POSE: Final[Data] = {"world_from_camera": [[1, 0, 0, 2], [0, 0, 1, 1], [0, -1, 0, 1.5]]}
-SELECT: Final[Data] = {"from": "select", "count": 1}
+SELECT: Final[Data] = {"from": "select", "count": 4}
 Patch = tuple[str, Any]
 W, A, M, E, C, P = (
     "layout.openings.",
@@ -172,7 +172,7 @@ CHANGES: Final[list[tuple[str, list[Patch], list[Patch]]]] = [
         (C + "world_from_camera", [[1, 0, 0, 3], [0, 0, 1, 1], [0, -1, 0, 1.5]]),
     ]),
     ("cameras", [("cameras.views.0", SELECT)], [
-        (C + "name", "v"), (C + "count", 2), (C + "spare", 1), (C + "prefer", "paper"),
+        (C + "name", "v"), (C + "count", 3), (C + "spare", 1), (C + "prefer", "paper"),
         (C + "height", [1.0, 1.1]), (C + "distance", [0.5, 0.6]), (C + "fov", 70),
         (C + "f_stop", 2.8), (C + "focus", "subject"), (C + "exposure_value", 4.0),
     ]),
@@ -189,8 +189,12 @@ def put(data: Data, path: str, value: Any) -> None:
     *steps, last = path.split(".")
     inner: Any = data
     for step in steps:
-        inner = inner[int(step)] if isinstance(inner, list) else inner.setdefault(step, {})
-        assert inner is not None
+        if isinstance(inner, list):
+            inner = inner[int(step)]
+            continue
+        if inner.get(step) in (None, True):
+            inner[step] = {}
+        inner = inner[step]
     inner[int(last) if isinstance(inner, list) else last] = value
 
 

@@ -287,9 +287,10 @@ class Supports:
             self.notes.append(
                 f"{item.name} is {width:g} m wide, its wall only {self.room.length(hung.wall):g} m"
             )
-        if item.yaw and abs((item.yaw - hung.yaw + 180.0) % 360.0 - 180.0) > _TURNED_DEG:
+        own = self.placements[item.name].yaw
+        if own and abs((item.yaw - hung.yaw + 180.0) % 360.0 - 180.0) > _TURNED_DEG:
             self.notes.append(
-                f"{item.name} hangs with its back to the wall: its yaw of {item.yaw:g} does nothing"
+                f"{item.name} hangs with its back to the wall: its yaw of {own:g} does nothing"
             )
         return replace(item, x=hung.x, y=hung.y, yaw=hung.yaw)
 
