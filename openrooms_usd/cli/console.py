@@ -130,7 +130,7 @@ def _lines(first: str) -> Iterator[Progress]:
     latest, ended = [(first, 0.0)], threading.Event()
 
     def tell() -> None:
-        said = None
+        said: tuple[str, float] | None = None
         while not ended.wait(_LINE_SECONDS):
             if latest[0] != said:
                 said = latest[0]
