@@ -194,8 +194,8 @@ def _weighed(pieces: Surfels, axis: Array, odd: Mask, scale: float) -> Vertical 
     off = _OFF_ENDS * VOXEL_M
     above_floor = above_floor[(above_floor > off) & (above_floor < span[1] - span[0] - off)]
     shown = len(above_floor) > _TOPS_SHARE * len(pieces)
-    top = float(np.percentile(above_floor, _LOWER_TOPS)) / scale if shown else None
-    return Vertical(axis, float(line) + named, float(upwards) + way, tall, extent, top)
+    low_top = float(np.percentile(above_floor, _LOWER_TOPS)) / scale if shown else None
+    return Vertical(axis, float(line) + named, float(upwards) + way, tall, extent, low_top)
 
 
 def _ends(heights: Array) -> tuple[tuple[float, float], Array] | None:
