@@ -11,13 +11,15 @@ from openrooms_usd.furniture.schemes import scheme
 
 _STORES: Final = "storage basement garage copy_room mail_room laundry_room"
 
+# Where people drink wine.
+_MEALS: Final = "apartment dining_room game_room hotel kitchen living_room lobby lounge"
 CATEGORY: Final = BuiltCategory(
     description="a bottle",
     size=(0.08, 0.08, 0.3),
     min_size=(0.03, 0.03, 0.08),
     max_size=(0.2, 0.2, 0.6),
     styles={
-        "wine": Style(bottle_wine),
+        "wine": Style(bottle_wine, rooms=_MEALS),
         "sport": Style(bottle_sport, size=(0.073, 0.073, 0.26)),
         "pump": Style(bottle_pump, size=(0.075, 0.075, 0.19)),
     },
@@ -40,13 +42,8 @@ CATEGORY: Final = BuiltCategory(
     ),
     placements=(
         on("basin_edge sink_edge bath_rim", styles="pump", cluster="washing"),
-        on("worktop dining_table cabinet_top", styles="wine", weight=0.6),
-        on(
-            "desk bedside coffee_table shop_counter appliance_top",
-            styles="sport",
-            weight=0.6,
-            clutter=2,
-        ),
+        on("worktop dining_table cabinet_top", rooms=_MEALS, styles="wine", weight=0.6),
+        on("desk bedside coffee_table shop_counter", styles="sport", weight=0.6, clutter=2),
         on("shelf cupboard", rooms=_STORES, pose="row", count=(2, 4), weight=0.7, max_variants=4),
     ),
 )
