@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -17,7 +17,14 @@ from openrooms_usd.spelling import did_you_mean
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-class Choice(click.Choice[str]):
+if TYPE_CHECKING:
+    _Choice = click.Choice[str]
+else:
+    # Older ones of click are no generic.
+    _Choice = click.Choice
+
+
+class Choice(_Choice):
     """One of several words; what is none is answered with the nearest."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
