@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from pxr import Gf, Sdf, Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.stages.physics.layers import pass_layers
@@ -12,15 +12,15 @@ from openrooms_usd.usd.semantics import label
 
 Box = tuple[float, float, float, float, float, float]
 
-# Least and greatest corner, and what carries it: the floor or another thing.
-THINGS: dict[str, tuple[str, Box, str]] = {
-    "rug": ("rug", (0, 0, 0, 2, 2, 0.02), ""),
-    "bed": ("bed", (1, 1, 0, 3, 3, 0.5), ""),
-    "beside": ("bed", (2.1, 0, 0, 3, 0.9, 0.5), ""),
-    "lamp": ("floor_lamp", (0, 0, 0.02, 0.5, 0.5, 1.5), ""),
-    "table": ("coffee_table", (0.5, 0.5, 0.0195, 0.9, 0.9, 0.4), "rug"),
-    "throw": ("throw", (1, 1, 0.5, 2, 2, 0.53), "bed"),
-    "tray": ("tray", (1.5, 1.5, 0.5, 1.8, 1.8, 0.53), "bed"),
+# Category, least and greatest corner.
+THINGS: dict[str, tuple[str, Box]] = {
+    "rug": ("rug", (0, 0, 0, 2, 2, 0.02)),
+    "bed": ("bed", (1, 1, 0, 3, 3, 0.5)),
+    "beside": ("bed", (2.1, 0, 0, 3, 0.9, 0.5)),
+    "lamp": ("floor_lamp", (0, 0, 0.02, 0.5, 0.5, 1.5)),
+    "table": ("coffee_table", (0.5, 0.5, 0.0190, 0.9, 0.9, 0.4)),
+    "throw": ("throw", (1, 1, 0.5, 2, 2, 0.53)),
+    "tray": ("tray", (1.5, 1.5, 0.5, 1.8, 1.8, 0.53)),
 }
 
 
@@ -30,7 +30,7 @@ def stage() -> Usd.Stage:
     UsdGeom.SetStageMetersPerUnit(stage, 1.0)
     UsdGeom.SetStageUpAxis(stage, "Z")
     stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/World").GetPrim())
-    for name, (category, box, carrier) in THINGS.items():
+    for name, (category, box) in THINGS.items():
         low, high = np.array(box, dtype=np.float64).reshape(2, 3)
         cube = UsdGeom.Cube.Define(stage, f"{names.FURNITURE}/{name}")
         cube.CreateSizeAttr(1.0)
@@ -39,11 +39,6 @@ def stage() -> Usd.Stage:
         prim = cube.GetPrim()
         author_body(prim)
         label(prim, category)
-        support = "object" if carrier else "floor"
-        prim.CreateAttribute(names.ALIGNMENT_SUPPORT, Sdf.ValueTypeNames.Token).Set(support)
-        if carrier:
-            target = f"{names.FURNITURE}/{carrier}"
-            prim.CreateRelationship(names.ALIGNMENT_CARRIER).SetTargets([target])
     return stage
 
 
