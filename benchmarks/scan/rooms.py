@@ -105,7 +105,9 @@ def read_room(path: Path) -> SimulatedRoom:
 
 def _part(mesh: PlacedMesh, numbers: dict[str, int]) -> Part:
     instance = next((n for path, n in numbers.items() if mesh.path.startswith(f"{path}/")), 0)
-    number = read_number(mesh.prim, names.NYU40)
+    above = mesh.prim.GetPath().GetAncestorsRange()
+    stage = mesh.prim.GetStage()
+    number = read_number(map(stage.GetPrimAtPath, above), names.NYU40)
     wall = mesh.prim
     if str(wall.GetPath()).startswith(names.OPENINGS):
         while not wall.HasRelationship(names.OPENING_WALL):

@@ -121,7 +121,7 @@ except KeyboardInterrupt:
 """
     done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (130, "tidied up\n")
-    assert done.stderr == "interrupted: what was finished is whole\n"
+    assert done.stderr == "Interrupted. What was finished is kept.\n"
 
 
 def test_modules_that_take_an_interruption_for_an_error_do_not_see_it(tmp_path: Path) -> None:
@@ -142,5 +142,5 @@ with prompt_interrupts(), claims.claimed(out), atomic.replacing(out / "picture.p
 """
     done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (130, "")
-    assert done.stderr == "interrupted: what was finished is whole\n"
+    assert done.stderr == "Interrupted. What was finished is kept.\n"
     assert not (tmp_path / "out").exists()

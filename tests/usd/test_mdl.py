@@ -8,7 +8,7 @@ import pytest
 from pxr import Sdf, Usd, UsdShade
 
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.usd.shading.materialreader import read_preview_surface
+from openrooms_usd.usd.shading.materialreader import BARE, read_preview_surface
 from openrooms_usd.usd.shading.surfaces import (
     NORMAL_BIAS,
     NORMAL_SCALE,
@@ -139,7 +139,7 @@ def test_what_is_left_out_is_told(folder: Path) -> None:
 
 def test_other_materials_are_named(folder: Path) -> None:
     surface, losses = read(folder, {"glass_color": (1.0, 1.0, 1.0)}, name="OmniGlass")
-    assert surface.base_color == PreviewSurface.base_color
+    assert surface.base_color == BARE.base_color
     assert len(losses) == 1 and "OmniGlass of MDL" in losses[0]
 
 
