@@ -9,18 +9,15 @@ from openrooms_usd.furniture.categories.sofa import modern, wooden
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
-    Parts,
-    Size,
-    Style,
     board,
     corners,
-    numbered,
     profiled,
     round_leg,
     splayed,
     square_leg,
     strip,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import HIDE, METAL, scheme
 from openrooms_usd.geometry.curves import filleted

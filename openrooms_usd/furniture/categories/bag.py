@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.cloth import pillow, ripples
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M, on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import hoop, oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes

@@ -9,7 +9,8 @@ from openrooms_usd.furniture.construction import ANY, row, walls
 from openrooms_usd.furniture.joinery.appliance import square
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import SEGMENTS, drain, inside
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, corners
+from openrooms_usd.furniture.joinery.boards import corners
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse

@@ -6,17 +6,8 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, profiled, square_leg
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import CHAIRS, METAL, scheme
 from openrooms_usd.geometry.curves import filleted
@@ -146,22 +137,20 @@ def chest(size: Size, rng: np.random.Generator) -> Furniture:
         ),
         board((t - x, front + t, foot), (x - t, y - t, foot + t)),
     )
-    made.add("base", board((0.02 - x, front + 0.02, 0.0), (x - 0.02, y - 0.02, foot)))
+    made.board("base", (0.02 - x, front + 0.02, 0.0), (x - 0.02, y - 0.02, foot))
     count = max(1, round(width / 0.5))
     pitch = (2.0 * x - 0.04) / count
     panel = float(rng.uniform(0.05, 0.08))
     # Mouldings that frame panels on the front.
     for i in range(count):
         a, b = -x + 0.02 + i * pitch, -x + 0.02 + (i + 1) * pitch
-        made.add(
+        made.board(
             "panel",
-            board(
-                (a + 0.3 * panel, front - 0.006, foot + panel),
-                (b - 0.3 * panel, front + 0.001, top - panel),
-                0.004,
-            ),
+            (a + 0.3 * panel, front - 0.006, foot + panel),
+            (b - 0.3 * panel, front + 0.001, top - panel),
+            0.004,
         )
-    lid = made.add("lid", board((-half, -y, top + 0.001), (half, y, height), 0.006))
+    lid = made.board("lid", (-half, -y, top + 0.001), (half, y, height), 0.006)
     made.hinge("lid", lid, (0.0, y, top), "top", 90.0)
     return made.furniture()
 

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.books import Book
 from openrooms_usd.furniture.joinery.linens import between
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import printed_cover
 from openrooms_usd.furniture.placements import on

@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import row, walls
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.vessel import bottle_pump, bottle_sport, bottle_wine
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes

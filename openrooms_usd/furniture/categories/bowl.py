@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import row, walls
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.vessel import bowl_footed, bowl_fruit, bowl_oval, bowl_round
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes

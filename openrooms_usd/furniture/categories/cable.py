@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import at_rest
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory

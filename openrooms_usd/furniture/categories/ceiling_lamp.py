@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import LAMP_ROWS
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.lamp_parts import (
     bulb,
     carrier,
@@ -16,6 +16,7 @@ from openrooms_usd.furniture.joinery.lamp_parts import (
     rose,
     shade,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import hoop, turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED, scheme

@@ -9,18 +9,15 @@ from numpy.typing import NDArray
 from openrooms_usd.furniture.categories.sofa import modern
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
-    Parts,
-    Size,
-    Style,
     bent_post,
     board,
     corners,
-    numbered,
     round_leg,
     splayed,
     square_leg,
     strip,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import CHAIRS
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle

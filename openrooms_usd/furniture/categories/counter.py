@@ -3,13 +3,13 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.kitchen import (
     counter_doors,
     counter_drawers,
     counter_open,
     island,
 )
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 

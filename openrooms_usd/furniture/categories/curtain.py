@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.cloth import folded
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, Scheme
 from openrooms_usd.geometry.curves import filleted

@@ -6,7 +6,8 @@ import numpy as np
 
 from openrooms_usd.furniture.categories.bread import loaf_of, slice_of
 from openrooms_usd.furniture.construction import filled, row, solid
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, numbered, profiled
+from openrooms_usd.furniture.joinery.boards import FRONT, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory

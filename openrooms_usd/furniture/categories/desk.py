@@ -6,27 +6,10 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS, TABLE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    square_leg,
-)
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    HANDLE,
-    SEAT,
-    Cell,
-    Look,
-    columns,
-    drawer,
-    drawn_look,
-    rows,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, square_leg
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
+from openrooms_usd.furniture.joinery.fronts import Look, drawer, drawn_look
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
@@ -72,14 +55,12 @@ def pedestal(size: Size, rng: np.random.Generator) -> Furniture:
     for sign in (side, -side) if both else (side,):
         edges = sorted((sign * half, sign * (half - block)))
         _pedestal(made, (edges[0], edges[1], low, under), front, back, look, shares)
-        made.add(
-            "base", board((edges[0] + 0.015, front + 0.03, 0.0), (edges[1] - 0.015, back, low))
-        )
+        made.board("base", (edges[0] + 0.015, front + 0.03, 0.0), (edges[1] - 0.015, back, low))
     if not both:
         edges = sorted((-side * half, -side * (half - 0.024)))
-        made.add("leg", board((edges[0], front - BOARD, 0.0), (edges[1], back, under)))
+        made.board("leg", (edges[0], front - BOARD, 0.0), (edges[1], back, under))
     span = sorted((side * (half - block), -side * (half - (block if both else 0.024))))
-    made.add("back", board((span[0], back - 0.06, under - 0.38), (span[1], back - 0.042, under)))
+    made.board("back", (span[0], back - 0.06, under - 0.38), (span[1], back - 0.042, under))
     return made.furniture()
 
 
@@ -105,11 +86,10 @@ def writing(size: Size, rng: np.random.Generator) -> Furniture:
     count = max(1, min(3, round((2.0 * x - t) / 0.5)))
     cells = columns((0.5 * t - x, x - 0.5 * t, low + 0.008, under), count)
     for cell in cells[1:]:
-        made.add(
+        made.board(
             "frame",
-            board(
-                (cell[0] - 0.006, face + 0.001, low + 0.008), (cell[0] + 0.006, back - 0.009, under)
-            ),
+            (cell[0] - 0.006, face + 0.001, low + 0.008),
+            (cell[0] + 0.006, back - 0.009, under),
         )
     for cell in cells:
         drawer(made, cell, face, back - 0.02, look, margin=0.008)

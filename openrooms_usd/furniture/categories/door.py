@@ -9,7 +9,7 @@ from openrooms_usd.building import leaves
 from openrooms_usd.building.doors import door
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
 

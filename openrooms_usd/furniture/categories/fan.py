@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, BRASS, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import DARK_TAP, METAL, scheme
 from openrooms_usd.geometry.curves import filleted

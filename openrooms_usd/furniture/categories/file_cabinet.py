@@ -5,9 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import SIDE, Furniture, Size, Style, board, corners
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners
 from openrooms_usd.furniture.joinery.carcass import Carcass
-from openrooms_usd.furniture.joinery.fronts import HANDLE, SEAT, Cell, Look, drawer, rows
+from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell, rows
+from openrooms_usd.furniture.joinery.fronts import Look, drawer
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder
@@ -28,7 +30,7 @@ def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
     if labelled:
         x, z = 0.5 * (cell[0] + cell[1]), 0.5 * (cell[2] + cell[3]) + 0.055
         low, high = (x - 0.04, case.front - 0.002, z - 0.016), (x + 0.04, y - 0.01, z + 0.016)
-        riders = case.made.add("label", board(low, high, 0.001))
+        riders = case.made.board("label", low, high, 0.001)
     drawer(
         case.made,
         cell,

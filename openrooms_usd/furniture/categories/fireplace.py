@@ -5,16 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, square_leg
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
@@ -188,9 +180,8 @@ def _stove_door(
         (x - rim, door_low + rim, x, door_high - rim),
     ]
     names = made.add("door", *(board((a, y - 0.022, b), (c, y, d), 0.003) for a, b, c, d in frame))
-    names += made.add(
-        "glass",
-        board((rim - x, y - 0.014, door_low + rim), (x - rim, y - 0.008, door_high - rim), 0.001),
+    names += made.board(
+        "glass", (rim - x, y - 0.014, door_low + rim), (x - rim, y - 0.008, door_high - rim), 0.001
     )
     z = 0.5 * (door_low + door_high)
     bow = [(y - 0.02, z - 0.05), (y - 0.05, z - 0.05), (y - 0.05, z + 0.05), (y - 0.02, z + 0.05)]
@@ -222,17 +213,14 @@ def stove(size: Size, rng: np.random.Generator) -> Furniture:
         board((t - half, front, low), (half - t, rear - t, low + 0.08)),
         board((t - half, front, high - 0.06), (half - t, rear - t, high)),
     )
-    made.add(
-        "tabletop",
-        board((-0.5 * width, front - 0.012, high), (0.5 * width, rear + 0.01, top), 0.006),
+    made.board(
+        "tabletop", (-0.5 * width, front - 0.012, high), (0.5 * width, rear + 0.01, top), 0.006
     )
     inner = (low + 0.07, high - 0.05)
-    made.add(
+    made.board(
         "firebox",
-        board(
-            (t - half + 0.005, rear - t - 0.012, inner[0]),
-            (half - t - 0.005, rear - t + 0.002, inner[1]),
-        ),
+        (t - half + 0.005, rear - t - 0.012, inner[0]),
+        (half - t - 0.005, rear - t + 0.002, inner[1]),
     )
     door_low, door_high, x = low + 0.05, high - 0.035, half - 0.02
     side = 1.0 if rng.integers(2) else -1.0
@@ -244,7 +232,7 @@ def stove(size: Size, rng: np.random.Generator) -> Furniture:
         cylinder(pipe, height - top + 0.002, segments=28, base=at),
         cylinder(1.2 * pipe, 0.03, bevel=0.004, segments=28, base=at),
     )
-    made.add("hearth", board((-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, back, 0.012), 0.002))
+    made.board("hearth", (-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, back, 0.012), 0.002)
     made.add("log", *_logs(2 * (half - t), (front, rear), low + 0.08, rng))
     return made.furniture()
 

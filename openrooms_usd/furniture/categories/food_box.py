@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import SIDE, Parts, Size, Style, board, profiled
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import Print, label_lines, printed_cover
 from openrooms_usd.furniture.placements import on

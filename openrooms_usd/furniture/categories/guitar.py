@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import FRONT, board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

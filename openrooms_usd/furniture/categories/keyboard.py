@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.computing import keyboard_full, keyboard_slim, keyboard_split
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 

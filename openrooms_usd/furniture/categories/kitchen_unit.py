@@ -8,30 +8,18 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    NOTHING_ORDERED,
-    Furniture,
-    Order,
-    Size,
-    Style,
-    board,
-)
 from openrooms_usd.furniture.joinery.carcass import Carcass
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    GAP,
-    SEAT,
-    Cell,
     Look,
-    columns,
     drawer,
     hang_door,
     leaf,
     ordered_look,
     reach,
-    rows,
 )
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import KITCHEN
 
@@ -146,8 +134,8 @@ def filler(size: Size, rng: np.random.Generator) -> Furniture:
     """A strip that closes what is left beside a wall or in a corner."""
     width, depth, height = size
     made, face, half = Assembly(), -0.5 * depth + BOARD, 0.5 * width
-    made.add("panel", board((-half, face - BOARD, TOE), (half, face, height), 0.001))
-    made.add("frame", board((-half, face, TOE), (half, 0.5 * depth, height), 0.001))
+    made.board("panel", (-half, face - BOARD, TOE), (half, face, height), 0.001)
+    made.board("frame", (-half, face, TOE), (half, 0.5 * depth, height), 0.001)
     kickboard(made, width, face - BOARD, 0.5 * depth)
     return made.furniture()
 

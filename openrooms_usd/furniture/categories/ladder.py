@@ -5,15 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ALUMINIUM, ANY, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import (
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    splayed,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, splayed
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 

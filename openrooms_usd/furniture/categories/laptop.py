@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.computing import laptop_classic, laptop_slim, laptop_tablet
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme

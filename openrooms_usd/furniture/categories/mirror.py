@@ -6,9 +6,11 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Side
-from openrooms_usd.furniture.joinery.boards import FRONT, Furniture, Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import FRONT, board
 from openrooms_usd.furniture.joinery.carcass import Carcass
-from openrooms_usd.furniture.joinery.fronts import BOARD, GAP, SEAT, columns, leaf
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, SEAT, columns
+from openrooms_usd.furniture.joinery.fronts import leaf
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style
 from openrooms_usd.furniture.joinery.wall_board import mitred
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme

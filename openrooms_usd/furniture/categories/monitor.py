@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.screen import deep, monitor_curved, monitor_flat, monitor_tube
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import SCREENS, scheme

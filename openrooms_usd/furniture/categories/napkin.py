@@ -6,8 +6,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import folded_pile, rolled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory

@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.carcass import closed
 from openrooms_usd.furniture.joinery.fronts import drawers, drawn_look
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.small_table import nightstand
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE

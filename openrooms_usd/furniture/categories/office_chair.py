@@ -6,16 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ALUMINIUM, ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    numbered,
-    profiled,
-    strip,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled, strip
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle

@@ -5,17 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Build,
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    profiled,
-    strip,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, profiled, strip
 from openrooms_usd.furniture.joinery.paintings import landscape, skyline
+from openrooms_usd.furniture.joinery.pieces import Build, Furniture, Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.wall_board import framed_as
 from openrooms_usd.furniture.placements import on

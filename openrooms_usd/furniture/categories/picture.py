@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import filled, row
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.paintings import any_of, botanical, landscape, shapes, skyline
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.posters import brushed_circle, line_drawing, poster, street_map
 from openrooms_usd.furniture.joinery.wall_board import canvas, framed, framed_as, triptych
 from openrooms_usd.furniture.placements import on

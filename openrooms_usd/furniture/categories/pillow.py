@@ -4,8 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.cloth import pillow as filled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

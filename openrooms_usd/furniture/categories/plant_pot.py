@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.foliage import (
     fern,
     grown_over,
@@ -18,6 +17,7 @@ from openrooms_usd.furniture.joinery.foliage import (
     potted,
     succulent,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes

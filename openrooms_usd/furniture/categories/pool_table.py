@@ -8,17 +8,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled, square_leg
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

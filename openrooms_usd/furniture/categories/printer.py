@@ -5,18 +5,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Joint,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

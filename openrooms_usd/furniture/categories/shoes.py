@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

@@ -9,7 +9,7 @@ from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.appliance import dial
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import drain
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
@@ -70,7 +70,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
     made.add("bracket", tube([(x, y, top - 0.2), (x, back, top - 0.2)], 0.008, segments=10))
     hang = 1.45
     low, high = (x - 0.014, y - 0.045, hang - 0.015), (x + 0.014, y + 0.012, hang + 0.02)
-    made.add("bracket", board(low, high, 0.004))
+    made.board("bracket", low, high, 0.004)
     grip = [(x, y - 0.03, hang - 0.12), (x, y - 0.03, hang + 0.06), (x, y - 0.075, hang + 0.1)]
     made.add("spout", tube(filleted(grip, 0.03, segments=4), 0.011, segments=12))
     spray = lathe(
@@ -108,25 +108,25 @@ def corner(size: Size, rng: np.random.Generator, *, side: int) -> Furniture:
     # The pane on the open side, held in a profile at the wall behind.
     outer = -side * x
     a, b = sorted((outer, outer + side * _PANE_M))
-    made.add("pane", board((a, front, low), (b, y - _PROFILE_M, high), 0.001))
+    made.board("pane", (a, front, low), (b, y - _PROFILE_M, high), 0.001)
     p, q = sorted((outer, outer + side * _PROFILE_M))
-    made.add("frame", board((p, y - _PROFILE_M, low), (q, y, high), 0.001))
+    made.board("frame", (p, y - _PROFILE_M, low), (q, y, high), 0.001)
     # In front: a door at the wall, and what it leaves beside it.
     wide = min(_DOOR_M, 0.75 * width)
     wall = side * x
     inner = wall - side * (_PROFILE_M + 0.002)
     p, q = sorted((wall, wall - side * _PROFILE_M))
-    made.add("frame", board((p, front, low), (q, front + _PROFILE_M, high), 0.001))
+    made.board("frame", (p, front, low), (q, front + _PROFILE_M, high), 0.001)
     end = inner - side * wide
     c, d = sorted((inner, end))
-    names = made.add("pane", board((c, front, low + 0.008), (d, front + _PANE_M, high), 0.001))
+    names = made.board("pane", (c, front, low + 0.008), (d, front + _PANE_M, high), 0.001)
     grip = end + side * 0.05
     bar = [(grip, front - a, z) for z, a in ((0.95, 0.0), (0.95, 0.03), (1.25, 0.03), (1.25, 0.0))]
     names += made.add("handle", tube(filleted(bar, 0.012), 0.008, segments=10))
     made.hinge("door", names, (inner, front, low), "right" if side > 0 else "left", 95.0)
     rest = sorted((end - side * 0.004, outer + side * (_PANE_M + 0.001)))
     if rest[1] - rest[0] > 0.03:
-        made.add("pane", board((rest[0], front, low), (rest[1], front + _PANE_M, high), 0.001))
+        made.board("pane", (rest[0], front, low), (rest[1], front + _PANE_M, high), 0.001)
     return made.furniture()
 
 
@@ -137,9 +137,9 @@ def walk_in(size: Size, rng: np.random.Generator) -> Furniture:
     _tray(made, size, -y)
     _fittings(made, 0.0, y, height)
     high, half = height - 0.03, 0.3 * width
-    made.add("pane", board((-half, -y, _TRAY_M), (half, _PANE_M - y, high), 0.001))
+    made.board("pane", (-half, -y, _TRAY_M), (half, _PANE_M - y, high), 0.001)
     foot = (-half, -y - 0.001, _TRAY_M - 0.002), (half, _PANE_M + 0.001 - y, _TRAY_M + 0.02)
-    made.add("frame", board(*foot, 0.001))
+    made.board("frame", *foot, 0.001)
     stay = [(0.0, 0.5 * _PANE_M - y, high - 0.012), (0.0, y, high - 0.012)]
     made.add("frame", tube([(0.35 * half, b, c) for _, b, c in stay], 0.009, segments=12))
     return made.furniture()

@@ -4,15 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder

@@ -5,16 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping

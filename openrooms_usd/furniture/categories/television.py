@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.screen import (
     deep,
     television_feet,

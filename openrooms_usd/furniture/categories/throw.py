@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.cloth import ripples
 from openrooms_usd.furniture.joinery.linens import between, folded_pile, over_bar
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

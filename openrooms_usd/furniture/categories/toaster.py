@@ -8,15 +8,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Size,
-    Style,
-    board,
-    corners,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

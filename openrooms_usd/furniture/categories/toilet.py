@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, CHINA, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse

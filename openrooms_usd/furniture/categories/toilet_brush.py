@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import METAL, scheme

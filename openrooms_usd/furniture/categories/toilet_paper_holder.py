@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import FRONT, board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.curves import filleted

@@ -5,7 +5,6 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import (
     folded_pile,
     hung_cloth,
@@ -13,6 +12,7 @@ from openrooms_usd.furniture.joinery.linens import (
     rolled,
     with_loop,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme

@@ -6,17 +6,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, row, walls
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Joint,
-    Parts,
-    Size,
-    Style,
-    board,
-    profiled,
-    strip,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled, strip
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import hoop, oval, tapered
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.foliage import held, pointed_leaf
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.vessel import hollow, smooth_line
 from openrooms_usd.furniture.placements import on

@@ -5,8 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import LAMP_ROWS
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.lamp_parts import bulb, carrier, holder, shade
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined

@@ -7,21 +7,11 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.carcass import SETBACK, Carcass, closed
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    GAP,
-    Cell,
-    Look,
-    columns,
-    doors,
-    drawer,
-    drawn_look,
-    hang_door,
-    leaf,
-    rows,
-)
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, Cell, columns, rows
+from openrooms_usd.furniture.joinery.fronts import Look, doors, drawer, drawn_look, hang_door, leaf
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import STORAGE, scheme
 from openrooms_usd.geometry.sweeps import tube
@@ -80,8 +70,8 @@ def built_in(size: Size, rng: np.random.Generator) -> Furniture:
     """Equal doors from wall to wall, a second row of them below a high ceiling; one is a mirror."""
     cabinet = closed(size, PLINTH)
     half = 0.5 * size[0]
-    cabinet.made.add(
-        "kickboard", board((-half, cabinet.front + 0.035, 0.0), (half, cabinet.back, PLINTH))
+    cabinet.made.board(
+        "kickboard", (-half, cabinet.front + 0.035, 0.0), (half, cabinet.back, PLINTH)
     )
     left, right, low, high = cabinet.overlay
     look = Look("bar", 0.06 if rng.uniform() < 0.4 else 0.0)
@@ -95,17 +85,15 @@ def built_in(size: Size, rng: np.random.Generator) -> Furniture:
             glass: tuple[str, ...] = ()
             if i == mirrored and not j:
                 front, inset = cabinet.face - BOARD, 0.075
-                glass = cabinet.made.add(
+                glass = cabinet.made.board(
                     "mirror",
-                    board(
-                        (cell[0] + 0.005, front - 0.004, a + 0.005),
-                        (
-                            cell[1] - inset if side == "left" else cell[1] - 0.005,
-                            front + 0.001,
-                            b - 0.005,
-                        ),
-                        0.001,
+                    (cell[0] + 0.005, front - 0.004, a + 0.005),
+                    (
+                        cell[1] - inset if side == "left" else cell[1] - 0.005,
+                        front + 0.001,
+                        b - 0.005,
                     ),
+                    0.001,
                 )
             hang_door(
                 cabinet.made,

@@ -4,8 +4,8 @@ from functools import partial
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.laundry import front_loader, stacked, top_loader
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 

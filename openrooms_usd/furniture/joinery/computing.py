@@ -5,16 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Joint,
-    Parts,
-    Size,
-    board,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts, Size, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box

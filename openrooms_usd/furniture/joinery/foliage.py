@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size
+from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size
+from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box, cylinder

@@ -6,7 +6,7 @@ emitting part themselves. So light leaves every lamp without any translucent mat
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Size
+from openrooms_usd.furniture.joinery.pieces import Size
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.furniture.joinery.boards import Size
 from openrooms_usd.furniture.joinery.cloth import ripples
+from openrooms_usd.furniture.joinery.pieces import Size
 from openrooms_usd.furniture.placements import DRAPED_WALL_M, LOOP_BACK_M, LOOP_M, LOOP_RISE_M
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh, joined

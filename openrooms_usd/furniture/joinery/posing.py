@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from openrooms_usd.arrays import Array
-from openrooms_usd.furniture.joinery.boards import Parts, Size
+from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.rotations import about_point, about_x, about_y, about_z

@@ -4,7 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined

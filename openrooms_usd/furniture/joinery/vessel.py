@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, numbered
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined

@@ -4,19 +4,17 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import (
-    FRONT,
+from openrooms_usd.furniture.joinery.boards import FRONT, board, profiled
+from openrooms_usd.furniture.joinery.paintings import Painter, Rectangle, any_of, landscape, shapes
+from openrooms_usd.furniture.joinery.pieces import (
     Build,
     Furniture,
     Joint,
     Parts,
     Size,
-    board,
     numbered,
     part_of,
-    profiled,
 )
-from openrooms_usd.furniture.joinery.paintings import Painter, Rectangle, any_of, landscape, shapes
 from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.joinery.posters import brushed_circle, poster
 from openrooms_usd.geometry.mesh import Mesh, joined
