@@ -42,19 +42,25 @@ def scheme(
     needs: str | None = None,
     weight: float = 1.0,
     suite: str = "",
-    **parts: str,
+    **others: str,
 ) -> Scheme:
     """A scheme by the finish of most parts, and by those that have another.
 
     Args:
         finish: Of all that are not named.
-        shared: Finishes of parts which several schemes have; ``parts`` go before them.
+        shared: Finishes by part which several schemes have; ``others`` go before them.
         needs: As of `Scheme`.
         weight: As of `Scheme`.
         suite: As of `Scheme`.
-        **parts: The finish of each other part.
+        **others: By another finish the parts that have it, apart by blanks.
     """
-    return Scheme({ANY: finish, **shared, **parts}, needs, weight, suite)
+    named = {part: other for other, parts in others.items() for part in parts.split()}
+    return Scheme({ANY: finish, **shared, **named}, needs, weight, suite)
+
+
+def landscape_print(tones: str) -> dict[str, str]:
+    """The finishes of a landscape's sheets in tones that fit together; the sky is its canvas."""
+    return {"canvas" if tone == "sky" else tone: f"{tones}_{tone}" for tone in TONES}
 
 
 # Parts that several categories finish alike.
@@ -65,19 +71,19 @@ _HOT: Final = {"container": "cavity", "base": "black", "rack": "chrome", "handle
 
 CHAIRS: Final = (
     scheme("bent_wood", weight=3.0),
-    scheme("lacquer", leg="bent_wood", frame="bent_wood"),
+    scheme("lacquer", bent_wood="leg frame"),
     scheme("lacquer"),
-    scheme("upholstery", leg="bent_wood", needs="arm", weight=100.0),
+    scheme("upholstery", bent_wood="leg", needs="arm", weight=100.0),
 )
 TABLES: Final = (
     scheme("wood", weight=3.0),
-    scheme(METAL, tabletop="wood", shelf="wood"),
-    scheme("white", tabletop="wood", shelf="wood"),
+    scheme(METAL, wood="tabletop shelf"),
+    scheme("white", wood="tabletop shelf"),
 )
 STORAGE: Final = (
     scheme("wood", weight=2.0),
-    scheme("white", leg="wood", base="white"),
-    scheme("wood", door="lacquer", drawer_front="lacquer", needs="handle"),
+    scheme("white", wood="leg", white="base"),
+    scheme("wood", lacquer="door drawer_front", needs="handle"),
 )
 _UNIT: Final = {
     "shelf": "white",
@@ -90,18 +96,18 @@ KITCHEN: Final = (
     scheme("white", _UNIT, weight=3.0, suite="kitchen"),
     scheme("kitchen_lacquer", _UNIT, weight=3.0, suite="kitchen"),
     scheme("wood", _UNIT, weight=2.0, suite="kitchen"),
-    scheme("white", _UNIT, kickboard="black", suite="kitchen"),
+    scheme("white", _UNIT, black="kickboard", suite="kitchen"),
 )
 # Of appliances behind the fronts of a kitchen.
 PANELLED: Final = tuple(replace(each, needs="kickboard") for each in KITCHEN)
-LAMPS: Final = (scheme(METAL, weight=2.0), scheme(METAL, base="ceramic"))
-SOCKETED: Final = (scheme(METAL, lamp_shade="lacquer", needs="socket", weight=100.0),)
+LAMPS: Final = (scheme(METAL, weight=2.0), scheme(METAL, ceramic="base"))
+SOCKETED: Final = (scheme(METAL, lacquer="lamp_shade", needs="socket", weight=100.0),)
 COOKERS: Final = (
-    scheme("steel", _HOT, frame="black", weight=2.0),
-    scheme("enamel", _HOT, knob="enamel", weight=2.0),
-    scheme("screen", _HOT, frame="black", knob="steel"),
+    scheme("steel", _HOT, black="frame", weight=2.0),
+    scheme("enamel", _HOT, enamel="knob", weight=2.0),
+    scheme("screen", _HOT, black="frame", steel="knob"),
 )
 SCREENS: Final = (
     scheme("black_plastic", weight=3.0),
-    scheme("black_plastic", stand="aluminium", base="aluminium", foot="aluminium"),
+    scheme("black_plastic", aluminium="stand base foot"),
 )

@@ -62,6 +62,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     mass_range=(6, 20),
     words="air_conditioning ac_unit air_condition aircon",
-    schemes=(scheme("plastic", slat="grey"),),
+    schemes=(scheme("plastic", grey="slat"),),
     construction=(row(ANY, filled(260), "weight"),),
 )

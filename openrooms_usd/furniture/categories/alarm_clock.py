@@ -126,21 +126,15 @@ CATEGORY: Final = BuiltCategory(
     words="clock_radio digital_clock desk_clock",
     classes=Classes("clock", "otherprop", "clock", "clock"),
     schemes=(
-        scheme(METAL, face="white_paper", number="print", hand="black"),
+        scheme(METAL, white_paper="face", print="number", black="hand"),
         scheme(
-            "lacquer",
-            face="white_paper",
-            number="print",
-            hand="black",
-            bell="chrome",
-            foot="chrome",
-            handle="chrome",
+            "lacquer", white_paper="face", print="number", black="hand", chrome="bell foot handle"
         ),
-        scheme("dark_plastic", digit="lit_digit", needs="digit", weight=100.0),
+        scheme("dark_plastic", lit_digit="digit", needs="digit", weight=100.0),
     ),
     construction=(row(ANY, filled(550), "weight"),),
     placements=(
         on("bedside", weight=0.6),
-        on("shelf desk dresser_top", rooms="bedroom", weight=0.25, max_groups=1),
+        on("shelf desk dresser_top", "bedroom", weight=0.25, max_groups=1),
     ),
 )

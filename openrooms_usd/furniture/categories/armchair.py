@@ -19,7 +19,7 @@ from openrooms_usd.furniture.joinery.boards import (
 )
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import HIDE, METAL, scheme
+from openrooms_usd.furniture.schemes import HIDE, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh
@@ -199,9 +199,9 @@ CATEGORY: Final = BuiltCategory(
     words="arm_chair recliner club_chair lounge_chair easy_chair sofa_chair poltrone massage_chair",
     classes=Classes("chair", "chair", "armchair", "chair"),
     schemes=(
-        scheme("upholstery", leg="wood", weight=2.0),
-        scheme("upholstery", leg=METAL),
-        scheme("hide", HIDE, leg="wood", needs="seat_cushion", weight=0.7),
+        scheme("upholstery", wood="leg", weight=2.0),
+        scheme("upholstery", metal="leg"),
+        scheme("hide", HIDE, wood="leg", needs="seat_cushion", weight=0.7),
         scheme("wood", needs="rail", weight=100.0),
     ),
     construction=SEAT_ROWS,

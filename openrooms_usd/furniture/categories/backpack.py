@@ -102,13 +102,13 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.5, 5),
     words="rucksack knapsack schoolbag school_bag",
     classes=Classes("bag", "bag", "bag", "backpack"),
-    schemes=(scheme("bag_cloth", lock="chrome", weight=2.0), scheme("hide", lock="brass")),
+    schemes=(scheme("bag_cloth", chrome="lock", weight=2.0), scheme("hide", brass="lock")),
     construction=(row(ANY, filled(90), "common"),),
     collision_softness=0.03,
     placements=(
         on(
             "floor_by_wall floor_under_desk floor_by_door",
-            rooms=_DRY,
+            _DRY,
             clutter=2,
             weight=0.7,
             max_groups=1,

@@ -96,9 +96,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bag", "bag", "bag", "handbag"),
     synsets=("02773838",),
     schemes=(
-        scheme("bag_cloth", handle="bag_cloth", weight=2.0),
-        scheme("hide", handle="hide"),
-        scheme("cardboard", cord="white_paper", needs="sack", weight=100.0),
+        scheme("bag_cloth", bag_cloth="handle", weight=2.0),
+        scheme("hide", hide="handle"),
+        scheme("cardboard", white_paper="cord", needs="sack", weight=100.0),
     ),
     construction=(
         row("sack", walls(0.3, 800), "common"),
@@ -108,8 +108,7 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "hook",
-            rooms="hallway closet bedroom living_room apartment office hotel kitchen "
-            "classroom stairs",
+            "hallway closet bedroom living_room apartment office hotel kitchen classroom stairs",
             styles="hung",
             pose="hung",
             weight=0.6,
@@ -117,6 +116,6 @@ CATEGORY: Final = BuiltCategory(
         on("floor_by_door floor_by_wall", styles="tote paper", weight=0.5),
         on("floor_under_desk floor_beside_sofa", styles="tote", weight=0.3, max_groups=1),
         on("chair_seat", styles="tote", clutter=2, weight=0.3, max_groups=1),
-        on("worktop", rooms="kitchen", styles="paper", clutter=3, weight=0.25, max_groups=1),
+        on("worktop", "kitchen", styles="paper", clutter=3, weight=0.25, max_groups=1),
     ),
 )

@@ -158,7 +158,7 @@ CATEGORY: Final = BuiltCategory(
     "storage_bin plastic_bin laundry_bin",
     classes=Classes("basket", "otherprop", "basket"),
     synsets=("02801938",),
-    schemes=(scheme("rope", handle="rope"), scheme("wood", needs="base", weight=100.0)),
+    schemes=(scheme("rope", rope="handle"), scheme("wood", needs="base", weight=100.0)),
     construction=(row(ANY, filled(250), "weight", "fabric"),),
     placements=(
         on("low_shelf wardrobe_shelf appliance_top", weight=0.8),

@@ -187,12 +187,8 @@ def _channels(
 ) -> None:
     width, depth, height = size
     rear = 0.035
-    made.board(
-        "headboard",
-        (-0.5 * width, 0.5 * depth - rear, low),
-        (0.5 * width, 0.5 * depth, height - 0.01),
-        0.015,
-    )
+    least, most = (-0.5 * width, 0.5 * depth - rear, low), (0.5 * width, 0.5 * depth, height - 0.01)
+    made.board("headboard", least, most, 0.015)
     length, across = (width, height - low) if upright else (height - low, width)
     count = max(2, round(length / 0.19))
     pitch = length / count
@@ -348,7 +344,7 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme("wood", weight=3.0),
         scheme("white"),
-        scheme("upholstery", leg="wood", base="black", needs="headboard_pad", weight=100.0),
+        scheme("upholstery", wood="leg", black="base", needs="headboard_pad", weight=100.0),
     ),
     construction=(
         row("frame headboard footboard", walls(12), "board", "wood", "paint"),

@@ -9,7 +9,7 @@ from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import board, corners, profiled, square_leg
 from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import CHAIRS, METAL, scheme
+from openrooms_usd.furniture.schemes import CHAIRS, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
@@ -172,7 +172,7 @@ CATEGORY: Final = BuiltCategory(
     words="piano_bench",
     classes=Classes("bench", "otherfurniture", "bench", "bench"),
     synsets=("02828884",),
-    schemes=(*CHAIRS, scheme("wood", leg=METAL)),
+    schemes=(*CHAIRS, scheme("wood", metal="leg")),
     construction=SEAT_ROWS,
     offers_surfaces=("cabinet_top",),
     view_importance=0.7,

@@ -173,19 +173,13 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "black",
-            frame="lacquer",
-            rim="steel",
-            spoke="steel",
-            chain="steel",
-            crank="steel",
-            handlebar="chrome",
-            post="chrome",
-            kickstand="steel",
+            lacquer="frame",
+            steel="rim spoke chain crank kickstand",
+            chrome="handlebar post",
             tyre="tyre",
-            saddle="hide",
-            grip="hide",
+            hide="saddle grip",
         ),
-        scheme("black", frame="lacquer", spoke="steel", chain="steel", tyre="tyre", post="steel"),
+        scheme("black", lacquer="frame", steel="spoke chain post", tyre="tyre"),
     ),
     construction=(
         row("tyre", filled(600), "common"),
@@ -194,7 +188,7 @@ CATEGORY: Final = BuiltCategory(
         row(ANY, walls(3.5, STEEL), "sheet", "metal", "paint"),
     ),
     placements=(
-        on("floor_by_wall", rooms="hallway garage basement", weight=1.5, max_groups=1),
-        on("floor_by_wall", rooms="living_room apartment", weight=0.15, max_groups=1),
+        on("floor_by_wall", "hallway garage basement", weight=1.5, max_groups=1),
+        on("floor_by_wall", "living_room apartment", weight=0.15, max_groups=1),
     ),
 )

@@ -82,28 +82,21 @@ CATEGORY: Final = BuiltCategory(
     words="binders folder folders ring_binder file_folder",
     schemes=(
         scheme(
-            "binder", label="white_paper", text="print", ring="steel", hole="cavity", weight=2.0
+            "binder", white_paper="label", print="text", steel="ring", cavity="hole", weight=2.0
         ),
-        scheme("white_paper", folder="envelope", needs="folder", weight=100.0),
+        scheme("white_paper", envelope="folder", needs="folder", weight=100.0),
     ),
     construction=(row("pages paper", filled(420), "weight"), row(ANY, solid(700), "common")),
     placements=(
         on(
             "shelf low_shelf",
-            rooms="office",
+            "office",
             styles="standing",
             pose="row",
             count=(3, 6),
             weight=0.9,
             max_groups=4,
         ),
-        on(
-            "desk cabinet_top",
-            rooms="office",
-            styles="folders",
-            pose="flat",
-            weight=0.4,
-            max_groups=1,
-        ),
+        on("desk cabinet_top", "office", styles="folders", pose="flat", weight=0.4, max_groups=1),
     ),
 )

@@ -94,16 +94,12 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.1, 3),
     words="books notebooks textbook",
     classes=Classes(nyu40="books", ade20k="book", coco="book"),
-    schemes=(
-        scheme(
-            "binding", field="package_field", title="package_ink", text="package_ink", weight=1.0
-        ),
-    ),
+    schemes=(scheme("binding", package_field="field", package_ink="title text", weight=1.0),),
     construction=(row(ANY, solid(700), "common"),),
     placements=(
         on(
             "shelf low_shelf",
-            rooms="living_room office bedroom",
+            "living_room office bedroom",
             styles="lying",
             pose="stacked",
             max_variants=5,
@@ -146,6 +142,6 @@ CATEGORY: Final = BuiltCategory(
             weight=0.4,
             max_groups=1,
         ),
-        on("worktop", rooms="kitchen", styles="lying", clutter=2, weight=0.2, max_groups=1),
+        on("worktop", "kitchen", styles="lying", clutter=2, weight=0.2, max_groups=1),
     ),
 )

@@ -28,11 +28,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bottle", "otherprop", "bottle", "bottle"),
     synsets=("02876657",),
     schemes=(
-        scheme("aluminium", lid="black_plastic", handle="black_plastic"),
-        scheme("glaze", lid="steel", frame="steel", handle="steel", needs="frame", weight=100.0),
-        scheme(
-            "bottle_glass", lid="bottle_label", label="bottle_label", needs="label", weight=100.0
-        ),
+        scheme("aluminium", black_plastic="lid handle"),
+        scheme("glaze", steel="lid frame handle", needs="frame", weight=100.0),
+        scheme("bottle_glass", bottle_label="lid label", needs="label", weight=100.0),
     ),
     construction=(
         row("container", walls(3), "common", "specular_stone"),
@@ -47,6 +45,6 @@ CATEGORY: Final = BuiltCategory(
             weight=0.6,
             clutter=2,
         ),
-        on("shelf cupboard", rooms=_STORES, pose="row", count=(2, 4), weight=0.7, max_variants=4),
+        on("shelf cupboard", _STORES, pose="row", count=(2, 4), weight=0.7, max_variants=4),
     ),
 )

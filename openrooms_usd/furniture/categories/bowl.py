@@ -35,7 +35,7 @@ CATEGORY: Final = BuiltCategory(
         on("shelf cabinet_top media_top dresser_top side_table", weight=0.5),
         on(
             "cupboard shelf",
-            rooms=_KITCHENS,
+            _KITCHENS,
             styles="round",
             pose="stacked",
             count=(2, 4),

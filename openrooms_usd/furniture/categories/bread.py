@@ -105,10 +105,10 @@ CATEGORY: Final = BuiltCategory(
     schemes=(scheme("crust"),),
     construction=(row(ANY, filled(300), "common"),),
     placements=(
-        on("worktop", rooms="kitchen", pose="flat", weight=0.4, max_groups=1),
+        on("worktop", "kitchen", pose="flat", weight=0.4, max_groups=1),
         on(
             "in_basket on_tray",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="flat",
             styles="rolls",
             weight=0.4,

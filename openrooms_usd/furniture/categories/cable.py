@@ -75,8 +75,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.02, 0.4),
     words="charger wire cord cables phone_charger power_cord extension_cord",
     schemes=(
-        scheme("plastic", pin="steel", tie="membrane", weight=2.0),
-        scheme("black_plastic", pin="steel", tie="grey"),
+        scheme("plastic", steel="pin", membrane="tie", weight=2.0),
+        scheme("black_plastic", steel="pin", grey="tie"),
     ),
     construction=(row(ANY, solid(1300), "common"),),
     placements=(

@@ -130,11 +130,11 @@ CATEGORY: Final = BuiltCategory(
     words="cans tin soda_can beer_can soup_can coke_can",
     classes=Classes(openrooms45="can"),
     synsets=("02946921",),
-    schemes=(scheme("package", container="can_metal", field="package_field"),),
+    schemes=(scheme("package", can_metal="container", package_field="field"),),
     construction=(row("container cover", filled(800), "weight"), row(ANY, solid(700), "common")),
     placements=(
-        on("cupboard shelf", rooms="kitchen", styles="tin", pose="row", count=(2, 5)),
-        on("worktop", rooms="kitchen", clutter=2, weight=0.35, count=(1, 2)),
+        on("cupboard shelf", "kitchen", styles="tin", pose="row", count=(2, 5)),
+        on("worktop", "kitchen", clutter=2, weight=0.35, count=(1, 2)),
         on("desk coffee_table", styles="drink", clutter=2, weight=0.35),
     ),
 )

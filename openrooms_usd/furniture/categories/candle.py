@@ -8,7 +8,7 @@ from openrooms_usd.furniture.construction import ANY, row, solid, walls
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -121,9 +121,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.06, 1.2),
     words="candles candlestick candle_holder",
     schemes=(
-        scheme("wax", wick="cavity", base=METAL),
+        scheme("wax", cavity="wick", metal="base"),
         scheme(
-            "glaze", wax="wax", wick="cavity", label="bottle_label", needs="label", weight=100.0
+            "glaze", wax="wax", cavity="wick", bottle_label="label", needs="label", weight=100.0
         ),
     ),
     construction=(

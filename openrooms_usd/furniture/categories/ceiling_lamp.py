@@ -277,7 +277,7 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         *LAMPS,
         scheme("white", weight=2.0),
-        scheme("brass", candle="white", needs="candle", weight=100.0),
+        scheme("brass", white="candle", needs="candle", weight=100.0),
         *SOCKETED,
     ),
     construction=LAMP_ROWS,

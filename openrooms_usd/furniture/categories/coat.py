@@ -242,16 +242,16 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme("coat_cloth"),
         scheme("terry", needs="robe", weight=100.0),
-        scheme("shirt_cloth", hook="chrome", hanger="wood", needs="shirt", weight=100.0),
+        scheme("shirt_cloth", chrome="hook", wood="hanger", needs="shirt", weight=100.0),
     ),
     construction=(row("hook hanger", filled(500), "common"), row(ANY, filled(45), "weight")),
     placements=(
-        on("hook", rooms=_NOT_WET, styles="coat jacket", pose="hung", max_groups=6, max_variants=4),
-        on("hook", rooms="bathroom", styles="robe", pose="hung", weight=0.4, max_groups=1),
+        on("hook", _NOT_WET, styles="coat jacket", pose="hung", max_groups=6, max_variants=4),
+        on("hook", "bathroom", styles="robe", pose="hung", weight=0.4, max_groups=1),
         on("clothes_rail", styles="on_hanger", pose="hung", max_groups=12, max_variants=5),
         on(
             "chair_back",
-            rooms="bedroom living_room office dining_room",
+            "bedroom living_room office dining_room",
             styles="draped",
             pose="draped",
             clutter=2,

@@ -69,9 +69,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.02, 4),
     words="hook hooks coat_hook coat_hooks hanger towel_hook wall_hook clothes_hook",
     schemes=(
-        scheme("wood", hook=METAL, weight=3.0),
-        scheme("white", hook=METAL),
-        scheme(METAL, hook=METAL, needs="plate", weight=100.0),
+        scheme("wood", metal="hook", weight=3.0),
+        scheme("white", metal="hook"),
+        scheme(METAL, metal="hook", needs="plate", weight=100.0),
     ),
     construction=(
         row("hook", solid(3000), "common", "metal", "paint"),

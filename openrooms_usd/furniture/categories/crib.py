@@ -63,7 +63,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(14, 40),
     words="baby_bed baby_crib cot cradle bassinet infant_bed",
     classes=Classes("bed", "bed", "cradle", "bed"),
-    schemes=(scheme("wood", slat="wood", weight=2.0), scheme("white")),
+    schemes=(scheme("wood", wood="slat", weight=2.0), scheme("white")),
     construction=(
         row("leg rail slat", solid(), "common", "wood"),
         row("leg rail slat frame", filled(600), "common"),

@@ -128,20 +128,15 @@ CATEGORY: Final = BuiltCategory(
     words="fork knife spoon silverware utensil",
     synsets=("03624134",),
     schemes=(
-        scheme("cutlery_steel", handle="cutlery_steel", weight=3.0),
-        scheme("cutlery_steel", handle="black_plastic"),
+        scheme("cutlery_steel", cutlery_steel="handle", weight=3.0),
+        scheme("cutlery_steel", black_plastic="handle"),
     ),
     construction=(row(ANY, solid(), "common", "metal"), row(ANY, solid(1200), "common")),
     placements=(
         on("dining_table", cluster="setting", weight=0.7),
-        on("drawer", rooms="kitchen dining_room", pose="row", count=(3, 6)),
+        on("drawer", "kitchen dining_room", pose="row", count=(3, 6)),
         on(
-            "sink_edge worktop",
-            rooms="kitchen",
-            pose="flat",
-            cluster="washing_up",
-            clutter=2,
-            weight=0.4,
+            "sink_edge worktop", "kitchen", pose="flat", cluster="washing_up", clutter=2, weight=0.4
         ),
     ),
 )

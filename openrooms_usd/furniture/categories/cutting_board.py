@@ -88,7 +88,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.4, 3),
     words="chopping_board breadboard chopping_boards",
-    schemes=(scheme("board_wood", cord="hide", bread="crust", slice="crumb"),),
+    schemes=(scheme("board_wood", hide="cord", crust="bread", crumb="slice"),),
     construction=(
         row("bread slice", filled(280), "common"),
         row("board", solid(650), "common"),
@@ -97,6 +97,6 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on("worktop", pose="on_back", styles="paddle", cluster="cooking", weight=0.7),
         on("worktop", styles="plain bread", cluster="cooking", weight=0.8, max_groups=1),
-        on("dining_table", styles="bread", rooms="kitchen dining_room", weight=0.25, max_groups=1),
+        on("dining_table", "kitchen dining_room", styles="bread", weight=0.25, max_groups=1),
     ),
 )

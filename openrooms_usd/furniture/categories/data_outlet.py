@@ -59,6 +59,6 @@ CATEGORY: Final = BuiltCategory(
     mount_height=0.26,
     fixed=True,
     words="ethernet_outlet network_outlet aerial_socket antenna_socket wall_jack",
-    schemes=(scheme("plastic", hole="dark_plastic", ring="steel"),),
+    schemes=(scheme("plastic", dark_plastic="hole", steel="ring"),),
     construction=(row(ANY, filled(900), "common"),),
 )

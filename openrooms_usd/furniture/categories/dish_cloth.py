@@ -56,19 +56,19 @@ CATEGORY: Final = BuiltCategory(
     schemes=(scheme("dish_linen"),),
     construction=(row(ANY, filled(160), "common"),),
     placements=(
-        on("towel_rail", rooms="kitchen", styles="draped", pose="draped", max_groups=1),
+        on("towel_rail", "kitchen", styles="draped", pose="draped", max_groups=1),
         on(
             "worktop sink_edge",
-            rooms="kitchen",
+            "kitchen",
             styles="folded crumpled",
             weight=0.8,
             cluster="washing_up",
             pose="flat",
         ),
-        on("drawer", rooms="kitchen", styles="folded", pose="stacked", count=(2, 4), weight=0.6),
+        on("drawer", "kitchen", styles="folded", pose="stacked", count=(2, 4), weight=0.6),
         on(
             "chair_back",
-            rooms="kitchen",
+            "kitchen",
             styles="draped",
             pose="draped",
             clutter=3,

@@ -59,9 +59,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.3, 3),
     words="dishrack dish_drainer drying_rack_for_dishes plate_rack",
-    schemes=(scheme("chrome", tray="plastic"), scheme("black", tray="dark_plastic", rack="black")),
+    schemes=(scheme("chrome", plastic="tray"), scheme("black", dark_plastic="tray", black="rack")),
     construction=(row("tray", walls(2.0, 1000), "common"), row(ANY, solid(STEEL), "common")),
-    placements=(
-        on("sink_edge", rooms="kitchen apartment", weight=0.8, max_groups=1, cluster="washing"),
-    ),
+    placements=(on("sink_edge", "kitchen apartment", weight=0.8, max_groups=1, cluster="washing"),),
 )

@@ -25,8 +25,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("dishwasher", "otherstructure", "dishwasher"),
     synsets=("03207941",),
     schemes=(
-        scheme("enamel", container="steel", handle="steel"),
-        scheme("steel", frame="grey", base="black", weight=2.0),
+        scheme("enamel", steel="container handle"),
+        scheme("steel", grey="frame", black="base", weight=2.0),
         *PANELLED,
     ),
     construction=(

@@ -55,8 +55,8 @@ CATEGORY: Final = BuiltCategory(
     words="doors doorway",
     classes=Classes("door", "door", "door"),
     schemes=(
-        scheme("white", threshold="wood", weight=2.0),
-        scheme("white", panel="wood", door="wood", threshold="wood"),
+        scheme("white", wood="threshold", weight=2.0),
+        scheme("white", wood="panel door threshold"),
     ),
     construction=(
         row("frame", solid(), "common"),

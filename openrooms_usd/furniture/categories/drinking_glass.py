@@ -96,14 +96,14 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "cupboard shelf",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="row",
             count=(3, 6),
             weight=1.3,
             max_groups=4,
         ),
         on("dining_table", pose="flat", cluster="setting", weight=0.7),
-        on("worktop sink_edge", rooms="kitchen", pose="flat", cluster="washing_up", weight=0.5),
+        on("worktop sink_edge", "kitchen", pose="flat", cluster="washing_up", weight=0.5),
         on("bedside coffee_table desk", pose="flat", clutter=2, weight=0.35, styles="tumbler"),
     ),
 )

@@ -92,10 +92,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(2, 10),
     words="stand_fan pedestal_fan floor_fan electric_fan table_fan desk_fan",
     classes=Classes(ade20k="fan"),
-    schemes=(
-        scheme("plastic", cage="chrome", pole="chrome"),
-        scheme("black", cage="black", pole="black"),
-    ),
+    schemes=(scheme("plastic", chrome="cage pole"), scheme("black", black="cage pole")),
     construction=(
         row("base", filled(1500), "weight"),
         row("frame", filled(1600), "weight"),

@@ -220,9 +220,6 @@ CATEGORY: Final = BuiltCategory(
     words="tap spigot water_faucet",
     classes=Classes(openrooms45="faucet"),
     synsets=("03325088",),
-    schemes=(
-        scheme("chrome", switch="chrome", bracket="chrome", weight=2.0),
-        scheme(METAL, DARK_TAP),
-    ),
+    schemes=(scheme("chrome", chrome="switch bracket", weight=2.0), scheme(METAL, DARK_TAP)),
     construction=(row(ANY, walls(3, BRASS), "common"),),
 )

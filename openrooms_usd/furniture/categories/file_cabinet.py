@@ -113,9 +113,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("file_cabinet", "cabinet", "cabinet"),
     synsets=("03337140",),
     schemes=(
-        scheme("grey", handle="chrome", weight=2.0),
-        scheme("white", handle="chrome", wheel="dark_plastic"),
-        scheme("black", handle="black"),
+        scheme("grey", chrome="handle", weight=2.0),
+        scheme("white", chrome="handle", dark_plastic="wheel"),
+        scheme("black", black="handle"),
     ),
     construction=(
         row("frame base door drawer_front drawer_box shelf", walls(0.45, STEEL), "sheet"),

@@ -66,13 +66,8 @@ def _pillar(
     panel = 0.2 * wide
     if opening - hearth > 0.3:
         low, high = hearth + 0.16, opening - 0.05
-        frames.append(
-            board(
-                (edges[0] + panel, front - 0.009, low),
-                (edges[1] - panel, front + 0.01, high),
-                0.006,
-            )
-        )
+        least, most = (edges[0] + panel, front - 0.009, low), (edges[1] - panel, front + 0.01, high)
+        frames.append(board(least, most, 0.006))
     return frames
 
 
@@ -251,9 +246,9 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     classes=Classes(nyu40="otherstructure", ade20k="fireplace"),
     schemes=(
-        scheme("white", hearth="masonry", weight=2.0),
+        scheme("white", masonry="hearth", weight=2.0),
         scheme("masonry"),
-        scheme("black", hearth="masonry", needs="pipe", weight=100.0),
+        scheme("black", masonry="hearth", needs="pipe", weight=100.0),
     ),
     offers_surfaces=("mantel",),
     view_importance=2.0,

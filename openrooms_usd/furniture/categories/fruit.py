@@ -140,7 +140,7 @@ CATEGORY: Final = BuiltCategory(
         on("in_bowl", pose="flat", max_groups=10, max_variants=6),
         on(
             "worktop dining_table",
-            rooms="kitchen dining_room apartment",
+            "kitchen dining_room apartment",
             pose="flat",
             count=(1, 3),
             clutter=2,

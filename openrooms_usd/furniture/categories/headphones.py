@@ -96,8 +96,8 @@ CATEGORY: Final = BuiltCategory(
     words="headphone headset earphones earphone",
     synsets=("03261776",),
     schemes=(
-        scheme("black_plastic", pad="membrane", stand="aluminium", weight=2.0),
-        scheme("plastic", pad="grey", stand="wood"),
+        scheme("black_plastic", membrane="pad", aluminium="stand", weight=2.0),
+        scheme("plastic", grey="pad", wood="stand"),
     ),
     construction=(row("stand", solid(1500), "weight"), row(ANY, filled(800), "weight")),
     placements=(

@@ -71,7 +71,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(6, 20),
     words="cooktop gas_hob induction_hob stovetop",
     classes=Classes("stove", "otherstructure", "stove"),
-    schemes=(scheme("steel", frame="black"), scheme("screen", frame="black", knob="steel")),
+    schemes=(scheme("steel", black="frame"), scheme("screen", black="frame", steel="knob")),
     construction=(
         row("burner grate", solid(7200), "common"),
         row("glass cooktop", walls(1.0, STEEL), "sheet"),

@@ -31,12 +31,8 @@ def _filters(made: Assembly, width: float, front: float, back: float, z: float) 
 
 def _buttons(made: Assembly, front: float, z: float) -> None:
     for x in np.linspace(-0.05, 0.05, 5):
-        made.board(
-            "button",
-            (x - 0.007, front - 0.0015, z - 0.005),
-            (x + 0.007, front + 0.002, z + 0.005),
-            0.0006,
-        )
+        least, most = (x - 0.007, front - 0.0015, z - 0.005), (x + 0.007, front + 0.002, z + 0.005)
+        made.board("button", least, most, 0.0006)
 
 
 def chimney(size: Size, rng: np.random.Generator) -> Furniture:
@@ -116,9 +112,9 @@ CATEGORY: Final = BuiltCategory(
     words="range_hood cooker_hood extractor_hood kitchen_hood extractor exhaust_hood oven_hood",
     classes=Classes(nyu40="otherstructure", ade20k="hood"),
     schemes=(
-        scheme("steel", button="dark_plastic", weight=3.0),
-        scheme("black", panel="steel"),
-        scheme("white", panel="steel"),
+        scheme("steel", dark_plastic="button", weight=3.0),
+        scheme("black", steel="panel"),
+        scheme("white", steel="panel"),
     ),
     construction=(
         row("panel", walls(1.0, STEEL), "sheet"),

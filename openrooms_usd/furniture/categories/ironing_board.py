@@ -46,8 +46,8 @@ CATEGORY: Final = BuiltCategory(
     words="ironing_table iron_board",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        scheme("white", cushion="throw", leg="aluminium"),
-        scheme("grey", cushion="linen", leg="grey"),
+        scheme("white", throw="cushion", aluminium="leg"),
+        scheme("grey", linen="cushion", grey="leg"),
     ),
     construction=(
         row("cushion", filled(90), "foam"),

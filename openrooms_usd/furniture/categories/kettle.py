@@ -130,27 +130,10 @@ CATEGORY: Final = BuiltCategory(
     words="tea_kettle water_kettle electric_kettle teapot",
     schemes=(
         scheme(
-            "cookware_steel",
-            handle="black_plastic",
-            base="black_plastic",
-            knob="black_plastic",
-            spout="cookware_steel",
-            weight=2.0,
+            "cookware_steel", black_plastic="handle base knob", cookware_steel="spout", weight=2.0
         ),
-        scheme(
-            "cookware_enamel",
-            handle="black_plastic",
-            base="black_plastic",
-            knob="black_plastic",
-            spout="cookware_enamel",
-        ),
-        scheme(
-            "tinted_plastic",
-            base="black_plastic",
-            spout="tinted_plastic",
-            handle="black_plastic",
-            needs="base",
-        ),
+        scheme("cookware_enamel", black_plastic="handle base knob", cookware_enamel="spout"),
+        scheme("tinted_plastic", black_plastic="base handle", tinted_plastic="spout", needs="base"),
     ),
     construction=(row(ANY, filled(420), "weight"),),
     placements=(

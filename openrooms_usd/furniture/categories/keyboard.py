@@ -26,8 +26,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="computer_keyboard", coco="keyboard"),
     synsets=("03085013",),
     schemes=(
-        scheme("black_plastic", key="membrane", weight=2.0),
-        scheme("aluminium", key="pale_plastic"),
+        scheme("black_plastic", membrane="key", weight=2.0),
+        scheme("aluminium", pale_plastic="key"),
         scheme("pale_plastic"),
     ),
     construction=(row(ANY, filled(500), "weight"),),

@@ -63,6 +63,6 @@ CATEGORY: Final = BuiltCategory(
     construction=(row("paper", solid(750), "common"), row("tray", solid(900), "common")),
     placements=(
         on("desk", weight=0.5, max_groups=1),
-        on("cabinet_top shelf", rooms="office", weight=0.4, max_groups=1),
+        on("cabinet_top shelf", "office", weight=0.4, max_groups=1),
     ),
 )

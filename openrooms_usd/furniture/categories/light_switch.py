@@ -67,8 +67,8 @@ CATEGORY: Final = BuiltCategory(
     words="wall_switch dimmer",
     schemes=(
         scheme("plastic", weight=3.0),
-        scheme("plastic", cover="steel"),
-        scheme("plastic", cover="brass"),
+        scheme("plastic", steel="cover"),
+        scheme("plastic", brass="cover"),
     ),
     construction=(row(ANY, filled(900), "common"),),
 )

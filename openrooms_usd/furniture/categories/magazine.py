@@ -56,10 +56,8 @@ CATEGORY: Final = BuiltCategory(
     words="magazines newspaper newspapers brochure",
     classes=Classes(nyu40="paper"),
     schemes=(
-        scheme("package", field="package_field", title="package_ink", text="package_ink"),
-        scheme(
-            "newsprint", field="print", title="cavity", text="print", needs="paper", weight=100.0
-        ),
+        scheme("package", package_field="field", package_ink="title text"),
+        scheme("newsprint", print="field text", cavity="title", needs="paper", weight=100.0),
     ),
     construction=(row(ANY, filled(700), "common"),),
     placements=(
@@ -83,7 +81,7 @@ CATEGORY: Final = BuiltCategory(
         ),
         on(
             "dining_table worktop",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="flat",
             styles="newspaper",
             clutter=2,

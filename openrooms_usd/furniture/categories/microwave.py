@@ -161,15 +161,14 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "steel",
-            container="enamel",
-            frame="black",
-            tray="plastic",
-            panel="screen",
-            handle="steel",
-            base="black",
+            enamel="container",
+            black="frame base",
+            plastic="tray",
+            screen="panel",
+            steel="handle",
         ),
-        scheme("enamel", tray="plastic", handle="enamel"),
-        scheme("black", container="enamel", handle="steel"),
+        scheme("enamel", plastic="tray", enamel="handle"),
+        scheme("black", enamel="container", steel="handle"),
     ),
     construction=(
         row("panel", filled(4000), "weight"),

@@ -34,8 +34,8 @@ CATEGORY: Final = BuiltCategory(
     words="cell_phone cellphone smartphone cellular_telephone iphone",
     classes=Classes(openrooms45="telephone", coco="cell_phone"),
     schemes=(
-        scheme("black_plastic", lens="screen", weight=2.0),
-        scheme("phone_back", lens="screen"),
+        scheme("black_plastic", screen="lens", weight=2.0),
+        scheme("phone_back", screen="lens"),
     ),
     construction=(row(ANY, filled(2100), "weight"),),
     placements=(

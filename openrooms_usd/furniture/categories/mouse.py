@@ -83,8 +83,8 @@ CATEGORY: Final = BuiltCategory(
     words="computer_mouse",
     classes=Classes(coco="mouse"),
     schemes=(
-        scheme("black_plastic", wheel="membrane", groove="cavity", weight=2.0),
-        scheme("plastic", wheel="grey", groove="grey"),
+        scheme("black_plastic", membrane="wheel", cavity="groove", weight=2.0),
+        scheme("plastic", grey="wheel groove"),
     ),
     construction=(row(ANY, filled(650), "weight"),),
     placements=(on("desk", weight=0.9, cluster="computer", max_groups=1),),

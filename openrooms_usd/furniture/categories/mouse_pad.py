@@ -47,7 +47,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.03, 1.2),
     words="mousepad desk_mat",
-    schemes=(scheme("pad_cloth", seam="membrane"),),
+    schemes=(scheme("pad_cloth", membrane="seam"),),
     construction=(row(ANY, solid(400), "common"),),
     placements=(on("desk", styles="small", weight=0.4, cluster="computer", max_groups=1),),
 )

@@ -161,9 +161,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(coco="cup"),
     synsets=("03797390",),
     schemes=(
-        scheme("mug_glaze", drink="coffee", handle="mug_glaze"),
-        scheme("porcelain", drink="coffee", handle="porcelain", needs="saucer", weight=100.0),
-        scheme("white_paper", seal="cardboard", lid="tinted_plastic", needs="seal", weight=100.0),
+        scheme("mug_glaze", coffee="drink", mug_glaze="handle"),
+        scheme("porcelain", coffee="drink", porcelain="handle", needs="saucer", weight=100.0),
+        scheme("white_paper", cardboard="seal", tinted_plastic="lid", needs="seal", weight=100.0),
     ),
     construction=(
         row("drink", solid(1000), "common"),
@@ -172,8 +172,8 @@ CATEGORY: Final = BuiltCategory(
         row(ANY, filled(300), "common"),
     ),
     placements=(
-        on("cupboard shelf", rooms="kitchen", pose="row", count=(2, 5)),
-        on("worktop sink_edge", rooms="kitchen", cluster="coffee", pose="flat", weight=0.8),
+        on("cupboard shelf", "kitchen", pose="row", count=(2, 5)),
+        on("worktop sink_edge", "kitchen", cluster="coffee", pose="flat", weight=0.8),
         on("desk coffee_table", pose="flat", weight=0.6, styles="mug tall"),
         on("bedside side_table window_sill", pose="flat", clutter=2, weight=0.3),
         on("dining_table", pose="flat", cluster="setting", weight=0.3, styles="mug cup"),

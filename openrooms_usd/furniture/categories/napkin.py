@@ -11,7 +11,7 @@ from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import lathe
@@ -62,13 +62,13 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.005, 0.15),
     words="napkins serviette",
-    schemes=(scheme("table_linen", ring=METAL),),
+    schemes=(scheme("table_linen", metal="ring"),),
     construction=(row("ring", solid(), "common", "metal"), row(ANY, filled(180), "common")),
     placements=(
         on("dining_table", cluster="setting", weight=0.6),
         on(
             "drawer",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             styles="folded",
             pose="stacked",
             count=(3, 6),

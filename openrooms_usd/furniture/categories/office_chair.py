@@ -306,8 +306,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("chair", "chair", "swivel_chair", "chair"),
     schemes=(
         scheme("black", weight=2.0),
-        scheme("black", leg="steel", arm_support="steel"),
-        scheme("white", back="black", arm="black"),
+        scheme("black", steel="leg arm_support"),
+        scheme("white", black="back arm"),
     ),
     construction=(
         row("seat_cushion seat", filled(150), "weight"),

@@ -64,8 +64,8 @@ CATEGORY: Final = BuiltCategory(
     words="pouffe pouf pouff hassock footstool foot_stool footrest",
     classes=Classes("chair", "chair", "ottoman"),
     schemes=(
-        scheme("upholstery", leg="wood", weight=3.0),
-        scheme("hide", leg="wood", seat_cushion="hide"),
+        scheme("upholstery", wood="leg", weight=3.0),
+        scheme("hide", wood="leg", hide="seat_cushion"),
     ),
     construction=(row("frame", filled(110), "weight"), row("seat_cushion", filled(60), "foam")),
     collision_softness=0.03,

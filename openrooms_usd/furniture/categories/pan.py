@@ -139,9 +139,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.4, 3.5),
     words="frying_pan saucepan pots pans cooking_pot skillet wok cookware",
     schemes=(
-        scheme("cookware_steel", handle="black_plastic", knob="black_plastic", weight=2.0),
-        scheme("cookware_black", handle="black_plastic", knob="black_plastic", weight=2.0),
-        scheme("cookware_enamel", handle="cookware_enamel", knob="cookware_steel"),
+        scheme("cookware_steel", black_plastic="handle knob", weight=2.0),
+        scheme("cookware_black", black_plastic="handle knob", weight=2.0),
+        scheme("cookware_enamel", cookware_enamel="handle", cookware_steel="knob"),
     ),
     construction=(
         row("pan lid", solid(3000), "weight"),
@@ -149,8 +149,8 @@ CATEGORY: Final = BuiltCategory(
     ),
     placements=(
         on("hob", cluster="cooking"),
-        on("cupboard", rooms="kitchen", pose="flat", weight=0.8, styles="saucepan stockpot"),
-        on("worktop sink_edge", rooms="kitchen", clutter=2, weight=0.3, max_groups=1),
-        on("shelf", rooms="kitchen", weight=0.4, styles="stockpot"),
+        on("cupboard", "kitchen", pose="flat", weight=0.8, styles="saucepan stockpot"),
+        on("worktop sink_edge", "kitchen", clutter=2, weight=0.3, max_groups=1),
+        on("shelf", "kitchen", weight=0.4, styles="stockpot"),
     ),
 )

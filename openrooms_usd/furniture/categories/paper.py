@@ -136,10 +136,10 @@ CATEGORY: Final = BuiltCategory(
         scheme(
             "white_paper",
             envelope="envelope",
-            field="white_paper",
-            title="package",
-            text="print",
-            wire="steel",
+            white_paper="field",
+            package="title",
+            print="text",
+            steel="wire",
         ),
     ),
     construction=(
@@ -158,7 +158,7 @@ CATEGORY: Final = BuiltCategory(
             weight=0.35,
         ),
         on("coffee_table", styles=_FLAT, pose="flat", clutter=3, weight=0.3, max_groups=1),
-        on("drawer", rooms="office", styles=_FLAT, pose="flat", weight=0.5),
-        on("shelf", rooms="office", styles="pad letters", pose="stacked", count=(1, 3), weight=0.5),
+        on("drawer", "office", styles=_FLAT, pose="flat", weight=0.5),
+        on("shelf", "office", styles="pad letters", pose="stacked", count=(1, 3), weight=0.5),
     ),
 )

@@ -42,19 +42,11 @@ def upright(size: Size, rng: np.random.Generator) -> Furniture:
     )
     made.board("lid", (-x, case - 0.01, height - 0.025), (x, back, height), 0.006)
     front = -0.5 * depth
-    made.board(
-        "keybed",
-        (0.012 - x, front, _LEVEL_M - 0.09),
-        (x - 0.012, case + 0.02, _LEVEL_M - 0.03),
-        0.004,
-    )
+    least, most = (0.012 - x, front, _LEVEL_M - 0.09), (x - 0.012, case + 0.02, _LEVEL_M - 0.03)
+    made.board("keybed", least, most, 0.004)
     for a in (-x + 0.01, x - 0.06 - 0.01):
-        made.board(
-            "arm",
-            (a, front + 0.01, _LEVEL_M - 0.03),
-            (a + 0.06, case + 0.03, _LEVEL_M + 0.06),
-            0.01,
-        )
+        least, most = (a, front + 0.01, _LEVEL_M - 0.03), (a + 0.06, case + 0.03, _LEVEL_M + 0.06)
+        made.board("arm", least, most, 0.01)
         foot = a + 0.01
         made.board(
             "leg", (foot, front + 0.03, 0.0), (foot + 0.04, front + 0.08, _LEVEL_M - 0.09), 0.006
@@ -106,8 +98,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="piano", nyu40="otherfurniture"),
     synsets=("03928116",),
     schemes=(
-        scheme("piano_lacquer", keys="ivory", sharps="black_plastic", pedal="brass", weight=2.0),
-        scheme("wood", keys="ivory", sharps="black_plastic", pedal="brass"),
+        scheme("piano_lacquer", ivory="keys", black_plastic="sharps", brass="pedal", weight=2.0),
+        scheme("wood", ivory="keys", black_plastic="sharps", brass="pedal"),
     ),
     construction=(
         row("keys sharps", filled(500), "common"),

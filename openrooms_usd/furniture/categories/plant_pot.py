@@ -197,7 +197,7 @@ CATEGORY: Final = BuiltCategory(
     words="plant plants flowerpot flower_pot potted_plant houseplant flower flowers tree",
     classes=Classes("flowerpot", "otherprop", "plant", "potted_plant"),
     synsets=("03991062",),
-    schemes=(scheme("glaze", stone="pebble", weight=2.0), scheme("terracotta", stone="pebble")),
+    schemes=(scheme("glaze", pebble="stone", weight=2.0), scheme("terracotta", pebble="stone")),
     construction=(
         row(f"pot {ANY}", filled(900), "weight"),
         row("soil", solid(1200), "common"),

@@ -91,7 +91,7 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "cupboard shelf",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="stacked",
             count=(3, 7),
             weight=1.4,

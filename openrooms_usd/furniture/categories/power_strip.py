@@ -79,13 +79,13 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.2, 1.2),
     words="socket_strip multi_socket extension_lead surge_protector",
     schemes=(
-        scheme("plastic", well="grey", switch="toy_plastic", plug="black_plastic", weight=2.0),
-        scheme("black_plastic", well="cavity", switch="toy_plastic"),
+        scheme("plastic", grey="well", toy_plastic="switch", black_plastic="plug", weight=2.0),
+        scheme("black_plastic", cavity="well", toy_plastic="switch"),
     ),
     construction=(row(ANY, filled(700), "common"),),
     placements=(
         on("floor_under_desk", weight=0.9, styles="used", max_groups=1),
         on("floor_by_media", styles="used", max_groups=1),
-        on("floor_by_wall", rooms=_POWERED, weight=0.25, clutter=2, max_groups=1),
+        on("floor_by_wall", _POWERED, weight=0.25, clutter=2, max_groups=1),
     ),
 )

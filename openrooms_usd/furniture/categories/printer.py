@@ -294,16 +294,13 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "pale_plastic",
-            panel="black_plastic",
-            button="pale_plastic",
-            handle="black_plastic",
-            frame="dark_plastic",
-            tray="dark_plastic",
-            base="black_plastic",
-            paper="white_paper",
+            black_plastic="panel handle base",
+            pale_plastic="button",
+            dark_plastic="frame tray",
+            white_paper="paper",
             weight=2.0,
         ),
-        scheme("dark_plastic", button="pale_plastic", handle="pale_plastic", paper="white_paper"),
+        scheme("dark_plastic", pale_plastic="button handle", white_paper="paper"),
     ),
     construction=(row("paper", solid(750), "common"), row(ANY, filled(330), "weight")),
 )

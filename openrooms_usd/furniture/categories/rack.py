@@ -121,9 +121,9 @@ CATEGORY: Final = BuiltCategory(
     words="shoe_rack clothes_rack garment_rack wine_rack clothing_rack drying_rack luggage_rack",
     classes=Classes("bookshelf", "shelves", "shelf"),
     schemes=(
-        scheme("wood", bottle="bottle_glass", weight=2.0),
-        scheme(METAL, shelf="wood", bottle="bottle_glass", needs="tube", weight=5.0),
-        scheme("white", bottle="bottle_glass"),
+        scheme("wood", bottle_glass="bottle", weight=2.0),
+        scheme(METAL, wood="shelf", bottle_glass="bottle", needs="tube", weight=5.0),
+        scheme("white", bottle_glass="bottle"),
     ),
     construction=(
         row("bottle", filled(1200), "common"),

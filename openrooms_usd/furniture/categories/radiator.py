@@ -137,8 +137,8 @@ CATEGORY: Final = BuiltCategory(
     words="heater heating_radiator convector_heater",
     classes=Classes(nyu40="otherstructure", ade20k="radiator"),
     schemes=(
-        scheme("white", slot="soot", base="soot", pipe="chrome", knob="plastic", weight=4.0),
-        scheme("black", slot="soot", base="soot", pipe="steel", knob="plastic"),
+        scheme("white", soot="slot base", chrome="pipe", plastic="knob", weight=4.0),
+        scheme("black", soot="slot base", steel="pipe", plastic="knob"),
     ),
     construction=(row(ANY, walls(1.0, STEEL), "sheet"),),
 )

@@ -240,8 +240,8 @@ CATEGORY: Final = BuiltCategory(
     words="fridge freezer refridgerator mini_fridge deep_freeze electric_refrigerator icebox",
     classes=Classes(nyu40="refridgerator", ade20k="refrigerator", coco="refrigerator"),
     schemes=(
-        scheme("enamel", _COLD, handle="steel"),
-        scheme("steel", _COLD, frame="grey", handle="steel"),
+        scheme("enamel", _COLD, steel="handle"),
+        scheme("steel", _COLD, grey="frame", steel="handle"),
         *PANELLED,
     ),
     construction=(

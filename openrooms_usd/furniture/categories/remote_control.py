@@ -36,14 +36,14 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(coco="remote"),
     synsets=("04074963",),
     schemes=(
-        scheme("black_plastic", button="dark_plastic", switch="toy_plastic", weight=3.0),
-        scheme("plastic", button="grey", switch="toy_plastic"),
+        scheme("black_plastic", dark_plastic="button", toy_plastic="switch", weight=3.0),
+        scheme("plastic", grey="button", toy_plastic="switch"),
     ),
     construction=(row(ANY, filled(750), "weight"),),
     placements=(
         on(
             "coffee_table media_top",
-            rooms="living_room bedroom",
+            "living_room bedroom",
             pose="flat",
             count=(1, 2),
             cluster="media",

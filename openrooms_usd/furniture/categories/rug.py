@@ -153,7 +153,7 @@ CATEGORY: Final = BuiltCategory(
     words="carpet floor_mat bathmat bath_mat mat door_mat doormat",
     lies_under=True,
     classes=Classes(ade20k="rug"),
-    schemes=(scheme("carpet", border="carpet_border", trim="carpet_border", fringe="linen"),),
+    schemes=(scheme("carpet", carpet_border="border trim", linen="fringe"),),
     construction=(row(ANY, filled(220), "common"),),
     view_importance=0.0,
 )

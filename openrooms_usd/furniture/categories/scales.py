@@ -63,12 +63,12 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.8, 4),
     words="scale bathroom_scale weighing_scale bathroom_scales",
     schemes=(
-        scheme("back_painted_glass", field="dark_plastic", contact="chrome", foot="black_plastic"),
+        scheme("back_painted_glass", dark_plastic="field", chrome="contact", black_plastic="foot"),
         scheme(
             "white",
-            mat="tyre",
-            field="white_paper",
-            foot="black_plastic",
+            tyre="mat",
+            white_paper="field",
+            black_plastic="foot",
             needs="mat",
             weight=100.0,
         ),
@@ -78,6 +78,6 @@ CATEGORY: Final = BuiltCategory(
         row(ANY, filled(500), "common"),
     ),
     placements=(
-        on("floor_by_wall floor_corner", rooms="bathroom", pose="flat", weight=2.5, max_groups=1),
+        on("floor_by_wall floor_corner", "bathroom", pose="flat", weight=2.5, max_groups=1),
     ),
 )

@@ -158,20 +158,16 @@ CATEGORY: Final = BuiltCategory(
     words="shoe pair_of_shoes sneakers slippers boots boot trainers flops",
     classes=Classes(nyu40="clothes", ade20k="apparel"),
     schemes=(
-        scheme("shoe_upper", sole="white_sole", lace="white_sole", weight=2.0),
-        scheme("shoe_leather", sole="membrane", lace="membrane"),
+        scheme("shoe_upper", white_sole="sole lace", weight=2.0),
+        scheme("shoe_leather", membrane="sole lace"),
     ),
     construction=(row("sole", filled(500), "common"), row(ANY, filled(140), "weight")),
     placements=(
         on("floor_by_door", count=(1, 3), cluster="shoes", max_groups=3, styles="trainers boots"),
         on("floor_beside_bed", styles="slippers", weight=0.7, max_groups=1),
-        on("low_shelf", rooms="hallway", pose="row", count=(1, 3), weight=0.8),
+        on("low_shelf", "hallway", pose="row", count=(1, 3), weight=0.8),
         on(
-            "floor_by_wall floor_corner",
-            rooms="bedroom living_room",
-            clutter=3,
-            weight=0.3,
-            max_groups=1,
+            "floor_by_wall floor_corner", "bedroom living_room", clutter=3, weight=0.3, max_groups=1
         ),
         on("wardrobe_shelf", weight=0.4, count=(1, 2), pose="row"),
     ),

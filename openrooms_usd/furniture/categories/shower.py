@@ -160,11 +160,9 @@ CATEGORY: Final = BuiltCategory(
     words="shower_cabin shower_cubicle shower_stall shower_enclosure shower_tray walk_in_shower",
     classes=Classes(nyu40="otherstructure", ade20k="shower"),
     schemes=(
-        scheme("chrome", tray="sanitary", weight=3.0),
-        scheme("chrome", tray="sanitary", pane="tinted_glass"),
-        scheme(
-            "black", tray="sanitary", spout="black", switch="black", handle="black", bracket="black"
-        ),
+        scheme("chrome", sanitary="tray", weight=3.0),
+        scheme("chrome", sanitary="tray", tinted_glass="pane"),
+        scheme("black", sanitary="tray", black="spout switch handle bracket"),
     ),
     construction=(
         row("pane", solid(2500), "common"),

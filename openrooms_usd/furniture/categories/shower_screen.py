@@ -39,9 +39,9 @@ CATEGORY: Final = BuiltCategory(
     words="bath_screen bathtub_screen shower_door shower_doors glass_partition",
     classes=Classes(nyu40="otherstructure", ade20k="screen_door"),
     schemes=(
-        scheme("chrome", seal="plastic", weight=3.0),
-        scheme("chrome", pane="tinted_glass", seal="plastic"),
-        scheme("black", seal="plastic"),
+        scheme("chrome", plastic="seal", weight=3.0),
+        scheme("chrome", tinted_glass="pane", plastic="seal"),
+        scheme("black", plastic="seal"),
     ),
     construction=(row("pane", solid(2500), "common"), row(ANY, walls(1.5), "common")),
 )

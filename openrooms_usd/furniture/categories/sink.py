@@ -15,7 +15,7 @@ from openrooms_usd.furniture.joinery.cells import BOARD, GAP, HANDLE, SEAT, rows
 from openrooms_usd.furniture.joinery.fronts import doors, drawers, drawn_look, leaf
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import DARK_TAP, METAL, TAP, scheme
+from openrooms_usd.furniture.schemes import DARK_TAP, TAP, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube
@@ -240,24 +240,24 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(nyu40="sink", ade20k="sink", coco="sink"),
     schemes=(
         scheme("sanitary", TAP),
-        scheme("wood", TAP, basin="sanitary", needs="frame", weight=100.0),
-        scheme("white", DARK_TAP, basin="sanitary", needs="frame", weight=100.0),
-        scheme("wood", DARK_TAP, leg=METAL, basin="sanitary", needs="countertop", weight=100.0),
+        scheme("wood", TAP, sanitary="basin", needs="frame", weight=100.0),
+        scheme("white", DARK_TAP, sanitary="basin", needs="frame", weight=100.0),
+        scheme("wood", DARK_TAP, metal="leg", sanitary="basin", needs="countertop", weight=100.0),
         scheme(
             "white",
             TAP,
-            bowl="steel",
-            countertop="stone",
-            base="black",
+            steel="bowl",
+            stone="countertop",
+            black="base",
             needs="bowl",
             weight=50000.0,
         ),
         scheme(
             "white",
             TAP,
-            bowl="steel",
-            countertop="wood",
-            base="black",
+            steel="bowl",
+            wood="countertop",
+            black="base",
             needs="bowl",
             weight=10000.0,
         ),

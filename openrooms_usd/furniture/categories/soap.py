@@ -79,8 +79,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.005, 0.4),
     words="soap_dish sponge soap_bar",
     schemes=(
-        scheme("soap", dish="porcelain"),
-        scheme("sponge", pad="scourer", needs="sponge", weight=100.0),
+        scheme("soap", porcelain="dish"),
+        scheme("sponge", scourer="pad", needs="sponge", weight=100.0),
     ),
     construction=(
         row("soap", solid(1000), "common"),

@@ -80,6 +80,6 @@ CATEGORY: Final = BuiltCategory(
     mount_height=0.26,
     fixed=True,
     words="outlet power_outlet electrical_outlet wall_socket power_socket receptacle",
-    schemes=(scheme("plastic", hole="dark_plastic"),),
+    schemes=(scheme("plastic", dark_plastic="hole"),),
     construction=(row(ANY, filled(900), "common"),),
 )

@@ -16,7 +16,7 @@ from openrooms_usd.furniture.joinery.boards import (
 )
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import HIDE, METAL, scheme
+from openrooms_usd.furniture.schemes import HIDE, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, rounded_box
@@ -263,10 +263,10 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("sofa", "sofa", "sofa", "couch"),
     synsets=("04256520",),
     schemes=(
-        scheme("upholstery", leg="wood", weight=2.0),
-        scheme("upholstery", leg=METAL),
-        scheme("hide", HIDE, leg="wood", weight=0.7),
-        scheme("hide", HIDE, leg=METAL, weight=0.5),
+        scheme("upholstery", wood="leg", weight=2.0),
+        scheme("upholstery", metal="leg"),
+        scheme("hide", HIDE, wood="leg", weight=0.7),
+        scheme("hide", HIDE, metal="leg", weight=0.5),
         scheme("wood", needs="rail", weight=100.0),
     ),
     construction=SEAT_ROWS,

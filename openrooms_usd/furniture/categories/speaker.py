@@ -232,9 +232,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="speaker"),
     synsets=("03691459",),
     schemes=(
-        scheme("black", badge="steel", foot="steel"),
-        scheme("wood", rim="black_plastic", badge="steel", base="black", foot="steel"),
-        scheme("black_plastic", grille="upholstery", needs="grille", weight=100.0),
+        scheme("black", steel="badge foot"),
+        scheme("wood", black_plastic="rim", steel="badge foot", black="base"),
+        scheme("black_plastic", upholstery="grille", needs="grille", weight=100.0),
     ),
     construction=(
         row("grille", filled(350), "weight"),

@@ -128,8 +128,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(nyu40="otherstructure", ade20k="stairs"),
     schemes=(
         scheme("wood", weight=3.0),
-        scheme("white", step="wood", handrail="wood", weight=2.0),
-        scheme("black", step="wood"),
+        scheme("white", wood="step handrail", weight=2.0),
+        scheme("black", wood="step"),
     ),
     view_importance=3.0,
 )

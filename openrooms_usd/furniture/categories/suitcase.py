@@ -75,11 +75,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(2, 9),
     words="luggage travel_bag trolley_case baggage carry_on",
     classes=Classes("bag", "bag", "bag", "suitcase"),
-    schemes=(
-        scheme(
-            "luggage_shell", bracket="black_plastic", handle="black_plastic", zipper="black_plastic"
-        ),
-    ),
+    schemes=(scheme("luggage_shell", black_plastic="bracket handle zipper"),),
     construction=(
         row("wheel bracket handle", solid(1100), "common"),
         row("rib zipper", filled(150), "common"),

@@ -53,8 +53,8 @@ CATEGORY: Final = BuiltCategory(
     words="ipad tablet_computer e_reader",
     classes=Classes(ade20k="computer"),
     schemes=(
-        scheme("aluminium", cover="membrane", weight=2.0),
-        scheme("black_plastic", cover="hide"),
+        scheme("aluminium", membrane="cover", weight=2.0),
+        scheme("black_plastic", hide="cover"),
     ),
     construction=(row("cover", filled(700), "weight"), row(ANY, filled(1400), "weight")),
     placements=(
@@ -66,12 +66,7 @@ CATEGORY: Final = BuiltCategory(
             max_groups=1,
         ),
         on(
-            "worktop dining_table",
-            rooms="kitchen",
-            styles="propped",
-            weight=0.2,
-            clutter=2,
-            max_groups=1,
+            "worktop dining_table", "kitchen", styles="propped", weight=0.2, clutter=2, max_groups=1
         ),
     ),
 )

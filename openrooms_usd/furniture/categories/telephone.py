@@ -204,9 +204,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="telephone"),
     synsets=("02992529", "04401088"),
     schemes=(
-        scheme("dark_plastic", button="pale_plastic", weight=2.0),
+        scheme("dark_plastic", pale_plastic="button", weight=2.0),
         scheme("pale_plastic"),
-        scheme("black_plastic", dial="steel", needs="dial", weight=100.0),
+        scheme("black_plastic", steel="dial", needs="dial", weight=100.0),
     ),
     construction=(row(ANY, filled(400), "weight"),),
     joint_damping=JointDamping(0.01, 0.02),

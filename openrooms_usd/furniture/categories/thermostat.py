@@ -52,8 +52,8 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="thermostat_control",
     schemes=(
-        scheme("plastic", screen="screen", button="plastic", weight=2.0),
-        scheme("steel", screen="screen", button="plastic"),
+        scheme("plastic", screen="screen", plastic="button", weight=2.0),
+        scheme("steel", screen="screen", plastic="button"),
     ),
     construction=(row(ANY, filled(900), "common"),),
 )

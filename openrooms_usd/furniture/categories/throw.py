@@ -60,13 +60,13 @@ CATEGORY: Final = BuiltCategory(
         on("bed_foot", styles="spread folded", weight=0.6, max_groups=1),
         on(
             "in_basket low_shelf wardrobe_shelf",
-            rooms="living_room bedroom apartment hotel lounge closet",
+            "living_room bedroom apartment hotel lounge closet",
             styles="folded",
             weight=0.4,
         ),
         on(
             "chair_back",
-            rooms="living_room bedroom",
+            "living_room bedroom",
             styles="draped",
             pose="draped",
             clutter=2,

@@ -65,12 +65,12 @@ CATEGORY: Final = BuiltCategory(
     words="tissue tissues kleenex kleenex_box",
     classes=Classes(nyu40="box", ade20k="box"),
     schemes=(
-        scheme("package_field", paper="tissue", slot="cavity", weight=2.0),
-        scheme("wood", paper="tissue", slot="cavity"),
+        scheme("package_field", tissue="paper", cavity="slot", weight=2.0),
+        scheme("wood", tissue="paper", cavity="slot"),
     ),
     construction=(row("box", filled(130), "weight"), row(ANY, filled(200), "common")),
     placements=(
         on("bedside coffee_table side_table desk", weight=0.45, max_groups=1),
-        on("cistern basin_edge cabinet_top", rooms="bathroom", weight=0.4, max_groups=1),
+        on("cistern basin_edge cabinet_top", "bathroom", weight=0.4, max_groups=1),
     ),
 )

@@ -204,9 +204,9 @@ CATEGORY: Final = BuiltCategory(
     on_worktop_probability=0.2,
     classes=Classes(coco="toaster"),
     schemes=(
-        scheme("steel", _DARK, lever="black_plastic", knob="black_plastic", weight=2.0),
-        scheme("enamel", _DARK, side="enamel", knob="chrome"),
-        scheme("black_plastic", _DARK, knob="steel", lever="steel"),
+        scheme("steel", _DARK, black_plastic="lever knob", weight=2.0),
+        scheme("enamel", _DARK, enamel="side", chrome="knob"),
+        scheme("black_plastic", _DARK, steel="knob lever"),
     ),
     construction=(row(ANY, filled(300), "weight"),),
 )

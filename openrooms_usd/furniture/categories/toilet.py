@@ -218,7 +218,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(25, 50),
     words="lavatory",
     classes=Classes(nyu40="toilet", ade20k="toilet", coco="toilet"),
-    schemes=(scheme("sanitary", button="chrome", panel="white"),),
+    schemes=(scheme("sanitary", chrome="button", white="panel"),),
     construction=(
         row("seat lid", filled(900), "weight"),
         row(ANY, walls(10, CHINA), "china", "specular_stone"),

@@ -80,9 +80,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.2, 1.5),
     words="toilet_brushes toilet_brush_holder",
     schemes=(
-        scheme(METAL, bristle="pale_plastic", weight=2.0),
-        scheme("porcelain", handle=METAL, lid=METAL, bristle="pale_plastic"),
-        scheme("pale_plastic", bristle="pale_plastic", handle="pale_plastic"),
+        scheme(METAL, pale_plastic="bristle", weight=2.0),
+        scheme("porcelain", metal="handle lid", pale_plastic="bristle"),
+        scheme("pale_plastic", pale_plastic="bristle handle"),
     ),
     construction=(
         row("container", walls(2.0), "common", "specular_stone"),

@@ -8,7 +8,7 @@ from openrooms_usd.furniture.construction import filled, row, solid
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 
@@ -70,8 +70,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.06, 1.6),
     words="toilet_paper_roll paper_towel paper_towel_roll paper_roll kitchen_roll toilet_roll",
     schemes=(
-        scheme("tissue", core="cardboard", stand=METAL, weight=2.0),
-        scheme("tissue", core="cardboard", stand="wood"),
+        scheme("tissue", cardboard="core", metal="stand", weight=2.0),
+        scheme("tissue", cardboard="core", wood="stand"),
     ),
     construction=(
         row("paper", filled(160), "weight"),
@@ -82,13 +82,13 @@ CATEGORY: Final = BuiltCategory(
         on("cistern beside_toilet", styles="roll", pose="flat", count=(1, 2), max_groups=1),
         on(
             "shelf low_shelf in_basket cupboard",
-            rooms="bathroom",
+            "bathroom",
             styles="roll",
             pose="stacked",
             count=(2, 3),
             weight=0.8,
             max_groups=1,
         ),
-        on("worktop", rooms="kitchen", styles="kitchen", weight=0.7, max_groups=1),
+        on("worktop", "kitchen", styles="kitchen", weight=0.7, max_groups=1),
     ),
 )

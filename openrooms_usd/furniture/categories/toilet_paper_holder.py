@@ -54,8 +54,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.15, 1.5),
     words="toilet_paper_dispenser toilet_roll_holder paper_holder",
     schemes=(
-        scheme("chrome", bracket="chrome", roll="white_paper", sheet="white_paper"),
-        scheme(METAL, roll="white_paper", sheet="white_paper"),
+        scheme("chrome", chrome="bracket", white_paper="roll sheet"),
+        scheme(METAL, white_paper="roll sheet"),
     ),
     construction=(
         row("roll", filled(200), "common"),

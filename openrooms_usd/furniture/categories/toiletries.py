@@ -133,7 +133,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.02, 0.8),
     words="toiletry shampoo shampoo_bottle lotion cosmetics deodorant toothpaste hair_spray",
-    schemes=(scheme("toiletry", cap="toiletry_cap", label="package_field"),),
+    schemes=(scheme("toiletry", toiletry_cap="cap", package_field="label"),),
     construction=(row(ANY, filled(900), "common"),),
     placements=(
         on(
@@ -146,21 +146,8 @@ CATEGORY: Final = BuiltCategory(
             max_variants=4,
         ),
         on("bath_rim", styles="shampoo", count=(1, 2), weight=1.4, max_groups=3, max_variants=4),
-        on(
-            "shelf low_shelf",
-            rooms="bathroom",
-            count=(1, 3),
-            weight=2.5,
-            max_groups=9,
-            max_variants=5,
-        ),
-        on(
-            "cupboard window_sill cistern",
-            rooms="bathroom",
-            weight=0.7,
-            max_groups=4,
-            max_variants=4,
-        ),
+        on("shelf low_shelf", "bathroom", count=(1, 3), weight=2.5, max_groups=9, max_variants=5),
+        on("cupboard window_sill cistern", "bathroom", weight=0.7, max_groups=4, max_variants=4),
         on("dresser_top bedside", styles="cream tube spray", pose="flat", clutter=2, weight=0.25),
     ),
 )

@@ -90,15 +90,13 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.08, 0.6),
     words="toothbrush toothbrush_holder toothbrushes",
-    schemes=(
-        scheme("porcelain", brush="toy_plastic", bristle="plastic", tube="package", cap="plastic"),
-    ),
+    schemes=(scheme("porcelain", toy_plastic="brush", plastic="bristle cap", package="tube"),),
     construction=(
         row("container", solid(), "common", "specular_stone"),
         row(ANY, filled(900), "common"),
     ),
     placements=(
-        on("basin_edge", rooms="bathroom", cluster="teeth", max_groups=1),
-        on("shelf", rooms="bathroom", weight=0.3, max_groups=1),
+        on("basin_edge", "bathroom", cluster="teeth", max_groups=1),
+        on("shelf", "bathroom", weight=0.3, max_groups=1),
     ),
 )

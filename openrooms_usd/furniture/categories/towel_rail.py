@@ -65,9 +65,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 3),
     words="towel_rack towel_bar towel_holder towel_warmer heated_towel_rail towel_hanger",
     schemes=(
-        scheme("chrome", bracket="chrome", weight=2.0),
+        scheme("chrome", chrome="bracket", weight=2.0),
         scheme(METAL),
-        scheme("white", bracket="white", needs="pipe", weight=2.0),
+        scheme("white", white="bracket", needs="pipe", weight=2.0),
     ),
     construction=(row(ANY, walls(1.2, STEEL), "sheet"),),
     offers_surfaces=("towel_rail",),

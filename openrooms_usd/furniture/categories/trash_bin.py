@@ -194,16 +194,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("trash_bin", "otherfurniture", "ashcan"),
     synsets=("02747177",),
     schemes=(
-        scheme("steel", bag="black_plastic", base="black_plastic"),
-        scheme("tinted_plastic", bag="pale_plastic", lid="pale_plastic", weight=2.0),
-        scheme(
-            "steel",
-            container="black_plastic",
-            base="black_plastic",
-            hinge="black_plastic",
-            needs="pedal",
-            weight=100.0,
-        ),
+        scheme("steel", black_plastic="bag base"),
+        scheme("tinted_plastic", pale_plastic="bag lid", weight=2.0),
+        scheme("steel", black_plastic="container base hinge", needs="pedal", weight=100.0),
     ),
     construction=(
         row("bag", walls(0.05, 950), "common"),

@@ -71,9 +71,9 @@ CATEGORY: Final = BuiltCategory(
     words="trays serving_tray",
     classes=Classes(ade20k="tray"),
     schemes=(
-        scheme("wood", handle=METAL, weight=2.0),
-        scheme(METAL, handle=METAL, weight=0.7),
-        scheme("lacquer", handle=METAL),
+        scheme("wood", metal="handle", weight=2.0),
+        scheme(METAL, metal="handle", weight=0.7),
+        scheme("lacquer", metal="handle"),
     ),
     construction=(
         row(ANY, solid(1400), "weight", "metal", "paint"),

@@ -96,8 +96,8 @@ CATEGORY: Final = BuiltCategory(
     words="running_machine exercise_machine elliptical",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        scheme("dark_plastic", frame="grey", belt="tyre", rail="grey"),
-        scheme("dark_plastic", frame="black", belt="tyre"),
+        scheme("dark_plastic", grey="frame rail", tyre="belt"),
+        scheme("dark_plastic", black="frame", tyre="belt"),
     ),
     construction=(
         row("base", filled(700), "weight"),

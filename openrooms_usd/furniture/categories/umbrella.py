@@ -70,7 +70,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 1.2),
     words="umbrellas parasol",
     classes=Classes(coco="umbrella"),
-    schemes=(scheme("coat_cloth", stick="steel", handle="wood"),),
+    schemes=(scheme("coat_cloth", steel="stick", wood="handle"),),
     construction=(
         row("canopy", filled(160), "weight"),
         row("stick", walls(1.0), "sheet", "metal"),
@@ -79,7 +79,7 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "floor_by_door floor_corner",
-            rooms="hallway living_room",
+            "hallway living_room",
             pose="leaning",
             weight=0.4,
             max_groups=1,

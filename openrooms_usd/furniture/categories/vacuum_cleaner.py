@@ -90,11 +90,11 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "black_plastic",
-            body="toiletry",
-            pipe="chrome",
-            wheel="tyre",
-            button="dark_plastic",
-            grip="black_plastic",
+            toiletry="body",
+            chrome="pipe",
+            tyre="wheel",
+            dark_plastic="button",
+            black_plastic="grip",
         ),
     ),
     construction=(
@@ -105,10 +105,10 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "floor_by_wall floor_corner",
-            rooms="hallway closet laundry_room storage basement apartment",
+            "hallway closet laundry_room storage basement apartment",
             weight=0.8,
             max_groups=1,
         ),
-        on("floor_corner", rooms="living_room bedroom", clutter=2, weight=0.15, max_groups=1),
+        on("floor_corner", "living_room bedroom", clutter=2, weight=0.15, max_groups=1),
     ),
 )

@@ -8,7 +8,7 @@ from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, solid,
 from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import tube
 
@@ -108,7 +108,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.8, 12),
     words="wall_shelves floating_shelf ledge bathroom_shelf hanging_shelf",
     classes=Classes("bookshelf", "shelves", "shelf"),
-    schemes=(scheme("wood", bracket=METAL, weight=3.0), scheme("white", bracket=METAL)),
+    schemes=(scheme("wood", metal="bracket", weight=3.0), scheme("white", metal="bracket")),
     construction=(
         row("bracket", walls(2.0, STEEL), "sheet", "metal"),
         row("pane", solid(2500), "common"),

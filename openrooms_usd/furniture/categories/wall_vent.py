@@ -54,6 +54,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="vent air_vent air_register ventilation_grille duct_vent",
     classes=Classes(nyu40="otherstructure"),
-    schemes=(scheme("white", cavity="soot", weight=3.0), scheme("steel", cavity="soot")),
+    schemes=(scheme("white", soot="cavity", weight=3.0), scheme("steel", soot="cavity")),
     construction=(row(ANY, walls(1.0), "sheet"),),
 )

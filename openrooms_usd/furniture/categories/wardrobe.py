@@ -202,7 +202,7 @@ CATEGORY: Final = BuiltCategory(
         *STORAGE,
         # Built in, most are painted.
         scheme("white", needs="kickboard", weight=300.0),
-        scheme("kitchen_lacquer", shelf="white", needs="kickboard", weight=100.0),
+        scheme("kitchen_lacquer", white="shelf", needs="kickboard", weight=100.0),
         scheme("wood", needs="kickboard", weight=60.0),
     ),
     construction=STORAGE_ROWS,

@@ -35,9 +35,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("washing_machine", "otherfurniture", "washer"),
     synsets=("04554684",),
     schemes=(
-        scheme("enamel", handle="chrome", base="black", weight=2.0),
-        scheme("enamel", handle="chrome", base="black", door="chrome", panel="grey"),
-        scheme("grey", handle="chrome", base="black", knob="chrome"),
+        scheme("enamel", chrome="handle", black="base", weight=2.0),
+        scheme("enamel", chrome="handle door", black="base", grey="panel"),
+        scheme("grey", chrome="handle knob", black="base"),
     ),
     construction=(
         row("drum", filled(8000), "weight"),

@@ -82,7 +82,7 @@ CATEGORY: Final = BuiltCategory(
     words="water_dispenser water_fountain",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        scheme("plastic", tray="dark_plastic", spout="tinted_plastic", bottle="water_bottle"),
+        scheme("plastic", dark_plastic="tray", tinted_plastic="spout", water_bottle="bottle"),
     ),
     construction=(row("bottle", filled(900), "common"), row(ANY, filled(180), "weight")),
 )

@@ -26,7 +26,7 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="whiteboard", nyu40="whiteboard"),
     schemes=(
         scheme(
-            "aluminium", board="enamel", corner="black_plastic", pen="felt_pen", eraser="membrane"
+            "aluminium", enamel="board", black_plastic="corner", felt_pen="pen", membrane="eraser"
         ),
     ),
     construction=(

@@ -57,12 +57,8 @@ def console(size: Size, rng: np.random.Generator) -> Furniture:
     z, front = 0.5 * (strip[2] + strip[3]), face - DOOR
     display(made, 0.0, front, z, (0.1, 0.035))
     for x in np.linspace(0.14, 0.38, 4) * size[0]:
-        made.board(
-            "button",
-            (x - 0.011, front - 0.002, z - 0.006),
-            (x + 0.011, front + 0.002, z + 0.006),
-            0.001,
-        )
+        least, most = (x - 0.011, front - 0.002, z - 0.006), (x + 0.011, front + 0.002, z + 0.006)
+        made.board("button", least, most, 0.001)
     hang_door(
         made,
         lower,
@@ -271,10 +267,6 @@ def _lid(made: Assembly, size: tuple[float, float], middle: float, low: float) -
     """A lid hung on its back edge, with a grip at its front."""
     x, y, high = 0.5 * size[0], 0.5 * size[1], low + 0.018
     names = made.board("lid", (-x, middle - y, low), (x, middle + y, high), 0.006)
-    names += made.board(
-        "handle",
-        (-0.06, middle - y - 0.012, low + 0.003),
-        (0.06, middle - y + 0.01, high - 0.003),
-        0.003,
-    )
+    least, most = (-0.06, middle - y - 0.012, low + 0.003), (0.06, middle - y + 0.01, high - 0.003)
+    names += made.board("handle", least, most, 0.003)
     made.hinge("lid", names, (0.0, middle + y, high), "top", 85.0)
