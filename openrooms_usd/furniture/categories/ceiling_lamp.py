@@ -24,6 +24,7 @@ from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.vectors import points_at
 
 
 def ceiling_pendant(size: Size, rng: np.random.Generator) -> Parts:
@@ -54,9 +55,7 @@ def ceiling_flush(size: Size, rng: np.random.Generator) -> Parts:
     plate = min(0.3 * height, 0.03)
     deep = height - plate
     ring = radius * float(rng.uniform(0.93, 0.97))
-    opal = np.stack(
-        [ring * np.sin(0.5 * np.pi * t), deep * (1.0 - np.cos(0.5 * np.pi * t) ** 0.8)], axis=1
-    )
+    opal = points_at(ring * np.sin(0.5 * np.pi * t), deep * (1.0 - np.cos(0.5 * np.pi * t) ** 0.8))
     opal[0] = 0.0
     return {
         "base": lathe(
@@ -164,7 +163,7 @@ def cluster(size: Size, rng: np.random.Generator) -> Parts:
     radius, height = radius_of(size), size[2]
     ball = min(0.42 * radius, 0.2 * height)
     angle = float(rng.uniform(0.0, 2.0 * np.pi)) + np.radians([0.0, 120.0, 240.0])
-    around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    around = points_at(np.cos(angle), np.sin(angle))
     # The globes touch all four sides of the box.
     low, high = around.min(axis=0), around.max(axis=0)
     centers = (radius - ball) * (2.0 * (around - low) / (high - low) - 1.0)

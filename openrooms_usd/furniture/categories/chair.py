@@ -24,7 +24,7 @@ from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
-from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.geometry.vectors import points_at, unit
 
 SEAT_HEIGHT: Final = 0.45
 ARMCHAIR_WIDTH: Final = 0.64
@@ -97,7 +97,7 @@ def _slats(
 
     def rung(bottom: float, tall: float, thick: float) -> Mesh:
         u = np.linspace(-1.0, 1.0, 9)
-        line = np.stack([u * (x - 0.4 * t), 0.022 * (1.0 - u**2)], axis=1)
+        line = points_at(u * (x - 0.4 * t), 0.022 * (1.0 - u**2))
         flat = extrude(strip(line, thick), tall, bevel=0.004)
         return _leaning(flat, slope).moved((0.0, y0 + slope * (bottom - z0) - 0.004, bottom))
 
@@ -164,7 +164,7 @@ def _shell_line(depth: float, seat: float, height: float) -> NDArray[np.float64]
     rough = filleted(bend, 0.11, segments=10)
     s = lengths(rough)
     even = np.linspace(0.0, s[-1], 29)
-    return np.stack([np.interp(even, s, rough[:, 0]), np.interp(even, s, rough[:, 1])], axis=1)
+    return points_at(np.interp(even, s, rough[:, 0]), np.interp(even, s, rough[:, 1]))
 
 
 def _shell_grid(
@@ -181,7 +181,7 @@ def _shell_grid(
     wrap = lift[:, None] * u**2
     y = line[:, :1] - along[:, 1:] * wrap
     z = line[:, 1:] + along[:, :1] * wrap
-    grid = np.stack([np.broadcast_to(half[:, None] * u, y.shape), y, z], axis=-1)
+    grid = points_at(half[:, None] * u, y, z)
     return grid, int(np.argmax(along[:, 1] > along[:, 0]))
 
 
@@ -270,10 +270,7 @@ def sled(size: Size, rng: np.random.Generator) -> Parts:
     y = hip + slope * (z - seat) - radius - 0.004
     ends = np.clip(np.minimum(v, 1.0 - v) / 0.3, 0.0, 1.0)
     half = x * (0.86 + 0.14 * np.sqrt(1.0 - (1.0 - ends) ** 2))
-    grid = np.stack(
-        np.broadcast_arrays(half[:, None] * u, y[:, None] + 0.012 - 0.02 * u**2, z[:, None]),
-        axis=-1,
-    )
+    grid = points_at(half[:, None] * u, y[:, None] + 0.012 - 0.02 * u**2, z[:, None])
     return {"tube": frame, "seat": seat_board, "back": sheet(grid, 0.01)}
 
 

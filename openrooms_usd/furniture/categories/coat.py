@@ -16,6 +16,7 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
+from openrooms_usd.geometry.vectors import points_at
 
 _NOT_WET: Final = (
     "hallway closet bedroom living_room apartment office hotel classroom conference_room stairs "
@@ -48,28 +49,17 @@ def _garment(size: Size, folds: int, hem: float, rng: np.random.Generator) -> Me
         )
         low = hem * height * 0.5 * (1.0 + np.cos(2.0 * angle + phase)) * (z == 0.0)
         rings.append(
-            np.stack(
-                [
-                    0.5 * width * a * wave * np.cos(angle) / 1.1,
-                    0.5 * depth * b * wave * np.sin(angle) / 1.1,
-                    z * height + low,
-                ],
-                axis=1,
+            points_at(
+                0.5 * width * a * wave * np.cos(angle) / 1.1,
+                0.5 * depth * b * wave * np.sin(angle) / 1.1,
+                z * height + low,
             )
         )
     shell = backed(np.array(rings))
     middle = [0.0, float(shell[-1, :, 1].mean()), 0.0]
     inner = (shell[-1] - middle) * [0.9, 0.9, 1.0] + middle + [0.0, 0.0, 0.03 * height]
     end = (
-        np.stack(
-            [
-                0.1 * width * np.cos(angle),
-                0.1 * depth * np.sin(angle),
-                np.full(count, 0.12 * height),
-            ],
-            axis=1,
-        )
-        + middle
+        points_at(0.1 * width * np.cos(angle), 0.1 * depth * np.sin(angle), 0.12 * height) + middle
     )
     return metric(loft(np.array([end, inner, *shell[::-1]]), crease=70.0))[0]
 
@@ -113,13 +103,8 @@ def robe(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     z = 0.56 * height
     angle = np.linspace(0.0, 2.0 * np.pi, 25)[:-1]
-    around = np.stack(
-        [
-            0.385 * width * np.cos(angle),
-            0.44 * depth * np.sin(angle) - 0.02 * depth,
-            np.full(24, z),
-        ],
-        axis=1,
+    around = points_at(
+        0.385 * width * np.cos(angle), 0.44 * depth * np.sin(angle) - 0.02 * depth, z
     )
     ends = [
         tube(
@@ -188,13 +173,10 @@ def _shirt(size: Size, rng: np.random.Generator) -> Mesh:
     for a, b, z in rows:
         wave = 1.0 + 0.12 * (1.0 - z) ** 0.5 * np.cos(7.0 * angle + phase + 2.0 * z)
         rings.append(
-            np.stack(
-                [
-                    0.5 * width * a * np.cos(angle),
-                    0.5 * depth * b * wave * np.sin(angle) / 1.12,
-                    np.full(count, z * height),
-                ],
-                axis=1,
+            points_at(
+                0.5 * width * a * np.cos(angle),
+                0.5 * depth * b * wave * np.sin(angle) / 1.12,
+                z * height,
             )
         )
     inner = rings[-1] * [0.94, 0.8, 1.0] + [0.0, 0.0, 0.05 * height]

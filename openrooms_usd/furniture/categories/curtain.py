@@ -16,6 +16,7 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box, cylinder, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.vectors import points_at
 
 ROD: Final = 0.0125
 RING: Final = 0.024
@@ -50,9 +51,7 @@ def _rod(size: Size, y: float) -> Parts:
 
 def _ring(x: float, y: float, z: float) -> Mesh:
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
-    path = np.stack(
-        [np.full(12, x), y + 0.82 * RING * np.cos(angle), z + 0.82 * RING * np.sin(angle)], axis=1
-    )
+    path = points_at(x, y + 0.82 * RING * np.cos(angle), z + 0.82 * RING * np.sin(angle))
     return tube(path, 0.0028, segments=5, closed=True)
 
 

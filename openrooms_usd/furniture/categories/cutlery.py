@@ -14,6 +14,7 @@ from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import sheet
+from openrooms_usd.geometry.vectors import points_at
 
 
 def _strip(
@@ -31,14 +32,7 @@ def _strip(
     y = np.linspace(place[0], place[-1], rows)
     a, z = np.interp(y, place, half), np.interp(y, place, level)
     u = np.linspace(-1.0, 1.0, 3 if dish else 2)
-    grid = np.stack(
-        [
-            a[:, None] * u,
-            np.broadcast_to(y[:, None], (rows, len(u))),
-            z[:, None] + dish * a[:, None] * u**2,
-        ],
-        axis=-1,
-    )
+    grid = points_at(a[:, None] * u, y[:, None], z[:, None] + dish * a[:, None] * u**2)
     return sheet(grid, thick)
 
 

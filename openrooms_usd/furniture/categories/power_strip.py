@@ -14,6 +14,7 @@ from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude, tube
+from openrooms_usd.geometry.vectors import points_at
 
 _POWERED: Final = (
     "living_room bedroom office apartment game_room computer_cluster classroom garage hotel "
@@ -41,13 +42,10 @@ def _strip(size: Size, long: float, count: int, plugs: int) -> Parts:
     switch = board((end - 0.042, -0.009, tall - 0.002), (end - 0.018, 0.009, tall + 0.0008), 0.0008)
     t = np.linspace(0.0, 1.0, 11)
     far = 0.5 * width - 0.004
-    path = np.stack(
-        [
-            end - 0.004 + (far - end + 0.004) * t,
-            (0.5 * depth - 0.004) * np.sin(3.0 * np.pi * t) * t,
-            np.full(11, 0.0045),
-        ],
-        axis=1,
+    path = points_at(
+        end - 0.004 + (far - end + 0.004) * t,
+        (0.5 * depth - 0.004) * np.sin(3.0 * np.pi * t) * t,
+        0.0045,
     )
     parts = {
         "body": body,

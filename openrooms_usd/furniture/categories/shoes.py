@@ -15,6 +15,7 @@ from openrooms_usd.geometry.lofts import loft, ring
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
 from openrooms_usd.geometry.uv import metric
+from openrooms_usd.geometry.vectors import points_at
 
 # The sole of a left shoe: half widths to its inner and outer side by the share of its length.
 _SOLE: Final = (
@@ -34,8 +35,8 @@ def _outline(width: float, long: float) -> NDArray[np.float64]:
     """(N, 2) the outline of a sole, its heel at the back, counter-clockwise."""
     t, inner, outer = np.array(_SOLE).T
     y = 0.5 * long - long * t
-    right = np.stack([width * inner, y], axis=1)
-    left = np.stack([-width * outer, y], axis=1)
+    right = points_at(width * inner, y)
+    left = points_at(-width * outer, y)
     return np.concatenate([left, right[::-1]])
 
 
@@ -129,14 +130,7 @@ def slippers(size: Size, rng: np.random.Generator) -> Parts:
         half = np.interp(y, shape[len(_SOLE) :, 1], shape[len(_SOLE) :, 0]) * 0.97
         arch = np.sqrt(np.clip(1.0 - u**2, 0.0, 1.0)) ** 0.8
         rise = np.linspace(0.45, 1.0, 7) * 0.72 * height
-        grid = np.stack(
-            [
-                half[:, None] * u,
-                np.broadcast_to(y[:, None], (7, 9)),
-                0.27 * height + rise[:, None] * arch,
-            ],
-            axis=-1,
-        )
+        grid = points_at(half[:, None] * u, y[:, None], 0.27 * height + rise[:, None] * arch)
         upper = sheet(grid, 0.004).transformed(flip)
         at = (side * 0.28 * width, 0.0, 0.0)
         parts[f"sole_{k}"], parts[f"shoe_{k}"] = sole.moved(at), upper.moved(at)

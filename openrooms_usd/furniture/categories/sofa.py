@@ -20,6 +20,7 @@ from openrooms_usd.furniture.schemes import HIDE, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, rounded_box
+from openrooms_usd.geometry.vectors import points_at
 
 SEAT_HEIGHT: Final = 0.44
 CORNER_DEPTH: Final = 1.2
@@ -121,9 +122,7 @@ def rolled(size: Size, rng: np.random.Generator) -> Parts:
     arm_top = seat + 0.62 * min(0.3, height - seat)
     roll = 0.5 * arm
     angle = np.linspace(-0.35 * np.pi, 1.0 * np.pi, 16)
-    scroll = np.stack(
-        [roll + 0.98 * roll * np.cos(angle), arm_top - roll + roll * np.sin(angle)], axis=1
-    )
+    scroll = points_at(roll + 0.98 * roll * np.cos(angle), arm_top - roll + roll * np.sin(angle))
     outline = np.concatenate([[(0.03, foot), (0.78 * arm, foot)], scroll, [(0.03, arm_top - arm)]])
     arms = [
         profiled(outline * [side, 1.0], depth - 0.05, FRONT, 0.015).moved(

@@ -14,6 +14,7 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
+from openrooms_usd.geometry.vectors import points_at
 
 
 def _canopy(r: float, low: float, high: float, rng: np.random.Generator) -> Mesh:
@@ -30,17 +31,12 @@ def _canopy(r: float, low: float, high: float, rng: np.random.Generator) -> Mesh
         )
         fold = wide * (1.0 + 0.16 * np.cos(8.0 * angle + 2.4 * t))
         rings.append(
-            np.stack(
-                [
-                    fold * np.cos(angle) / 1.16,
-                    fold * np.sin(angle) / 1.16,
-                    np.full(count, low + (high - low) * t),
-                ],
-                axis=1,
+            points_at(
+                fold * np.cos(angle) / 1.16, fold * np.sin(angle) / 1.16, low + (high - low) * t
             )
         )
     tip = np.full(count, high + 0.004)
-    rings.append(np.stack([0.006 * np.cos(angle), 0.006 * np.sin(angle), tip], axis=1))
+    rings.append(points_at(0.006 * np.cos(angle), 0.006 * np.sin(angle), tip))
     return metric(loft(np.array(rings), crease=60.0))[0]
 
 
@@ -52,7 +48,7 @@ def rolled_up(size: Size, rng: np.random.Generator) -> Parts:
     x = 0.5 * width - r
     top = height - crook - 0.009
     t = np.radians(np.linspace(0.0, 200.0, 9))
-    hook = np.stack([-crook + crook * np.cos(t), np.zeros(9), top + crook * np.sin(t)], axis=1)
+    hook = points_at(-crook + crook * np.cos(t), 0.0, top + crook * np.sin(t))
     grip = tube(np.concatenate([[(0.0, 0.0, top - 0.1)], hook]), 0.009, segments=8)
     stick = cylinder(0.0045, top - 0.05, segments=10)
     body = _canopy(r, 0.06, top - 0.16, rng)

@@ -15,6 +15,7 @@ from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, sphere
 from openrooms_usd.geometry.sweeps import sheet, tube
+from openrooms_usd.geometry.vectors import points_at
 
 
 def _plate(radius: float, back: float, z: float) -> Mesh:
@@ -30,13 +31,10 @@ def sconce(size: Size, rng: np.random.Generator) -> Parts:
     flare = float(rng.uniform(0.0, 0.2))
     rows = np.linspace(0.0, 1.0, 7)
     scale = 1.0 - flare * (1.0 - rows)
-    grid = np.stack(
-        [
-            scale[:, None] * half * np.cos(angle),
-            back - 0.008 + scale[:, None] * (depth - 0.008) * np.sin(angle),
-            np.broadcast_to((height * rows)[:, None], (7, 25)),
-        ],
-        axis=-1,
+    grid = points_at(
+        scale[:, None] * half * np.cos(angle),
+        back - 0.008 + scale[:, None] * (depth - 0.008) * np.sin(angle),
+        (height * rows)[:, None],
     )
     tall = 0.22 * height
     middle = 0.5 * height
