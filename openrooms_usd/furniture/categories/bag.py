@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
+from openrooms_usd.furniture.joinery.boards import FRONT
 from openrooms_usd.furniture.joinery.cloth import pillow, ripples
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M, on
@@ -39,7 +40,7 @@ def _loop(half: float, y: float, low: float, top: float, thick: float) -> Mesh:
 
 
 def tote(size: Size, rng: np.random.Generator) -> Parts:
-    """A bag of cloth that stands, its loops up."""
+    """A bag of cloth that stands, its loops FRONT."""
     width, depth, height = size
     tall = 0.7 * height
     loops = [_loop(0.24 * width, s * 0.36 * depth, 0.9 * tall, height, 0.005) for s in (-1, 1)]
@@ -62,9 +63,8 @@ def hung(size: Size, rng: np.random.Generator) -> Parts:
 
 def filled_case(width: float, tall: float, depth: float, rng: np.random.Generator) -> Mesh:
     """A soft case that stands on its edge, about the origin."""
-    up = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     case = pillow(width, tall, depth, rng, divisions=12)
-    return metric(case.transformed(up))[0]
+    return metric(case.transformed(FRONT))[0]
 
 
 def paper(size: Size, rng: np.random.Generator) -> Parts:

@@ -6,15 +6,13 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import board, corners, profiled, square_leg
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled, square_leg
 from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import CHAIRS, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
-
-_ALONG: Final = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 def plank(size: Size, rng: np.random.Generator) -> Parts:
@@ -26,7 +24,7 @@ def plank(size: Size, rng: np.random.Generator) -> Parts:
     # Each side board has an arch cut out of its foot.
     arch = [(cut * np.cos(t), 0.5 * cut * np.sin(t)) for t in np.linspace(np.pi, 0.0, 9)]
     outline = [(-half, 0.0), *arch, (half, 0.0), (0.42 * depth, under), (-0.42 * depth, under)]
-    side = profiled(outline, 0.036, _ALONG, 0.002)
+    side = profiled(outline, 0.036, SIDE, 0.002)
     rail = board((-x, -0.014, 0.4 * under), (x, 0.014, 0.4 * under + 0.09), 0.003)
     return {
         "seat": board(

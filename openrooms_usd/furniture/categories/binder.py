@@ -7,12 +7,12 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import band, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
-from openrooms_usd.geometry.solids import box, cylinder, lathe
+from openrooms_usd.geometry.solids import box, cylinder
 
 
 def standing(size: Size, rng: np.random.Generator) -> Parts:
@@ -29,11 +29,7 @@ def standing(size: Size, rng: np.random.Generator) -> Parts:
     lines = [
         box((0.45 * width, 0.0012, 0.008), (0.0, -y, (0.8 - 0.06 * k) * height)) for k in range(3)
     ]
-    hole = turned(
-        lathe([(0.011, -0.001), (0.0135, -0.001), (0.0135, 0.0008), (0.011, 0.0008)], segments=20),
-        "x",
-        90.0,
-    )
+    hole = turned(band(0.011, 0.0135, -0.001, 0.0008, 20), "x", 90.0)
     dark = turned(cylinder(0.0112, 0.0012, segments=20), "x", 90.0).moved((0.0, 0.0006, 0.0))
     at = (0.0, -y, 0.16 * height)
     return {

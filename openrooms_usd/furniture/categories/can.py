@@ -6,6 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -34,20 +35,9 @@ def tin(size: Size, rng: np.random.Generator) -> Parts:
         ],
         segments=32,
     )
-    paper = lathe(
-        [(0.974 * r, 0.009), (0.983 * r, 0.009), (0.983 * r, h - 0.009), (0.974 * r, h - 0.009)],
-        segments=32,
-    )
+    paper = band(0.974 * r, 0.983 * r, 0.009, h - 0.009)
     low, high = sorted(rng.uniform(0.2, 0.75, 2).tolist())
-    stripe = lathe(
-        [
-            (0.98 * r, low * h),
-            (0.986 * r, low * h),
-            (0.986 * r, (high + 0.1) * h),
-            (0.98 * r, (high + 0.1) * h),
-        ],
-        segments=32,
-    )
+    stripe = band(0.98 * r, 0.986 * r, low * h, (high + 0.1) * h)
     ring_ = tube(
         [
             (0.3 * r * np.cos(a), -0.35 * r + 0.26 * r * np.sin(a), h - 0.0035)
@@ -102,16 +92,8 @@ def drink(size: Size, rng: np.random.Generator) -> Parts:
         crease=50.0,
     )
     low = float(rng.uniform(0.25, 0.4)) * h
-    band = lathe(
-        [
-            (r - 0.0004, low),
-            (r + 0.0002, low),
-            (r + 0.0002, low + 0.32 * h),
-            (r - 0.0004, low + 0.32 * h),
-        ],
-        segments=32,
-    )
-    return {"cover": body, "container": joined(ends), "field": band}
+    printed = band(r - 0.0004, r + 0.0002, low, low + 0.32 * h)
+    return {"cover": body, "container": joined(ends), "field": printed}
 
 
 CATEGORY: Final = BuiltCategory(

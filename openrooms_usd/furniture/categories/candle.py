@@ -6,6 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid, walls
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -57,15 +58,7 @@ def jar(size: Size, rng: np.random.Generator) -> Parts:
         ],
         segments=32,
     )
-    label = lathe(
-        [
-            (r - 0.0004, 0.25 * h),
-            (r + 0.0003, 0.25 * h),
-            (r + 0.0003, 0.6 * h),
-            (r - 0.0004, 0.6 * h),
-        ],
-        segments=32,
-    )
+    label = band(r - 0.0004, r + 0.0003, 0.25 * h, 0.6 * h)
     top = cylinder(r - 0.0032, 0.003, segments=28, base=(0.0, 0.0, fill - 0.001))
     return {"container": glass, "label": label, "wax": top, "wick": _wick(fill + 0.002)}
 

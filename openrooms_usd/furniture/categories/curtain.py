@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.boards import SIDE, board
 from openrooms_usd.furniture.joinery.cloth import folded
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -20,7 +20,6 @@ from openrooms_usd.geometry.vectors import points_at
 
 ROD: Final = 0.0125
 RING: Final = 0.024
-_TO_X: Final = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 # How much of the width curtains leave free: those that stand open or half open, and drawn ones.
@@ -41,7 +40,7 @@ def _rod(size: Size, y: float) -> Parts:
             board((x - 0.02, 0.5 * depth - 0.006, z - 0.045), (x + 0.02, 0.5 * depth, z + RING))
         )
     knobs = [sphere(knob, segments=16, center=(s * (half - knob), y, z)) for s in (-1.0, 1.0)]
-    rod = cylinder(ROD, 2.0 * end + 0.03, segments=16).transformed(_TO_X)
+    rod = cylinder(ROD, 2.0 * end + 0.03, segments=16).transformed(SIDE)
     return {
         "rod": rod.moved((-end - 0.015, y, z)),
         **numbered("finial", knobs),
@@ -174,7 +173,7 @@ def roller(size: Size, rng: np.random.Generator) -> Parts:
             (0.004 - inner, behind - 0.0008, 0.012), (inner - 0.004, behind + 0.0008, z), 0.0004
         ),
         "rod": cylinder(r - 0.002, 2.0 * inner, segments=24)
-        .transformed(_TO_X)
+        .transformed(SIDE)
         .moved((-inner, y, z)),
         "weight": board((-inner, behind - 0.006, 0.0), (inner, behind + 0.006, 0.026), 0.004),
         "chain": tube(

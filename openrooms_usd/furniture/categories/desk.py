@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS, TABLE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import board, corners, square_leg
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, square_leg
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import Look, drawer, drawn_look
 from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
@@ -155,8 +155,7 @@ def _foot(reach: float) -> Mesh:
         (-0.1, 0.038),
         (-reach, 0.02),
     ]
-    along = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    bar = extrude(outline, 0.075, bevel=0.004, base=-0.0375).transformed(along)
+    bar = extrude(outline, 0.075, bevel=0.004, base=-0.0375).transformed(SIDE)
     pads = [
         board((-0.02, y - 0.02, 0.0), (0.02, y + 0.02, 0.01), 0.003)
         for y in (0.03 - reach, reach - 0.03)

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import SIDE, board, corners
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE, board, corners
 from openrooms_usd.furniture.joinery.carcass import Carcass
 from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell, rows
 from openrooms_usd.furniture.joinery.fronts import Look, drawer
@@ -14,7 +14,7 @@ from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder
 
-FRONT: Final = 0.02
+_FRONT_M: Final = 0.02
 
 
 def _case(size: Size, low: float) -> Carcass:
@@ -25,7 +25,7 @@ def _case(size: Size, low: float) -> Carcass:
 
 def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
     """A drawer between the sides, with a card in a holder above its handle."""
-    y = case.front + FRONT
+    y = case.front + _FRONT_M
     riders: tuple[str, ...] = ()
     if labelled:
         x, z = 0.5 * (cell[0] + cell[1]), 0.5 * (cell[2] + cell[3]) + 0.055
@@ -38,7 +38,7 @@ def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
         case.back - 0.03,
         look,
         margin=0.0,
-        thickness=FRONT - SEAT,
+        thickness=_FRONT_M - SEAT,
         riders=riders,
     )
 
@@ -46,9 +46,8 @@ def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
 def _lock(case: Carcass) -> None:
     """A cylinder lock in the upper right corner of the case."""
     lock = cylinder(0.008, 0.012, bevel=0.002, segments=16)
-    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     x, z = 0.5 * case.width - 0.045, case.high - 0.009
-    case.made.add("lock", lock.transformed(forward).moved((x, case.front + 0.006, z)))
+    case.made.add("lock", lock.transformed(FRONT).moved((x, case.front + 0.006, z)))
 
 
 def upright(size: Size, rng: np.random.Generator) -> Furniture:

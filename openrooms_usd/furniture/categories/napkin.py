@@ -8,13 +8,12 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.linens import folded_pile, rolled
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import band, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
-from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.uv import metric
 
 # Half the length of a ring, metres, and how thick the roll is in it, as a share of its ends.
@@ -33,8 +32,8 @@ def ringed(size: Size, rng: np.random.Generator) -> Parts:
     roll = _waisted(rolled(size, rng, columns=9), size)
     inner = _WAIST_SHARE * 0.5 * height
     outer, half = inner + 0.002, _HALF_RING_M
-    band = lathe([(inner, -half), (outer, -half), (outer, half), (inner, half)], segments=28)
-    laid = turned(band, "y", 90.0).transformed(np.diag([1.0, depth / height, 1.0]))
+    hoop = band(inner, outer, -half, half, 28)
+    laid = turned(hoop, "y", 90.0).transformed(np.diag([1.0, depth / height, 1.0]))
     return {"cloth": roll, "ring": laid.moved((0.0, 0.0, 0.5 * height))}
 
 

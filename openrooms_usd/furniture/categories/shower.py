@@ -9,6 +9,7 @@ from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.appliance import dial
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import drain
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -44,8 +45,7 @@ def _tray(made: Assembly, size: Size, front: float) -> None:
 def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
     """A bar with two knobs, a riser to a broad head, and a hand shower on its hose."""
     y, top = back - 0.055, height
-    lying = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    bar = cylinder(0.021, 0.22, bevel=0.003, segments=20).transformed(lying)
+    bar = cylinder(0.021, 0.22, bevel=0.003, segments=20).transformed(SIDE)
     made.add("body", bar.moved((x - 0.11, y, _MIXER_M)))
     for side in (-1.0, 1.0):
         stub = tube(
@@ -55,7 +55,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
         )
         made.add("body", stub)
         out = np.array([[0.0, 0.0, side], [side, 0.0, 0.0], [0.0, 1.0, 0.0]])
-        knob = dial(0.021, 0.035).transformed(np.linalg.inv(_AHEAD)).transformed(out)
+        knob = dial(0.021, 0.035).transformed(np.linalg.inv(FRONT)).transformed(out)
         at = (x + 0.111 * side, y, _MIXER_M)
         names = made.add("switch", knob.moved(at))
         made.turn("switch", names, at, (side, 0.0, 0.0), (0.0, 120.0))
@@ -86,9 +86,6 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
         (x + 0.06, y, _MIXER_M - 0.02),
     ]
     made.add("hose", tube(filleted(hose, 0.1, segments=6), 0.006, segments=8))
-
-
-_AHEAD: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 def corner(size: Size, rng: np.random.Generator, *, side: int) -> Furniture:

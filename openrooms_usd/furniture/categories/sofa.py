@@ -7,6 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     FRONT,
+    SIDE,
     board,
     corners,
     profiled,
@@ -174,7 +175,7 @@ def wooden(size: Size, rng: np.random.Generator) -> Parts:
                 closed=True,
             ),
             0.065,
-            np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+            SIDE,
             0.005,
         ).moved((side * (0.5 * width - 0.0325), 0.0, 0.0))
         for side in (-1, 1)

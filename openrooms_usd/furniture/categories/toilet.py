@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, CHINA, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
+from openrooms_usd.furniture.joinery.boards import FRONT
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
@@ -195,8 +196,7 @@ def wall_hung(size: Size, rng: np.random.Generator) -> Furniture:
     z = min(height - 0.1, plan.rim + 0.6)
     made.add("button", rounded_box((0.24, 0.016, 0.16), 0.004, center=(0.0, plan.tank, z)))
     ring_ = lathe([(0.0, 0.0), (0.045, 0.0), (0.042, 0.012), (0.0, 0.012)], segments=28)
-    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-    made.add("button", ring_.transformed(forward).moved((-0.04, plan.tank - 0.006, z)))
+    made.add("button", ring_.transformed(FRONT).moved((-0.04, plan.tank - 0.006, z)))
     return made.furniture()
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, solid
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -20,15 +21,7 @@ def _roll(r: float, h: float, core: float = 0.021) -> dict[str, Mesh]:
         segments=32,
         crease=50.0,
     )
-    card = lathe(
-        [
-            (core - 0.0015, 0.0004),
-            (core + 0.0002, 0.0004),
-            (core + 0.0002, h - 0.0004),
-            (core - 0.0015, h - 0.0004),
-        ],
-        segments=20,
-    )
+    card = band(core - 0.0015, core + 0.0002, 0.0004, h - 0.0004, 20)
     return {"paper": paper, "core": card}
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
-from openrooms_usd.furniture.joinery.posing import oval
+from openrooms_usd.furniture.joinery.posing import band, oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -106,15 +106,7 @@ def spray(size: Size, rng: np.random.Generator) -> Parts:
     cap = cylinder(
         0.92 * r, h - split + 0.003, bevel=0.002, segments=28, base=(0.0, 0.0, split - 0.003)
     )
-    label = lathe(
-        [
-            (r - 0.001, 0.12 * h),
-            (r + _LABEL_M, 0.12 * h),
-            (r + _LABEL_M, 0.5 * h),
-            (r - 0.001, 0.5 * h),
-        ],
-        segments=30,
-    )
+    label = band(r - 0.001, r + _LABEL_M, 0.12 * h, 0.5 * h, 30)
     return {"bottle": oval(can, size), "cap": oval(cap, size), "label": oval(label, size)}
 
 

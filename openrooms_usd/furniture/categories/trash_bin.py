@@ -8,7 +8,7 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, STEEL, row, walls
 from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled, strip
 from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts, Size, Style
-from openrooms_usd.furniture.joinery.posing import hoop, oval, tapered
+from openrooms_usd.furniture.joinery.posing import band, hoop, oval, tapered
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -72,7 +72,7 @@ def bin_pedal(size: Size, rng: np.random.Generator) -> Furniture:
     r = 0.5 * min(width, depth - reach)
     back = 0.5 * reach
     split = h - min(0.05, 0.16 * h)
-    shell = lathe([(r - 0.004, 0.012), (r, 0.012), (r, split), (r - 0.004, split)], segments=48)
+    shell = band(r - 0.004, r, 0.012, split, 48)
     floor = cylinder(r - 0.003, 0.012, segments=40, base=(0.0, 0.0, 0.012))
     foot = lathe([(0.0, 0.0), (r - 0.006, 0.0), (r - 0.003, 0.014), (0.0, 0.014)], segments=44)
     bucket = _bucket(0.84 * r, 0.9 * r - 0.004, (0.026, split - 0.004), 0.003, 0.004)

@@ -9,6 +9,7 @@ from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, lathe
 
@@ -141,7 +142,7 @@ def glass_hob(made: Assembly, width: float, middle: float, depth: float, top: fl
     made.board("glass", (-x, middle - y, top - 0.006), (x, middle + y, top - 0.0006), 0.002)
     for a, b, radius in _spots(width - 0.04, depth - 0.06, max(2, round(width / 0.32))):
         r = 2.0 * radius
-        circle = lathe([(r - 0.004, 0.0), (r, 0.0), (r, 0.002), (r - 0.004, 0.002)], segments=40)
+        circle = band(r - 0.004, r, 0.0, 0.002, 40)
         made.add("mark", circle.moved((a, middle + b, top - 0.002)))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
-from openrooms_usd.furniture.joinery.boards import FRONT
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
 from openrooms_usd.furniture.joinery.cells import BOARD, GAP, HANDLE, Cell, columns, rows
 from openrooms_usd.furniture.joinery.pieces import Fronts, Order
 from openrooms_usd.geometry.curves import filleted
@@ -24,7 +24,7 @@ _UPRIGHT: Final = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def bar(length: float) -> Mesh:
-    """A bent bar handle along X, 28 mm before the front at y = 0."""
+    """A bent bar handle SIDE X, 28 mm before the front at y = 0."""
     half = 0.5 * length
     path = [(-half, 0.0, 0.0), (-half, -0.0235, 0.0), (half, -0.0235, 0.0), (half, 0.0, 0.0)]
     return tube(filleted(path, 0.01, segments=4), 0.0045, segments=10)
@@ -46,7 +46,7 @@ def knob(length: float = 0.0) -> Mesh:
 
 
 def rod(length: float) -> Mesh:
-    """A straight rod along X on two posts, 28 mm before the front at y = 0."""
+    """A straight rod SIDE X on two posts, 28 mm before the front at y = 0."""
     half, inset = 0.5 * length, 0.36 * length
     posts = [tube([(x, 0.0, 0.0), (x, -0.022, 0.0)], 0.004, segments=8) for x in (-inset, inset)]
     grip = tube([(-half, -0.022, 0.0), (half, -0.022, 0.0)], 0.006, segments=10)
@@ -54,7 +54,7 @@ def rod(length: float) -> Mesh:
 
 
 def grip(length: float) -> Mesh:
-    """A flat strip along X bent to a hook in its section, 28 mm before the front at y = 0."""
+    """A flat strip SIDE X bent to a hook in its section, 28 mm before the front at y = 0."""
     section = [
         (0.0, -0.01),
         (0.0, 0.01),
@@ -65,8 +65,7 @@ def grip(length: float) -> Mesh:
         (-0.003, 0.007),
         (-0.003, -0.01),
     ]
-    along = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    return extrude(section, length, base=-0.5 * length).transformed(along)
+    return extrude(section, length, base=-0.5 * length).transformed(SIDE)
 
 
 HANDLES: Final[dict[str, Callable[[float], Mesh]]] = {

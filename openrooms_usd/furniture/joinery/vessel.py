@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, numbered
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import band, turned
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
@@ -100,15 +100,7 @@ def jar_preserving(size: Size, rng: np.random.Generator) -> Parts:
     body = [(0.94 * r, 0.0), (r, 0.05 * h), (r, 0.72 * h), (wide, 0.82 * h), (wide, 0.9 * h)]
     ribs = int(rng.integers(28, 40))
     lid = cylinder(1.06 * wide, 0.15 * h, bevel=0.03 * h, segments=ribs, base=(0.0, 0.0, 0.85 * h))
-    ring = lathe(
-        [
-            (wide - 0.01 * r, 0.815 * h),
-            (1.05 * wide, 0.815 * h),
-            (1.05 * wide, 0.84 * h),
-            (wide - 0.01 * r, 0.84 * h),
-        ],
-        segments=32,
-    )
+    ring = band(wide - 0.01 * r, 1.05 * wide, 0.815 * h, 0.84 * h)
     return {"container": hollow(body, 0.05 * r, 0.04 * h, 0.08 * r), "lid": lid, "frame": ring}
 
 
@@ -121,18 +113,8 @@ def jar_canister(size: Size, rng: np.random.Generator) -> Parts:
         0.985 * r, h - split - 0.001, bevel=0.004, segments=40, base=(0.0, 0.0, split + 0.001)
     )
     plug = cylinder(0.9 * r, 0.05 * h, segments=40, base=(0.0, 0.0, split - 0.045 * h))
-    seal = lathe(
-        [
-            (0.89 * r, split - 0.02 * h),
-            (0.93 * r, split - 0.02 * h),
-            (0.93 * r, split - 0.005 * h),
-            (0.89 * r, split - 0.005 * h),
-        ],
-        segments=36,
-    )
-    label = lathe(
-        [(r - 0.0004, 0.3 * h), (r, 0.3 * h), (r, 0.55 * h), (r - 0.0004, 0.55 * h)], segments=40
-    )
+    seal = band(0.89 * r, 0.93 * r, split - 0.02 * h, split - 0.005 * h, 36)
+    label = band(r - 0.0004, r, 0.3 * h, 0.55 * h, 40)
     container = hollow([(0.995 * a, z) for a, z in body], 0.06 * r, 0.04 * h, 0.004)
     return {"container": container, "lid": joined([lid, plug]), "seal": seal, "label": label}
 
@@ -161,15 +143,7 @@ def bottle_wine(size: Size, rng: np.random.Generator) -> Parts:
         (1.15 * neck, 0.98 * h),
         (0.95 * neck, 0.99 * h),
     ]
-    label = lathe(
-        [
-            (r - 0.0005, 0.14 * h),
-            (1.006 * r, 0.14 * h),
-            (1.006 * r, 0.42 * h),
-            (r - 0.0005, 0.42 * h),
-        ],
-        segments=40,
-    )
+    label = band(r - 0.0005, 1.006 * r, 0.14 * h, 0.42 * h, 40)
     cap = lathe(
         [
             (0.0, 0.86 * h),
