@@ -34,6 +34,11 @@ class Scheme:
 _NO_PARTS: Final[Mapping[str, str]] = {}
 
 
+def finished(**parts: str) -> dict[str, str]:
+    """Finishes by part: by each finish the parts that have it, apart by blanks."""
+    return {part: finish for finish, named in parts.items() for part in named.split()}
+
+
 def scheme(
     finish: str,
     shared: Mapping[str, str] = _NO_PARTS,
@@ -52,10 +57,9 @@ def scheme(
         needs: As of `Scheme`.
         weight: As of `Scheme`.
         suite: As of `Scheme`.
-        **others: By another finish the parts that have it, apart by blanks.
+        **others: Parts of other finishes, as `finished` has them.
     """
-    named = {part: other for other, parts in others.items() for part in parts.split()}
-    return Scheme({ANY: finish, **shared, **named}, needs, weight, suite)
+    return Scheme({ANY: finish, **shared, **finished(**others)}, needs, weight, suite)
 
 
 def landscape_print(tones: str) -> dict[str, str]:
@@ -64,10 +68,10 @@ def landscape_print(tones: str) -> dict[str, str]:
 
 
 # Parts that several categories finish alike.
-HIDE: Final = {"seat_cushion": "hide", "back_cushion": "hide", "cushion": "hide"}
-TAP: Final = {"body": "chrome", "switch": "chrome"}
-DARK_TAP: Final = {"body": METAL, "switch": METAL, "spout": METAL, "drain": METAL}
-_HOT: Final = {"container": "cavity", "base": "black", "rack": "chrome", "handle": "steel"}
+HIDE: Final = finished(hide="seat_cushion back_cushion cushion")
+TAP: Final = finished(chrome="body switch")
+DARK_TAP: Final = finished(metal="body switch spout drain")
+_HOT: Final = finished(cavity="container", black="base", chrome="rack", steel="handle")
 
 CHAIRS: Final = (
     scheme("bent_wood", weight=3.0),
@@ -85,13 +89,7 @@ STORAGE: Final = (
     scheme("white", wood="leg", white="base"),
     scheme("wood", lacquer="door drawer_front", needs="handle"),
 )
-_UNIT: Final = {
-    "shelf": "white",
-    "drawer_box": "white",
-    "container": "plastic",
-    "tray": "plastic",
-    "rack": "chrome",
-}
+_UNIT: Final = finished(white="shelf drawer_box", plastic="container tray", chrome="rack")
 KITCHEN: Final = (
     scheme("white", _UNIT, weight=3.0, suite="kitchen"),
     scheme("kitchen_lacquer", _UNIT, weight=3.0, suite="kitchen"),

@@ -39,8 +39,8 @@ def bells(size: Size, rng: np.random.Generator) -> Parts:
     middle = r + 0.1 * height
     deep = 0.98 * depth
     rim = [(r - 0.006, 0.0), (r, 0.002), (r, deep - 0.002), (r - 0.006, deep)]
-    drum = lathe([(0.0, 0.0), *rim, (r - 0.009, deep - 0.003), (0.0, deep - 0.003)], segments=32)
-    dial = cylinder(r - 0.008, 0.001, segments=32, base=(0.0, 0.0, deep - 0.0035))
+    drum = lathe([(0.0, 0.0), *rim, (r - 0.009, deep - 0.003), (0.0, deep - 0.003)])
+    dial = cylinder(r - 0.008, 0.001, base=(0.0, 0.0, deep - 0.0035))
     marks = [
         turned(box((0.0016, 0.1 * r, 0.0012), (0.0, 0.76 * r, deep - 0.0025)), "z", 30.0 * k)
         for k in range(12)

@@ -53,9 +53,7 @@ def wing(size: Size, rng: np.random.Generator) -> Parts:
     inner = width - 2.0 * arm
     lean = 0.09
     thick = 0.15
-    rest = cushion(
-        (inner + 0.01, thick, height - seat + 0.04), radius=0.05, crown=(0.0, 0.025, 0.012)
-    )
+    rest = cushion((inner + 0.01, thick, height - seat + 0.04), crown=(0.0, 0.025, 0.012))
     shear = np.eye(3)
     shear[1, 2] = lean / (height - seat)
     pad_depth = depth - 0.2

@@ -34,7 +34,6 @@ def _straps(width: float, height: float, back: float, strap: float) -> list[Mesh
                     (s * 0.12 * width, back - strap - 0.04, 0.9 * height),
                 ],
                 0.04,
-                segments=4,
             ),
             0.006,
             segments=8,
@@ -51,7 +50,6 @@ def day(size: Size, rng: np.random.Generator) -> Parts:
     high = height - 0.03
     whole = cushion(
         (1.056 * width, deep, high + sag),
-        radius=0.05,
         crown=(0.012, 0.02, 0.01),
         center=(0.0, back - strap - 0.5 * deep, 0.5 * (high - sag)),
     )

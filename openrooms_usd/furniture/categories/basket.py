@@ -30,8 +30,8 @@ def basket_rope(size: Size, rng: np.random.Generator) -> Parts:
     belly = float(rng.uniform(0.04, 0.1))
     shape = (r - thick) * (1.0 - belly * (2.0 * z / h - 0.9) ** 2)
     shape *= (r - thick) / shape.max()
-    coils = [hoop(float(a), float(b), thick, 32, 6) for a, b in zip(shape, z, strict=True)]
-    floor = cylinder(float(shape[0]), 1.6 * thick, segments=32)
+    coils = [hoop(float(a), float(b), thick, 32) for a, b in zip(shape, z, strict=True)]
+    floor = cylinder(float(shape[0]), 1.6 * thick)
     arch = [
         (-0.055, 0.0, -0.02),
         (-0.055, 0.0, loop - thick),
@@ -55,7 +55,7 @@ def basket_woven(size: Size, rng: np.random.Generator) -> Parts:
     strip, rim = 0.0045, 0.009
     rows = max(6, round(h / 0.022))
     pitch = (h - 2.0 * rim) / rows
-    outline = filleted(rectangle(width - 2 * rim, depth - 2 * rim), 0.045, closed=True, segments=4)
+    outline = filleted(rectangle(width - 2 * rim, depth - 2 * rim), 0.045, closed=True)
     around = _dense(outline, 0.022)
     side = np.roll(around, -1, axis=0) - np.roll(around, 1, axis=0)
     normal = unit(np.stack([side[:, 1], -side[:, 0]], axis=1))

@@ -306,9 +306,7 @@ def bunk(size: Size, rng: np.random.Generator) -> Furniture:
             ),
         )
         for p in np.linspace(0.08 - y, y - 0.08, max(6, round(depth / 0.2))).tolist():
-            made.board(
-                "slat", (-half, p - 0.035, deck + 0.02), (half, p + 0.035, deck + 0.036), 0.002
-            )
+            made.board("slat", (-half, p - 0.035, deck + 0.02), (half, p + 0.035, deck + 0.036))
         bedding(
             made, half - 0.028, (0.03 - y, y - 0.03), deck + 0.036 + thick, thick, (0.0, 0.0), rng
         )

@@ -27,7 +27,7 @@ _SPOKES: Final = 20
 
 
 def _bar(points: Sequence[Point], radius: float, bend: float = 0.0) -> Mesh:
-    path = filleted(points, bend, segments=4) if bend else np.array(points)
+    path = filleted(points, bend) if bend else np.array(points)
     return tube(path, radius, segments=10)
 
 
@@ -55,7 +55,7 @@ def _wheel(x: float) -> dict[str, Mesh]:
     hub = _across(cylinder(0.02, 0.08, segments=16, base=(0.0, 0.0, -0.04)))
     return {
         "tyre": _across(hoop(_WHEEL_M - _TYRE_M, 0.0, _TYRE_M, 40, 8)).moved(at),
-        "rim": joined([_across(hoop(rim, 0.0, 0.009, 40, 6)), hub]).moved(at),
+        "rim": joined([_across(hoop(rim, 0.0, 0.009, 40)), hub]).moved(at),
         "spoke": joined(spokes).moved(at),
     }
 
@@ -64,7 +64,7 @@ def _drive() -> dict[str, Mesh]:
     """Chainring, cranks, pedals, and the chain to the rear hub."""
     x, _, z = _CRANK
     y = -0.045
-    ring = _across(hoop(0.085, 0.0, 0.004, 30, 6)).moved((x, y, z))
+    ring = _across(hoop(0.085, 0.0, 0.004, 30)).moved((x, y, z))
     cranks = [
         _bar([(x, s * 0.055, z), (x + s * 0.16, s * 0.075, z - s * 0.04)], 0.009)
         for s in (-1.0, 1.0)

@@ -94,7 +94,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.1, 3),
     words="books notebooks textbook",
     classes=Classes(nyu40="books", ade20k="book", coco="book"),
-    schemes=(scheme("binding", package_field="field", package_ink="title text", weight=1.0),),
+    schemes=(scheme("binding", package_field="field", package_ink="title text"),),
     construction=(row(ANY, solid(700), "common"),),
     placements=(
         on(

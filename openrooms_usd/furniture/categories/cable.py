@@ -20,7 +20,7 @@ from openrooms_usd.geometry.sweeps import tube
 def _lying(points: ArrayLike, thick: float) -> Mesh:
     """A cable on the ground along points (x, y), rounded."""
     flat = np.asarray(points, dtype=np.float64)
-    path = np.insert(filleted(flat, 0.025, segments=4), 2, thick, axis=1)
+    path = np.insert(filleted(flat, 0.025), 2, thick, axis=1)
     return tube(path, thick, segments=6)
 
 
@@ -61,7 +61,7 @@ def coil(size: Size, rng: np.random.Generator) -> Parts:
         axis=1,
     )
     ends = [(0.36 * width, y, 0.5 * height) for y in (-0.006, 0.006)]
-    tie = tube(ends, 0.5 * height, segments=12)
+    tie = tube(ends, 0.5 * height)
     return at_rest({"cable": tube(path, thick, segments=6), "tie": tie}, size)
 
 

@@ -32,8 +32,7 @@ def tin(size: Size, rng: np.random.Generator) -> Parts:
             (0.94 * r, h),
             (0.93 * r, h - 0.004),
             (0.0, h - 0.004),
-        ],
-        segments=32,
+        ]
     )
     paper = band(0.974 * r, 0.983 * r, 0.009, h - 0.009)
     low, high = sorted(rng.uniform(0.2, 0.75, 2).tolist())
@@ -63,8 +62,7 @@ def drink(size: Size, rng: np.random.Generator) -> Parts:
                 (0.76 * r, 0.0),
                 (0.9 * r, 0.009),
                 (0.0, 0.009),
-            ],
-            segments=32,
+            ]
         ),
         lathe(
             [
@@ -75,8 +73,7 @@ def drink(size: Size, rng: np.random.Generator) -> Parts:
                 (neck, h),
                 (neck, h - 0.003),
                 (0.0, h - 0.008),
-            ],
-            segments=32,
+            ]
         ),
     ]
     body = lathe(
@@ -88,7 +85,6 @@ def drink(size: Size, rng: np.random.Generator) -> Parts:
             (neck, h - 0.004),
             (0.0, h - 0.0065),
         ],
-        segments=32,
         crease=50.0,
     )
     low = float(rng.uniform(0.25, 0.4)) * h

@@ -55,8 +55,7 @@ def jar(size: Size, rng: np.random.Generator) -> Parts:
             (r - 0.003, h - 0.001),
             (r - 0.003, fill),
             (0.0, fill),
-        ],
-        segments=32,
+        ]
     )
     label = band(r - 0.0004, r + 0.0003, 0.25 * h, 0.6 * h)
     top = cylinder(r - 0.0032, 0.003, segments=28, base=(0.0, 0.0, fill - 0.001))

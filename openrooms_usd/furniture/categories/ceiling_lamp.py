@@ -83,7 +83,7 @@ def ceiling_drum(size: Size, rng: np.random.Generator) -> Parts:
         "lamp_pole": cord(tall * 0.55, height - 0.02, 0.007),
         "frame": joined([holder(0.62 * tall, 0.02), carrier(radius - 0.003, 0.75 * tall)]),
         "lamp_shade": shade(radius, radius, 0.0, tall),
-        "light_bulb": sphere(globe, segments=32, center=(0.0, 0.0, 0.16 * tall + globe)),
+        "light_bulb": sphere(globe, center=(0.0, 0.0, 0.16 * tall + globe)),
     }
 
 
@@ -206,8 +206,7 @@ def spots(size: Size, rng: np.random.Generator) -> Parts:
                 (0.0, 0.7 * long),
                 (radius - 0.003, 0.7 * long),
                 (radius - 0.003, 0.0),
-            ],
-            segments=32,
+            ]
         )
         lens = lathe(
             [
@@ -215,8 +214,7 @@ def spots(size: Size, rng: np.random.Generator) -> Parts:
                 (0.8 * radius, 0.05 * long),
                 (radius - 0.004, 0.16 * long),
                 (0.0, 0.16 * long),
-            ],
-            segments=32,
+            ]
         )
         pivot = (0.0, 0.0, 0.8 * long)
         low = float(turned(can, "x", tilt, pivot).extent[0, 2])

@@ -62,7 +62,6 @@ def domed(size: Size, rng: np.random.Generator) -> Parts:
 CATEGORY: Final = BuiltCategory(
     description="a rose of plaster around a lamp at the ceiling",
     size=(0.5, 0.5, 0.03),
-    min_size=(0.25, 0.25, 0.015),
     max_size=(1.5, 1.5, 0.15),
     styles={"stepped": Style(stepped), "domed": Style(domed)},
     size_variation=STANDARD,

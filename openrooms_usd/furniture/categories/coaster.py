@@ -22,7 +22,7 @@ def disc(size: Size, rng: np.random.Generator) -> Parts:
 def tile(size: Size, rng: np.random.Generator) -> Parts:
     """A square coaster."""
     width, depth, height = size
-    return {"coaster": extrude(rounded_rectangle(width, depth, 0.008, 4), height, bevel=0.0012)}
+    return {"coaster": extrude(rounded_rectangle(width, depth, 0.008), height, bevel=0.0012)}
 
 
 CATEGORY: Final = BuiltCategory(

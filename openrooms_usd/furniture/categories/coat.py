@@ -83,9 +83,7 @@ def _sleeves(size: Size, long: float, rng: np.random.Generator) -> list[Mesh]:
         arm = np.stack([np.interp(at, run, bent[:, i]) for i in range(3)], axis=1)
         thick = min(0.05, 0.3 * depth)
         creases = rng.uniform(0.9, 1.08, len(arm))
-        found.append(
-            tube(arm, (np.linspace(thick, 0.8 * thick, 14) * creases).tolist(), segments=12)
-        )
+        found.append(tube(arm, (np.linspace(thick, 0.8 * thick, 14) * creases).tolist()))
     return found
 
 

@@ -82,7 +82,7 @@ def _track(size: Size, y: float) -> Parts:
     width, depth, height = size
     half = 0.5 * width
     blocks = [
-        board((x - 0.02, y, height - 0.022), (x + 0.02, 0.5 * depth, height - 0.004), 0.002)
+        board((x - 0.02, y, height - 0.022), (x + 0.02, 0.5 * depth, height - 0.004))
         for x in (0.1 - half, half - 0.1)
     ]
     return {
@@ -176,9 +176,7 @@ def roller(size: Size, rng: np.random.Generator) -> Parts:
         .transformed(SIDE)
         .moved((-inner, y, z)),
         "weight": board((-inner, behind - 0.006, 0.0), (inner, behind + 0.006, 0.026), 0.004),
-        "chain": tube(
-            filleted(chain, 0.012, segments=4, closed=True), 0.0018, segments=5, closed=True
-        ),
+        "chain": tube(filleted(chain, 0.012, closed=True), 0.0018, segments=5, closed=True),
         **numbered("bracket", brackets),
     }
 

@@ -20,7 +20,7 @@ from openrooms_usd.geometry.sweeps import extrude, tube
 def plain(size: Size, rng: np.random.Generator) -> Parts:
     """A rectangular board with rounded corners."""
     width, depth, height = size
-    outline = rounded_rectangle(width, depth, float(rng.uniform(0.008, 0.03)), 4)
+    outline = rounded_rectangle(width, depth, float(rng.uniform(0.008, 0.03)))
     return {"board": extrude(outline, height, bevel=0.002)}
 
 
@@ -39,9 +39,7 @@ def paddle(size: Size, rng: np.random.Generator) -> Parts:
         (-bend, low),
         (-half, low),
     ]
-    body = profiled(
-        filleted(outline, 0.8 * bend, segments=4, closed=True), thick - 0.0014, FRONT, 0.002
-    )
+    body = profiled(filleted(outline, 0.8 * bend, closed=True), thick - 0.0014, FRONT, 0.002)
     z = height - 0.7 * bend
     thong = [
         (0.011 * np.cos(a), -0.5 * thick + 0.0014, z + 0.012 * np.sin(a))
@@ -59,7 +57,7 @@ def bread(size: Size, rng: np.random.Generator) -> Parts:
     thick = 0.018
     loaf = min(0.24, 0.55 * width)
     parts = {
-        "board": extrude(rounded_rectangle(width, depth, 0.012, 4), thick, bevel=0.002),
+        "board": extrude(rounded_rectangle(width, depth, 0.012), thick, bevel=0.002),
         "bread": loaf_of((loaf, 0.55 * depth, height - thick), rng, cut=True).moved(
             (0.5 * width - 0.5 * loaf - 0.02, 0.0, thick)
         ),

@@ -117,8 +117,7 @@ def standing(size: Size, rng: np.random.Generator) -> Parts:
         )
         columns_.append(_lift(0.03, under - 0.02, stages).moved((s * x, 0.0, 0.0)))
     beams = [
-        board((-x, y - 0.02, under - rail), (x, y + 0.02, under - 0.004), 0.002)
-        for y in (-0.07, 0.07)
+        board((-x, y - 0.02, under - rail), (x, y + 0.02, under - 0.004)) for y in (-0.07, 0.07)
     ]
     switch_x = float(rng.choice([-1.0, 1.0])) * (0.5 * width - 0.12)
     return {
@@ -207,7 +206,7 @@ def framed(size: Size, rng: np.random.Generator) -> Furniture:
     under, y, x = height - thick, 0.5 * depth - r, 0.5 * width - r
     for s in (-1.0, 1.0):
         path = [(s * x, -y, under - r), (s * x, -y, r), (s * x, y, r), (s * x, y, under - r)]
-        rounded = filleted(path, 0.03, segments=4, closed=True)
+        rounded = filleted(path, 0.03, closed=True)
         made.add("leg", tube(rounded, r, segments=8, closed=True))
     made.add(
         "frame",

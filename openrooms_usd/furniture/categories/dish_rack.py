@@ -19,10 +19,7 @@ def wire(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     x, y, r = 0.5 * width, 0.5 * depth, 0.003
     tray = vessel(
-        (-x, -y, 0.0, x, y, 0.02),
-        (0.012 - x, 0.012 - y, 0.004, x - 0.012, y - 0.012),
-        wall_edge=0.002,
-        corner=0.02,
+        (-x, -y, 0.0, x, y, 0.02), (0.012 - x, 0.012 - y, 0.004, x - 0.012, y - 0.012), corner=0.02
     )
     a, b, low = x - 0.02, y - 0.02, 0.03
     wires = [

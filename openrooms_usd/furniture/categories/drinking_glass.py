@@ -31,7 +31,7 @@ def _tumbler(r: float, h: float, narrow: float) -> Mesh:
         (low - wall - 0.005, floor),
         (0.0, floor - 0.001),
     ]
-    return lathe(profile, segments=32, crease=50.0)
+    return lathe(profile, crease=50.0)
 
 
 def tumbler(size: Size, rng: np.random.Generator) -> Parts:
@@ -73,7 +73,7 @@ def wine(size: Size, rng: np.random.Generator) -> Parts:
         *inner[::-1],
         (0.0, bowl + 0.007),
     ]
-    return {"glassware": lathe(profile, segments=32, crease=55.0)}
+    return {"glassware": lathe(profile, crease=55.0)}
 
 
 CATEGORY: Final = BuiltCategory(

@@ -41,7 +41,7 @@ def pedestal(size: Size, rng: np.random.Generator) -> Furniture:
         segments=28,
     )
     made.add("frame", facing(motor, (0.0, 0.075, z)))
-    made.add("frame", tube([(0.0, 0.02, z - 0.06), (0.0, 0.02, z)], 0.02, segments=12))
+    made.add("frame", tube([(0.0, 0.02, z - 0.06), (0.0, 0.02, z)], 0.02))
     middle = front + 0.06
     made.add("cage", _cage(r, middle, z, front))
     blade = extrude(

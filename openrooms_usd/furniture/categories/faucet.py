@@ -120,7 +120,7 @@ def bridge(made: Assembly, size: Size, at: Point) -> None:
         names = made.add("switch", _cross(arm).moved(top))
         made.turn("switch", names, top, _UP, (0.0, 180.0))
     level = at[2] + 0.55 * tall
-    made.add("body", tube([(at[0] - x, y, level), (at[0] + x, y, level)], pipe, segments=12))
+    made.add("body", tube([(at[0] - x, y, level), (at[0] + x, y, level)], pipe))
     tip, high = at[1] - 0.5 * depth + pipe, at[2] + height - pipe
     path = [
         (at[0], y, level),
@@ -168,7 +168,7 @@ def pillar(made: Assembly, size: Size, at: Point) -> None:
         "bracket", tube([(x, y, z + level - 0.05), (side, y, z + level - 0.05)], 0.008, segments=10)
     )
     grip = [(side, y, z + height - 0.26), (side, y, z + height - 0.012)]
-    made.add("spout", tube(grip, [0.009, 0.0125], segments=12))
+    made.add("spout", tube(grip, [0.009, 0.0125]))
     hose = [
         (side, y, z + height - 0.26),
         (side, y - 0.01, z + 0.42 * height),

@@ -115,14 +115,11 @@ def mantel(size: Size, rng: np.random.Generator) -> Parts:
                 board(
                     (min(s * inner, s * (inner - slip)), front + 0.03, hearth),
                     (max(s * inner, s * (inner - slip)), front + 0.06, opening),
-                    0.002,
                 )
                 for s in (-1.0, 1.0)
             ],
         ),
-        "lintel": board(
-            (-inner, front + 0.03, opening - slip), (inner, front + 0.06, opening), 0.002
-        ),
+        "lintel": board((-inner, front + 0.03, opening - slip), (inner, front + 0.06, opening)),
         **numbered(
             "firebox",
             _firebox(
@@ -148,10 +145,10 @@ def breast(size: Size, rng: np.random.Generator) -> Parts:
         board((-half, front, high), (half, back, height), 0.003),
     ]
     metal = [
-        board((-half, front - 0.008, low), (half, front + 0.03, low + rim), 0.002),
-        board((-half, front - 0.008, high - rim), (half, front + 0.03, high), 0.002),
-        board((-half, front - 0.008, low + rim), (rim - half, front + 0.03, high - rim), 0.002),
-        board((half - rim, front - 0.008, low + rim), (half, front + 0.03, high - rim), 0.002),
+        board((-half, front - 0.008, low), (half, front + 0.03, low + rim)),
+        board((-half, front - 0.008, high - rim), (half, front + 0.03, high)),
+        board((-half, front - 0.008, low + rim), (rim - half, front + 0.03, high - rim)),
+        board((half - rim, front - 0.008, low + rim), (half, front + 0.03, high - rim)),
     ]
     return {
         **numbered("frame", frames),
@@ -227,7 +224,7 @@ def stove(size: Size, rng: np.random.Generator) -> Furniture:
         cylinder(pipe, height - top + 0.002, segments=28, base=at),
         cylinder(1.2 * pipe, 0.03, bevel=0.004, segments=28, base=at),
     )
-    made.board("hearth", (-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, back, 0.012), 0.002)
+    made.board("hearth", (-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, back, 0.012))
     made.add("log", *_logs(2 * (half - t), (front, rear), low + 0.08, rng))
     return made.furniture()
 

@@ -108,7 +108,6 @@ def floor_uplight(size: Size, rng: np.random.Generator) -> Parts:
         "lamp_shade": lathe(np.concatenate([outer, rim]), segments=48),
         "light_bulb": sphere(
             0.55 * radius,
-            segments=32,
             squash=0.32 * deep / (0.55 * radius),
             center=(0.0, 0.0, height - 0.5 * deep),
         ),

@@ -77,9 +77,7 @@ def on_stand(size: Size, rng: np.random.Generator, *, solid: bool) -> Parts:
         (-0.025, -thick - 0.017, 0.62 * tall), (0.025, -thick - 0.011, 0.88 * long), 0.001
     )
     head = board((-0.036, -thick - 0.006, 0.87 * long), (0.036, -thick + 0.01, long), 0.003)
-    bridge = board(
-        (-0.075, -thick - 0.012, 0.27 * tall), (0.075, -thick + 0.001, 0.31 * tall), 0.002
-    )
+    bridge = board((-0.075, -thick - 0.012, 0.27 * tall), (0.075, -thick + 0.001, 0.31 * tall))
     z = np.linspace(0.89 * long, 0.98 * long, 3)
     pegs = [cylinder(0.008, 0.03, segments=10) for _ in range(6)]
     pins = joined(

@@ -45,7 +45,7 @@ def gas(size: Size, rng: np.random.Generator) -> Furniture:
     made, level = Assembly(), SUNK_M + _PLATE_M
     _body(made, size)
     x, y = 0.5 * width, 0.5 * depth
-    made.board("cooktop", (-x, -y, SUNK_M), (x, y, level), 0.002)
+    made.board("cooktop", (-x, -y, SUNK_M), (x, y, level))
     gas_hob(made, width, 0.5 * _KNOBS_M, depth - _KNOBS_M, height)
     up = dial(0.019, 0.022).transformed(np.linalg.inv(FRONT))
     count = 2 * max(2, round(width / 0.32))

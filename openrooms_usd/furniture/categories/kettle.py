@@ -28,7 +28,7 @@ def jug(size: Size, rng: np.random.Generator) -> Parts:
         segments=36,
         crease=50.0,
     )
-    base = cylinder(1.02 * r, foot - 0.003, bevel=0.004, segments=32)
+    base = cylinder(1.02 * r, foot - 0.003, bevel=0.004)
     lid = lathe(
         [
             (0.0, top - 0.002),
@@ -56,7 +56,7 @@ def jug(size: Size, rng: np.random.Generator) -> Parts:
         (reach - 0.012, 0.0, foot + 0.28 * top),
         (0.9 * r, 0.0, foot + 0.18 * top),
     ]
-    grip = tube(filleted(path, 0.035, segments=4), 0.0105, segments=10)
+    grip = tube(filleted(path, 0.035), 0.0105, segments=10)
     return {
         "container": body,
         "base": base,
@@ -111,9 +111,7 @@ def stove(size: Size, rng: np.random.Generator) -> Parts:
         (-0.5 * (r + end) - 0.01, 0.0, 0.62 * h),
         (-end, 0.0, 0.98 * h),
     ]
-    spout = tube(
-        filleted(beak, 0.03, segments=3), np.linspace(0.02, 0.011, 6).tolist(), segments=12
-    )
+    spout = tube(filleted(beak, 0.03, segments=3), np.linspace(0.02, 0.011, 6).tolist())
     return {"container": body, "lid": lid, "knob": knob, "handle": grip, "spout": spout}
 
 

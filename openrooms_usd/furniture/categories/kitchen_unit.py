@@ -55,13 +55,7 @@ def _leaves(unit: Carcass, cell: Cell, look: Look, handle_z: float) -> None:
         left = i % 2 == 0
         x = part[1] - 0.04 if left else part[0] + 0.04
         hang_door(
-            unit.made,
-            part,
-            unit.face,
-            "left" if left else "right",
-            look,
-            handle=(x, handle_z),
-            length=0.16,
+            unit.made, part, unit.face, "left" if left else "right", look, handle=(x, handle_z)
         )
 
 
@@ -124,7 +118,6 @@ def corner(
         "right" if side < 0 else "left",
         look,
         handle=handle,
-        length=0.16,
     )
     unit.shelves(unit.inside, 0.36, 0.02)
     return unit.made.furniture()

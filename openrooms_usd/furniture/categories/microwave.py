@@ -50,7 +50,7 @@ def _cavity(made: Assembly, cell: Cell, face: float, back: float) -> None:
         (0.88 * radius, 0.004),
         (0.0, 0.004),
     ]
-    tray = lathe(profile, segments=32)
+    tray = lathe(profile)
     hub = cylinder(0.03, 0.012, segments=16)
     at = (0.5 * (left + right), 0.5 * (face + back) - 0.01, inside[2])
     made.add("tray", tray.moved(at).moved((0.0, 0.0, 0.01)))
@@ -136,7 +136,7 @@ def dropping(size: Size, rng: np.random.Generator) -> Furniture:
     for x in (-0.34, -0.26, 0.26, 0.34):
         low_corner = (x * size[0] - 0.009, front - 0.002, z - 0.009)
         high_corner = (x * size[0] + 0.009, front + 0.002, z + 0.009)
-        made.board("button", low_corner, high_corner, 0.002)
+        made.board("button", low_corner, high_corner)
     return made.furniture()
 
 

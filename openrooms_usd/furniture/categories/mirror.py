@@ -82,7 +82,7 @@ def cabinet(size: Size, rng: np.random.Generator) -> Furniture:
     for i, cell in enumerate(cells):
         side: Side = "left" if i % 2 == 0 else "right"
         wide, x = cell[1] - cell[0] - GAP, 0.5 * (cell[0] + cell[1])
-        glass = leaf(wide, height - GAP, BOARD).moved((x, unit.face, 0.5 * GAP))
+        glass = leaf(wide, height - GAP).moved((x, unit.face, 0.5 * GAP))
         names = unit.made.add("mirror", glass)
         edge = cell[0] + 0.5 * GAP if side == "left" else cell[1] - 0.5 * GAP
         unit.made.hinge("door", names, (edge, unit.face - BOARD, 0.0), side, 100.0)

@@ -16,17 +16,17 @@ from openrooms_usd.geometry.sweeps import extrude, tube
 def small(size: Size, rng: np.random.Generator) -> Parts:
     """A pad of cloth on rubber."""
     width, depth, height = size
-    return {"pad": extrude(rounded_rectangle(width, depth, 0.012, 4), height, bevel=0.001)}
+    return {"pad": extrude(rounded_rectangle(width, depth, 0.012), height, bevel=0.001)}
 
 
 def stitched(size: Size, rng: np.random.Generator) -> Parts:
     """A wide mat with a stitched edge."""
     width, depth, height = size
-    outline = rounded_rectangle(width, depth, 0.015, 4)
-    inner = rounded_rectangle(width - 0.006, depth - 0.006, 0.012, 4)
+    outline = rounded_rectangle(width, depth, 0.015)
+    inner = rounded_rectangle(width - 0.006, depth - 0.006, 0.012)
     rim = np.column_stack(
         [
-            rounded_rectangle(width - 0.003, depth - 0.003, 0.014, 4),
+            rounded_rectangle(width - 0.003, depth - 0.003, 0.014),
             np.full(len(outline), 0.5 * height),
         ]
     )

@@ -21,8 +21,8 @@ def chest(size: Size, rng: np.random.Generator) -> Furniture:
         cabinet.legs()
     else:
         cabinet.plinth()
-    look = drawn_look(rng, 0.4)
-    drawers(cabinet.made, cabinet.overlay, cabinet.face, cabinet.back - 0.03, look, 0.2)
+    look = drawn_look(rng)
+    drawers(cabinet.made, cabinet.overlay, cabinet.face, cabinet.back - 0.03, look)
     return cabinet.made.furniture()
 
 

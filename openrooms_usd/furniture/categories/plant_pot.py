@@ -135,7 +135,7 @@ def cactus(size: Size, rng: np.random.Generator) -> Parts:
             (side * (thick + arm), 0.0, z + 1.3 * arm),
         ]
         tall = float(rng.uniform(0.2, 0.3)) * (height - rim)
-        arms.append(tube(path, 0.62 * arm, segments=12))
+        arms.append(tube(path, 0.62 * arm))
         tip = _ribbed(0.72 * arm, tall, 8).moved((side * (thick + arm), 0.0, z + 0.9 * arm))
         arms.append(tip)
     pebbles = [

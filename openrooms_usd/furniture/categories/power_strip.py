@@ -27,7 +27,7 @@ def _strip(size: Size, long: float, count: int, plugs: int) -> Parts:
     width, depth, height = size
     tall = height if not plugs else height - 0.026
     left = -0.5 * width
-    outline = rounded_rectangle(long, depth, 0.4 * depth, 4)
+    outline = rounded_rectangle(long, depth, 0.4 * depth)
     body = extrude(outline, tall, bevel=0.004).moved((left + 0.5 * long, 0.0, 0.0))
     pitch = (long - 0.09) / count
     radius = min(0.019, 0.42 * pitch)

@@ -29,7 +29,7 @@ def shoe(size: Size, rng: np.random.Generator) -> Parts:
     shelves, ties = [], []
     for z in levels.tolist():
         slats = [
-            board((t - x, b - 0.022, z), (x - t, b + 0.022, z + 0.014), 0.002)
+            board((t - x, b - 0.022, z), (x - t, b + 0.022, z + 0.014))
             for b in np.linspace(0.03 - y, y - 0.03, max(3, round(depth / 0.075)))
         ]
         shelves.append(joined(slats))
@@ -50,9 +50,7 @@ def clothes(size: Size, rng: np.random.Generator) -> Parts:
         (x - 0.03, 0.0, height - r),
         (x - 0.03, 0.0, 0.03),
     ]
-    feet = [
-        tube([(s * (x - 0.03), -y, r), (s * (x - 0.03), y, r)], r, segments=12) for s in (-1.0, 1.0)
-    ]
+    feet = [tube([(s * (x - 0.03), -y, r), (s * (x - 0.03), y, r)], r) for s in (-1.0, 1.0)]
     ends = [
         board((s * x - 0.016 * (s > 0), -0.02, 0.0), (s * x + 0.016 * (s < 0), 0.02, 0.03))
         for s in (-1.0, 1.0)

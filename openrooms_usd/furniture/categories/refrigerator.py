@@ -12,7 +12,7 @@ from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door, orde
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
 from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
-from openrooms_usd.furniture.schemes import PANELLED, scheme
+from openrooms_usd.furniture.schemes import PANELLED, finished, scheme
 from openrooms_usd.geometry.lofts import vessel
 
 WALL: Final = 0.035
@@ -57,7 +57,7 @@ def _compartment(made: Assembly, cell: Cell, face: float, size: Size, drawers: i
     for i in range(count if drawers else count - 1):
         z = top + (i + (0 if drawers else 1)) * (inside[3] - top) / count
         low_corner, high_corner = (inside[0], front, z), (inside[1], rear, z + 0.006)
-        made.board("shelf", low_corner, high_corner, 0.002)
+        made.board("shelf", low_corner, high_corner)
     return inside
 
 
@@ -135,7 +135,7 @@ def side_by_side(size: Size, rng: np.random.Generator) -> Furniture:
     front = face - _door_depth(size)
     x, z = 0.5 * (left + middle) - 0.01, low + 0.62 * (high - low)
     panel = made.board(
-        "glass", (x - 0.09, front - 0.002, z - 0.16), (x + 0.09, front + 0.004, z + 0.16), 0.002
+        "glass", (x - 0.09, front - 0.002, z - 0.16), (x + 0.09, front + 0.004, z + 0.16)
     )
     panel += (display(made, x, front - 0.002, z + 0.1, (0.1, 0.04)),)
     _cold(made, (left, middle, low, high), face, size, look, "left", 1)
@@ -203,13 +203,7 @@ def built_in(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERE
     return made.furniture()
 
 
-_COLD: Final = {
-    "container": "plastic",
-    "shelf": "plastic",
-    "drawer_box": "plastic",
-    "tray": "plastic",
-    "base": "black",
-}
+_COLD: Final = finished(plastic="container shelf drawer_box tray", black="base")
 
 CATEGORY: Final = BuiltCategory(
     description="a refrigerator, most with a freezer",

@@ -59,7 +59,7 @@ def _shoe(size: Size, rows: Sequence[Row], sole: float) -> Parts:
     base = [ring(shape * s, z) for s, z in steps]
     return {
         "shoe": metric(loft(np.array(rings), crease=60.0))[0],
-        "sole": metric(loft(np.array(base), crease=40.0))[0],
+        "sole": metric(loft(np.array(base)))[0],
     }
 
 

@@ -48,11 +48,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
     bar = cylinder(0.021, 0.22, bevel=0.003, segments=20).transformed(SIDE)
     made.add("body", bar.moved((x - 0.11, y, _MIXER_M)))
     for side in (-1.0, 1.0):
-        stub = tube(
-            [(x + 0.075 * side, y, _MIXER_M), (x + 0.075 * side, back, _MIXER_M)],
-            0.014,
-            segments=12,
-        )
+        stub = tube([(x + 0.075 * side, y, _MIXER_M), (x + 0.075 * side, back, _MIXER_M)], 0.014)
         made.add("body", stub)
         out = np.array([[0.0, 0.0, side], [side, 0.0, 0.0], [0.0, 1.0, 0.0]])
         knob = dial(0.021, 0.035).transformed(np.linalg.inv(FRONT)).transformed(out)
@@ -72,7 +68,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
     low, high = (x - 0.014, y - 0.045, hang - 0.015), (x + 0.014, y + 0.012, hang + 0.02)
     made.board("bracket", low, high, 0.004)
     grip = [(x, y - 0.03, hang - 0.12), (x, y - 0.03, hang + 0.06), (x, y - 0.075, hang + 0.1)]
-    made.add("spout", tube(filleted(grip, 0.03, segments=4), 0.011, segments=12))
+    made.add("spout", tube(filleted(grip, 0.03), 0.011))
     spray = lathe(
         [(0.0, 0.0), (0.045, 0.0), (0.048, 0.01), (0.02, 0.026), (0.0, 0.028)], segments=24
     )
@@ -138,7 +134,7 @@ def walk_in(size: Size, rng: np.random.Generator) -> Furniture:
     foot = (-half, -y - 0.001, _TRAY_M - 0.002), (half, _PANE_M + 0.001 - y, _TRAY_M + 0.02)
     made.board("frame", *foot, 0.001)
     stay = [(0.0, 0.5 * _PANE_M - y, high - 0.012), (0.0, y, high - 0.012)]
-    made.add("frame", tube([(0.35 * half, b, c) for _, b, c in stay], 0.009, segments=12))
+    made.add("frame", tube([(0.35 * half, b, c) for _, b, c in stay], 0.009))
     return made.furniture()
 
 

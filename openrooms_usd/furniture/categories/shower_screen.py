@@ -18,7 +18,7 @@ def hung(size: Size, rng: np.random.Generator) -> Furniture:
     """A pane that turns about a profile at the wall, on its left."""
     width, depth, height = size
     made, x, y = Assembly(), 0.5 * width, 0.5 * depth
-    made.board("frame", (-x, -y, 0.0), (_PROFILE_M - x, y, height), 0.002)
+    made.board("frame", (-x, -y, 0.0), (_PROFILE_M - x, y, height))
     pane = board((_PROFILE_M + 0.002 - x, -0.003, 0.006), (x, 0.003, height), 0.001)
     names = made.add("pane", pane)
     names += made.board("seal", (_PROFILE_M + 0.004 - x, -0.002, 0.0), (x, 0.002, 0.0058), 0.0005)

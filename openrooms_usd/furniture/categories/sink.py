@@ -118,7 +118,7 @@ def vessel(size: Size, rng: np.random.Generator) -> Furniture:
     top = rim - tall
     made.board("countertop", (-x, -y, top - 0.035), (x, y, top), 0.004)
     for a, b in corners(x - 0.03, y - 0.03):
-        made.add("leg", tube([(a, b, 0.0), (a, b, top - 0.03)], r, segments=12))
+        made.add("leg", tube([(a, b, 0.0), (a, b, top - 0.03)], r))
     shelf = 0.22 * height
     made.board("shelf", (0.02 - x, 0.02 - y, shelf), (x - 0.02, y - 0.02, shelf + 0.02))
     across = min(depth - 0.13, 0.4)

@@ -92,7 +92,7 @@ def modern(size: Size, rng: np.random.Generator) -> Parts:
         for side in (-1, 1)
     ]
     top = height - 0.06
-    spine = cushion((inner + 0.06, rest, top - foot), radius=0.05, crown=(0.0, 0.008, 0.012))
+    spine = cushion((inner + 0.06, rest, top - foot), crown=(0.0, 0.008, 0.012))
     leg = round_leg(0.022, 0.015, foot + 0.02)
     x, y = 0.5 * width - 0.09, 0.5 * depth - 0.08
     legs = [splayed(leg, (1.03 * a, 1.03 * b), (a, b)) for a, b in corners(x, y)]

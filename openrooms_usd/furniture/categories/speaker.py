@@ -32,7 +32,7 @@ def _cone(radius: float) -> Mesh:
         (0.2 * r, -0.09 * r),
         (0.0, -0.07 * r),
     ]
-    return lathe(profile, segments=32, crease=50.0)
+    return lathe(profile, crease=50.0)
 
 
 def _ring(radius: float) -> Mesh:
@@ -114,7 +114,7 @@ def tower(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     plinth = 0.03
     front = -0.5 * depth + 0.03
-    outline = filleted(rectangle(width - 0.05, depth - 0.04), 0.03, closed=True, segments=4)
+    outline = filleted(rectangle(width - 0.05, depth - 0.04), 0.03, closed=True)
     column = extrude(outline, height - plinth, bevel=0.003, base=plinth).moved((0, 0.01, 0))
     woofer = 0.38 * (width - 0.05)
     count = int(rng.integers(2, 4))

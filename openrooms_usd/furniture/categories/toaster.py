@@ -12,7 +12,7 @@ from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profile
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import scheme
+from openrooms_usd.furniture.schemes import finished, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -171,14 +171,7 @@ def _is_long(size: Size) -> bool:
     return size[0] > 2.3 * size[1]
 
 
-_DARK: Final = {
-    "side": "black_plastic",
-    "base": "black_plastic",
-    "foot": "black_plastic",
-    "guide": "black_plastic",
-    "wire": "steel",
-    "mark": "white",
-}
+_DARK: Final = finished(black_plastic="side base foot guide", steel="wire", white="mark")
 
 CATEGORY: Final = BuiltCategory(
     description="a toaster; its lever slides, its dial turns",

@@ -114,7 +114,7 @@ def _seat(made: Assembly, plan: _Plan) -> None:
     made.hinge("seat", made.add("seat", seat), (0.0, y, z), "top", 82.0)
     made.hinge("lid", made.add("lid", lid), (0.0, y, z), "top", 86.0)
     for x in (-0.075, 0.075):
-        made.add("hinge", tube([(x - 0.02, y, z), (x + 0.02, y, z)], 0.01, segments=12))
+        made.add("hinge", tube([(x - 0.02, y, z), (x + 0.02, y, z)], 0.01))
 
 
 def _tank(made: Assembly, plan: _Plan, low: float, wide: float, lever: bool) -> None:

@@ -35,7 +35,6 @@ def cup(size: Size, rng: np.random.Generator) -> Parts:
     wall = 0.004
     body = lathe(
         [(0.0, 0.0), (r, 0.0), (r, cup_), (r - wall, cup_), (r - wall, 0.006), (0.0, 0.006)],
-        segments=32,
         crease=50.0,
     )
     lid = lathe(
@@ -45,8 +44,7 @@ def cup(size: Size, rng: np.random.Generator) -> Parts:
             (r, cup_ + 0.006),
             (0.3 * r, cup_ + 0.012),
             (0.0, cup_ + 0.012),
-        ],
-        segments=32,
+        ]
     )
     return {
         "container": oval(body, size),
@@ -60,7 +58,7 @@ def open_cup(size: Size, rng: np.random.Generator) -> Parts:
     r, pot, wall = 0.5 * min(size[:2]), 0.3 * size[2], 0.005
     outer = [(0.7 * r, 0.0), (0.95 * r, 0.25 * pot), (r, 0.6 * pot), (0.86 * r, pot)]
     inner = [(a - wall, max(z, 0.008)) for a, z in outer[::-1]]
-    body = lathe([(0.0, 0.0), *outer, *inner, (0.0, 0.008)], segments=32, crease=50.0)
+    body = lathe([(0.0, 0.0), *outer, *inner, (0.0, 0.008)], crease=50.0)
     bristles = sphere(0.62 * r, segments=20, squash=1.25, center=(0.0, 0.0, 0.95 * pot))
     return {
         "container": oval(body, size),

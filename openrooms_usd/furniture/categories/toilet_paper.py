@@ -18,7 +18,6 @@ def _roll(r: float, h: float, core: float = 0.021) -> dict[str, Mesh]:
     """An upright roll about the origin, and the tube of card in it."""
     paper = lathe(
         [(core, 0.0), (r - 0.002, 0.0), (r, 0.002), (r, h - 0.002), (r - 0.002, h), (core, h)],
-        segments=32,
         crease=50.0,
     )
     card = band(core - 0.0015, core + 0.0002, 0.0004, h - 0.0004, 20)

@@ -36,7 +36,7 @@ def hook(size: Size, rng: np.random.Generator) -> Parts:
     return {
         "roll": roll.transformed(SIDE).moved((middle, y, z)),
         "sheet": sheet,
-        "rail": tube(rod, 0.006, segments=12),
+        "rail": tube(rod, 0.006),
         "bracket": rose.transformed(FRONT).moved((-0.5 * width + 0.022, back, z)),
     }
 

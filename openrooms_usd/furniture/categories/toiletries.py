@@ -79,11 +79,8 @@ def cream(size: Size, rng: np.random.Generator) -> Parts:
     """A low jar with a broad lid."""
     r, h = 0.5 * min(size[:2]), size[2]
     split = 0.55 * h
-    jar = lathe(
-        [(0.0, 0.0), (0.88 * r, 0.0), (0.94 * r, 0.003), (0.94 * r, split), (0.0, split)],
-        segments=32,
-    )
-    lid = lathe([(0.0, split), (r, split), (r, h - 0.002), (0.97 * r, h), (0.0, h)], segments=32)
+    jar = lathe([(0.0, 0.0), (0.88 * r, 0.0), (0.94 * r, 0.003), (0.94 * r, split), (0.0, split)])
+    lid = lathe([(0.0, split), (r, split), (r, h - 0.002), (0.97 * r, h), (0.0, h)])
     return {"bottle": oval(jar, size), "cap": oval(lid, size)}
 
 

@@ -125,7 +125,7 @@ def bin_wire(size: Size, rng: np.random.Generator) -> Parts:
         hoop(low, 0.004, 0.004),
         hoop(0.5 * (top + low), 0.5 * h, 0.002),
     ]
-    floor = cylinder(low, 0.003, segments=32, base=(0.0, 0.0, 0.002))
+    floor = cylinder(low, 0.003, base=(0.0, 0.0, 0.002))
     return {
         "frame": oval(joined(rings), size),
         "container": oval(joined(wires), size),
@@ -178,7 +178,6 @@ def bin_swing(size: Size, rng: np.random.Generator) -> Furniture:
 CATEGORY: Final = BuiltCategory(
     description="a bin for waste",
     size=(0.28, 0.28, 0.32),
-    min_size=(0.14, 0.14, 0.16),
     max_size=(0.8, 0.8, 1.2),
     styles={
         "open": Style(bin_open),

@@ -37,7 +37,7 @@ def rectangular(size: Size, rng: np.random.Generator) -> Parts:
     """A rectangular tray with two handles."""
     width, depth, height = size
     rim = 0.62 * height
-    base = _rimmed(rounded_rectangle(width, depth, 0.02, 4), rim, 0.009, 0.007)
+    base = _rimmed(rounded_rectangle(width, depth, 0.02), rim, 0.009, 0.007)
     grips = []
     for side in (-1.0, 1.0):
         x = side * (0.5 * width - 0.006)
@@ -54,7 +54,7 @@ def rectangular(size: Size, rng: np.random.Generator) -> Parts:
 def round_(size: Size, rng: np.random.Generator) -> Parts:
     """A round tray."""
     width, depth, height = size
-    return {"tray": _rimmed(superellipse(width, depth, 2.0, 40), height, 0.006, 0.005)}
+    return {"tray": _rimmed(superellipse(width, depth), height, 0.006, 0.005)}
 
 
 CATEGORY: Final = BuiltCategory(

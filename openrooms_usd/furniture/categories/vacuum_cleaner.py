@@ -74,7 +74,7 @@ def canister(size: Size, rng: np.random.Generator) -> Parts:
         "base": head,
         "pipe": pipe,
         "hose": tube(filleted(hose, 0.12, segments=5), 0.0175, segments=14),
-        "grip": joined([tube(filleted(grip, 0.05, segments=4), 0.021, segments=14), strap]),
+        "grip": joined([tube(filleted(grip, 0.05), 0.021, segments=14), strap]),
         "button": knob,
     }
 

@@ -64,9 +64,9 @@ def globe(size: Size, rng: np.random.Generator) -> Parts:
     cup = cylinder(0.42 * ball, 0.03, bevel=0.005, segments=28, base=(0.0, y, top - ball - 0.012))
     return {
         "base": _plate(max(plate, low), back, low),
-        "lamp_pole": tube(filleted(path, 0.3 * (back - y)), 0.0075, segments=12),
+        "lamp_pole": tube(filleted(path, 0.3 * (back - y)), 0.0075),
         "frame": cup,
-        "light_bulb": sphere(ball, segments=32, center=(0.0, y, top)),
+        "light_bulb": sphere(ball, center=(0.0, y, top)),
     }
 
 

@@ -37,7 +37,7 @@ def on_brackets(size: Size, rng: np.random.Generator) -> Parts:
     brackets = [
         _bracket(depth, y, top).moved((s * (x - 0.16 * width), 0.0, 0.0)) for s in (-1.0, 1.0)
     ]
-    return {"shelf": board((-x, -y, top), (x, y, height), 0.002), **numbered("bracket", brackets)}
+    return {"shelf": board((-x, -y, top), (x, y, height)), **numbered("bracket", brackets)}
 
 
 def glass(size: Size, rng: np.random.Generator) -> Parts:

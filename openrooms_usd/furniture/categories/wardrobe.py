@@ -27,7 +27,7 @@ _LEAF_M, _TOP_DOORS_FROM_M, _TOP_DOORS_AT_M = 0.5, 2.45, 2.15
 def _clothes_rail(made: Assembly, cell: Cell, y: float, drop: float = 0.06) -> None:
     """A tube to hang clothes on, below the top of an opening."""
     z = cell[3] - drop
-    made.add("tube", tube([(cell[0], y, z), (cell[1], y, z)], 0.0125, segments=12))
+    made.add("tube", tube([(cell[0], y, z), (cell[1], y, z)], 0.0125))
 
 
 def _interior(cabinet: Carcass, bay: Cell, shelved: bool) -> None:
@@ -102,7 +102,6 @@ def built_in(size: Size, rng: np.random.Generator) -> Furniture:
                 side,
                 look,
                 handle=(x, a + 0.14 if j else 1.05),
-                length=0.16,
                 riders=glass,
             )
         if j:

@@ -31,11 +31,11 @@ def body(made: Assembly, low: Size, high: Size, *, top: bool = True) -> None:
         "frame",
         board((x0, y0, z0), (x0 + t, y1, z1), 0.004),
         board((x1 - t, y0, z0), (x1, y1, z1), 0.004),
-        board((x0 + t, y1 - t, z0), (x1 - t, y1, z1), 0.002),
-        board((x0 + t, y0, z0), (x1 - t, y1 - t, z0 + t), 0.002),
+        board((x0 + t, y1 - t, z0), (x1 - t, y1, z1)),
+        board((x0 + t, y0, z0), (x1 - t, y1 - t, z0 + t)),
     )
     if top:
-        made.board("frame", (x0 + t, y0, z1 - t), (x1 - t, y1 - t, z1), 0.002)
+        made.board("frame", (x0 + t, y0, z1 - t), (x1 - t, y1 - t, z1))
 
 
 def liner(made: Assembly, cell: Cell, front: float, back: float, wall: float) -> Cell:
@@ -55,7 +55,6 @@ def liner(made: Assembly, cell: Cell, front: float, back: float, wall: float) ->
     mesh = vessel(
         (left, low, -back, right, high, -front),
         (left + wall, low + wall, wall - back, right - wall, high - wall),
-        wall_edge=0.002,
         inner_corner=min(0.02, 0.1 * (high - low)),
     )
     made.add("container", mesh.transformed(FRONT))

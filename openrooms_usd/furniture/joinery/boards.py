@@ -28,7 +28,7 @@ def board(low: ArrayLike, high: ArrayLike, edge: float = 0.002) -> Mesh:
 def wall_plate(size: Size, thick: float) -> Mesh:
     """A cover with eased edges, ``thick`` metres, flat on the wall behind the box."""
     x, y, height = 0.5 * size[0], 0.5 * size[1], size[2]
-    return board((-x, y - thick, 0.0), (x, y, height), 0.002)
+    return board((-x, y - thick, 0.0), (x, y, height))
 
 
 def profiled(polygon: ArrayLike, width: float, frame: NDArray[np.float64], bevel: float) -> Mesh:

@@ -139,7 +139,7 @@ def gas_hob(made: Assembly, width: float, middle: float, depth: float, top: floa
 def glass_hob(made: Assembly, width: float, middle: float, depth: float, top: float) -> None:
     """A sheet of black glass with printed rings."""
     x, y = 0.5 * width - 0.008, 0.5 * depth - 0.008
-    made.board("glass", (-x, middle - y, top - 0.006), (x, middle + y, top - 0.0006), 0.002)
+    made.board("glass", (-x, middle - y, top - 0.006), (x, middle + y, top - 0.0006))
     for a, b, radius in _spots(width - 0.04, depth - 0.06, max(2, round(width / 0.32))):
         r = 2.0 * radius
         circle = band(r - 0.004, r, 0.0, 0.002, 40)

@@ -27,7 +27,7 @@ def bar(length: float) -> Mesh:
     """A bent bar handle SIDE X, 28 mm before the front at y = 0."""
     half = 0.5 * length
     path = [(-half, 0.0, 0.0), (-half, -0.0235, 0.0), (half, -0.0235, 0.0), (half, 0.0, 0.0)]
-    return tube(filleted(path, 0.01, segments=4), 0.0045, segments=10)
+    return tube(filleted(path, 0.01), 0.0045, segments=10)
 
 
 def knob(length: float = 0.0) -> Mesh:

@@ -90,13 +90,7 @@ def counter_doors(size: Size, rng: np.random.Generator) -> Furniture:
 def _single(unit: Carcass, cell: Cell, look: Look, right: bool) -> None:
     x = cell[0] + 0.04 if right else cell[1] - 0.04
     hang_door(
-        unit.made,
-        cell,
-        unit.face,
-        "right" if right else "left",
-        look,
-        handle=(x, cell[3] - 0.12),
-        length=0.16,
+        unit.made, cell, unit.face, "right" if right else "left", look, handle=(x, cell[3] - 0.12)
     )
 
 

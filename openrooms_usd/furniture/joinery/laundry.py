@@ -132,7 +132,6 @@ def _porthole(radius: float) -> tuple[Mesh, Mesh]:
             (0.0, 0.03),
         ],
         segments=48,
-        crease=40.0,
     )
     return frame.transformed(FRONT), bowl.transformed(FRONT)
 

@@ -36,7 +36,7 @@ def hairpin(size: Size, rng: np.random.Generator) -> Parts:
             (*(foot - 0.012 * side), r),
             (*(head - spread * side), under),
         ]
-        rod = filleted(path, 0.01, segments=4)
+        rod = filleted(path, 0.01)
         legs.append(tube(rod, r, segments=8))
     plates = [
         board((a - 0.05, b - 0.05, under - 0.004), (a + 0.05, b + 0.05, under), 0.001)
@@ -58,7 +58,7 @@ def drum(size: Size, rng: np.random.Generator) -> Parts:
     angle = 2.0 * np.pi * np.arange(count) / count
     share = 0.82
     staves = []
-    stave = board((-0.008, -0.016, 0.018), (0.008, 0.016, under), 0.002)
+    stave = board((-0.008, -0.016, 0.018), (0.008, 0.016, under))
     for t in angle:
         x, y = share * 0.5 * width * np.cos(t), share * 0.5 * depth * np.sin(t)
         heading = np.arctan2(y / depth**2, x / width**2)

@@ -90,7 +90,7 @@ def jar_ginger(size: Size, rng: np.random.Generator) -> Parts:
         [(0.0, 0.825 * h), (neck * 1.2, 0.825 * h), *dome[1:], (0.0, 0.956 * h)], segments=36
     )
     knob = sphere(0.035 * h, segments=16, center=(0.0, 0.0, 0.965 * h))
-    return {"container": hollow(body, 0.04 * r, 0.05 * h, 0.0, 40), "lid": lid, "handle": knob}
+    return {"container": hollow(body, 0.04 * r, 0.05 * h, 0.0), "lid": lid, "handle": knob}
 
 
 def jar_preserving(size: Size, rng: np.random.Generator) -> Parts:
