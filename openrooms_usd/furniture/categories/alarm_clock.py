@@ -11,7 +11,6 @@ from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box, cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -75,7 +74,7 @@ def bells(size: Size, rng: np.random.Generator) -> Parts:
         (0.2 * r, 0.0, height - 0.003),
         (0.26 * r, 0.0, middle + 1.1 * r),
     ]
-    handle = tube(filleted(path, 0.1 * r, segments=2), 0.0025, segments=6)
+    handle = tube(path, 0.0025, bend=0.1 * r, bend_segments=2, segments=6)
     return {**parts, "bell": joined(top), "foot": joined(legs), "handle": handle}
 
 

@@ -11,7 +11,6 @@ from openrooms_usd.furniture.joinery.posing import seated, tapered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
@@ -26,16 +25,14 @@ def _straps(width: float, height: float, back: float, strap: float) -> list[Mesh
     """The two straps over the shoulders."""
     return [
         tube(
-            filleted(
-                [
-                    (s * 0.3 * width, back - strap, 0.08 * height),
-                    (s * 0.34 * width, back - 0.006, 0.4 * height),
-                    (s * 0.16 * width, back - 0.006, 0.8 * height),
-                    (s * 0.12 * width, back - strap - 0.04, 0.9 * height),
-                ],
-                0.04,
-            ),
+            [
+                (s * 0.3 * width, back - strap, 0.08 * height),
+                (s * 0.34 * width, back - 0.006, 0.4 * height),
+                (s * 0.16 * width, back - 0.006, 0.8 * height),
+                (s * 0.12 * width, back - strap - 0.04, 0.9 * height),
+            ],
             0.006,
+            bend=0.04,
             segments=8,
         )
         for s in (-1.0, 1.0)
@@ -63,16 +60,14 @@ def day(size: Size, rng: np.random.Generator) -> Parts:
     straps = _straps(width, height, back, strap)
     y = back - strap - 0.3 * deep
     loop = tube(
-        filleted(
-            [
-                (-0.04, y, high - 0.02),
-                (-0.03, y, height - 0.006),
-                (0.03, y, height - 0.006),
-                (0.04, y, high - 0.02),
-            ],
-            0.012,
-        ),
+        [
+            (-0.04, y, high - 0.02),
+            (-0.03, y, height - 0.006),
+            (0.03, y, height - 0.006),
+            (0.04, y, high - 0.02),
+        ],
         0.006,
+        bend=0.012,
         segments=8,
     )
     zips = [

@@ -38,7 +38,7 @@ def basket_rope(size: Size, rng: np.random.Generator) -> Parts:
         (0.055, 0.0, loop - thick),
         (0.055, 0.0, -0.02),
     ]
-    grip = tube(filleted(arch, 0.03), thick, segments=8)
+    grip = tube(arch, thick, bend=0.03, segments=8)
     grips = [grip.moved((0.0, side * float(shape[-1]), h)) for side in (-1.0, 1.0)]
     return {
         "container": oval(joined([*coils, floor]), size),

@@ -10,7 +10,6 @@ from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profile
 from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import CHAIRS, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
 
@@ -102,7 +101,7 @@ def hoop(size: Size, rng: np.random.Generator) -> Parts:
     r, thick = 0.012, 0.036
     x, y = 0.5 * width - 0.14, 0.5 * depth - r
     path = [(0.0, -y, height - thick - r), (0.0, -y, r), (0.0, y, r), (0.0, y, height - thick - r)]
-    frame = tube(filleted(path, 0.06, segments=6, closed=True), r, segments=10, closed=True)
+    frame = tube(path, r, bend=0.06, bend_segments=6, segments=10, closed=True)
     gap = float(rng.uniform(0.004, 0.02))
     planks = [
         board(

@@ -172,7 +172,7 @@ def cluster(size: Size, rng: np.random.Generator) -> Parts:
         z = level * height + ball
         root = (float(np.clip(0.35 * x, -0.03, 0.03)), float(np.clip(0.35 * y, -0.03, 0.03)))
         knot = [(*root, height - 0.02), (0.9 * x, 0.9 * y, height - 0.045), (x, y, z + ball)]
-        cords.append(tube(filleted(knot, 0.03), 0.0028, segments=8))
+        cords.append(tube(knot, 0.0028, bend=0.03, segments=8))
         caps.append(
             cylinder(0.3 * ball, 0.035, bevel=0.004, segments=20, base=(x, y, z + 0.93 * ball))
         )

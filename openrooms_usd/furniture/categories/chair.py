@@ -255,7 +255,7 @@ def sled(size: Size, rng: np.random.Generator) -> Parts:
         (rear - 0.02, radius),
     ]
     path = [(-x, *p) for p in side] + [(x, *p) for p in side[::-1]]
-    frame = tube(filleted(path, 0.055, segments=6), radius)
+    frame = tube(path, radius, bend=0.055, bend_segments=6)
     seat_board = extrude(
         filleted(rectangle(width - 0.002, hip - front - 0.05), 0.05, closed=True),
         0.014,

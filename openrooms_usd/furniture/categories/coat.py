@@ -187,7 +187,7 @@ def _shirt(size: Size, rng: np.random.Generator) -> Mesh:
             (side * (0.5 * width - thick), 0.0, 0.84 * height),
             (side * (0.5 * width - thick), 0.0, (0.9 - long) * height),
         ]
-        sleeves.append(tube(filleted(path, 0.05, segments=3), thick, segments=10))
+        sleeves.append(tube(path, thick, bend=0.05, bend_segments=3, segments=10))
     body = loft(np.array([inner, *rings[::-1]]), crease=70.0)
     return boxed(metric(joined([body, *sleeves]))[0], size)
 

@@ -11,7 +11,6 @@ from openrooms_usd.furniture.joinery.cloth import folded
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, Scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box, cylinder, sphere
@@ -176,7 +175,7 @@ def roller(size: Size, rng: np.random.Generator) -> Parts:
         .transformed(SIDE)
         .moved((-inner, y, z)),
         "weight": board((-inner, behind - 0.006, 0.0), (inner, behind + 0.006, 0.026), 0.004),
-        "chain": tube(filleted(chain, 0.012, closed=True), 0.0018, segments=5, closed=True),
+        "chain": tube(chain, 0.0018, bend=0.012, segments=5, closed=True),
         **numbered("bracket", brackets),
     }
 

@@ -12,7 +12,6 @@ from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude, tube
@@ -38,15 +37,13 @@ def _stand(back: float, thick: float, tall: float, seat: float) -> Parts:
     r, y = 0.009, 0.02
     legs = [
         tube(
-            filleted(
-                [
-                    (s * 0.14, -back + r, r),
-                    (s * 0.12, y - thick - 0.02, seat - 0.012),
-                    (0.0, 0.16, 0.55 * tall + seat),
-                ],
-                0.05,
-            ),
+            [
+                (s * 0.14, -back + r, r),
+                (s * 0.12, y - thick - 0.02, seat - 0.012),
+                (0.0, 0.16, 0.55 * tall + seat),
+            ],
             r,
+            bend=0.05,
             segments=10,
         )
         for s in (-1.0, 1.0)

@@ -10,7 +10,6 @@ from openrooms_usd.furniture.joinery.vessel import smooth_line
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
@@ -56,7 +55,7 @@ def jug(size: Size, rng: np.random.Generator) -> Parts:
         (reach - 0.012, 0.0, foot + 0.28 * top),
         (0.9 * r, 0.0, foot + 0.18 * top),
     ]
-    grip = tube(filleted(path, 0.035), 0.0105, segments=10)
+    grip = tube(path, 0.0105, bend=0.035, segments=10)
     return {
         "container": body,
         "base": base,
@@ -104,14 +103,14 @@ def stove(size: Size, rng: np.random.Generator) -> Parts:
         (0.55 * r, 0.0, height - 0.008),
         (0.6 * r, 0.0, 0.72 * h),
     ]
-    grip = tube(filleted(arch, 0.4 * r, segments=5), 0.0075, segments=10)
+    grip = tube(arch, 0.0075, bend=0.4 * r, bend_segments=5, segments=10)
     end = width - r - 0.012
     beak = [
         (-0.75 * r, 0.0, 0.42 * h),
         (-0.5 * (r + end) - 0.01, 0.0, 0.62 * h),
         (-end, 0.0, 0.98 * h),
     ]
-    spout = tube(filleted(beak, 0.03, segments=3), np.linspace(0.02, 0.011, 6).tolist())
+    spout = tube(beak, np.linspace(0.02, 0.011, 6).tolist(), bend=0.03, bend_segments=3)
     return {"container": body, "lid": lid, "knob": knob, "handle": grip, "spout": spout}
 
 

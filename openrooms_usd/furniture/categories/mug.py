@@ -11,7 +11,6 @@ from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -27,7 +26,7 @@ def _handle(reach: float, low: float, high: float, thick: float, wall: float) ->
         (wall + 0.6 * reach, 0.0, low + 0.1 * half),
         (wall - 0.003, 0.0, low),
     ]
-    loop = tube(filleted(path, 0.4 * half, segments=3), thick, segments=8)
+    loop = tube(path, thick, bend=0.4 * half, bend_segments=3, segments=8)
     return loop.transformed(np.diag([1.0, 1.45, 1.0]))
 
 

@@ -79,7 +79,7 @@ def _brackets(r: float, z: float, reach: float) -> list[Mesh]:
         (r + reach - 0.005, 0.035, z + 0.002),
         (r - 0.003, 0.035, z),
     ]
-    loop = tube(filleted(path, 0.018, segments=3), 0.0048, segments=8)
+    loop = tube(path, 0.0048, bend=0.018, bend_segments=3, segments=8)
     return [loop, turned(loop, "z", 180.0)]
 
 

@@ -10,7 +10,6 @@ from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -61,7 +60,7 @@ def clothes(size: Size, rng: np.random.Generator) -> Parts:
         for s in (-1.0, 1.0)
     ]
     return {
-        "tube": tube(filleted(path, 0.06, segments=6), r, segments=14),
+        "tube": tube(path, r, bend=0.06, bend_segments=6, segments=14),
         **numbered("foot", feet + ends),
         **numbered("rail", across),
         "shelf": shelf,

@@ -13,7 +13,6 @@ from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -57,7 +56,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
         made.turn("switch", names, at, (side, 0.0, 0.0), (0.0, 120.0))
     reach = y - 0.3
     riser = [(x, y, _MIXER_M), (x, y, top - 0.011), (x, reach, top - 0.011), (x, reach, top - 0.07)]
-    made.add("spout", tube(filleted(riser, 0.06, segments=6), 0.011, segments=14))
+    made.add("spout", tube(riser, 0.011, bend=0.06, bend_segments=6, segments=14))
     head = lathe(
         [(0.0, 0.0), (0.115, 0.0), (0.118, 0.006), (0.1, 0.012), (0.03, 0.022), (0.0, 0.03)],
         segments=36,
@@ -68,7 +67,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
     low, high = (x - 0.014, y - 0.045, hang - 0.015), (x + 0.014, y + 0.012, hang + 0.02)
     made.board("bracket", low, high, 0.004)
     grip = [(x, y - 0.03, hang - 0.12), (x, y - 0.03, hang + 0.06), (x, y - 0.075, hang + 0.1)]
-    made.add("spout", tube(filleted(grip, 0.03), 0.011))
+    made.add("spout", tube(grip, 0.011, bend=0.03))
     spray = lathe(
         [(0.0, 0.0), (0.045, 0.0), (0.048, 0.01), (0.02, 0.026), (0.0, 0.028)], segments=24
     )
@@ -81,7 +80,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
         (x + 0.12, y - 0.01, 0.8),
         (x + 0.06, y, _MIXER_M - 0.02),
     ]
-    made.add("hose", tube(filleted(hose, 0.1, segments=6), 0.006, segments=8))
+    made.add("hose", tube(hose, 0.006, bend=0.1, bend_segments=6, segments=8))
 
 
 def corner(size: Size, rng: np.random.Generator, *, side: int) -> Furniture:
@@ -115,7 +114,7 @@ def corner(size: Size, rng: np.random.Generator, *, side: int) -> Furniture:
     names = made.board("pane", (c, front, low + 0.008), (d, front + _PANE_M, high), 0.001)
     grip = end + side * 0.05
     bar = [(grip, front - a, z) for z, a in ((0.95, 0.0), (0.95, 0.03), (1.25, 0.03), (1.25, 0.0))]
-    names += made.add("handle", tube(filleted(bar, 0.012), 0.008, segments=10))
+    names += made.add("handle", tube(bar, 0.008, bend=0.012, segments=10))
     made.hinge("door", names, (inner, front, low), "right" if side > 0 else "left", 95.0)
     rest = sorted((end - side * 0.004, outer + side * (_PANE_M + 0.001)))
     if rest[1] - rest[0] > 0.03:

@@ -10,7 +10,6 @@ from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube
@@ -47,7 +46,7 @@ def rectangular(size: Size, rng: np.random.Generator) -> Parts:
             (x, 0.07, height - 0.004),
             (x, 0.07, 0.8 * rim),
         ]
-        grips.append(tube(filleted(path, 0.015, segments=3), 0.004, segments=8))
+        grips.append(tube(path, 0.004, bend=0.015, bend_segments=3, segments=8))
     return {"tray": base, **numbered("handle", grips)}
 
 

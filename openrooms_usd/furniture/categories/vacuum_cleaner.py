@@ -11,7 +11,6 @@ from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cushion, cylinder
 from openrooms_usd.geometry.sweeps import tube
@@ -56,16 +55,14 @@ def canister(size: Size, rng: np.random.Generator) -> Parts:
         0.032, 0.012, bevel=0.003, segments=20, base=(0.0, middle + 0.2 * deep, tall + 0.008)
     )
     strap = tube(
-        filleted(
-            [
-                (0.0, middle - 0.14 * deep, tall - 0.01),
-                (0.0, middle - 0.12 * deep, tall + 0.035),
-                (0.0, middle + 0.08 * deep, tall + 0.035),
-                (0.0, middle + 0.1 * deep, tall - 0.01),
-            ],
-            0.02,
-        ),
+        [
+            (0.0, middle - 0.14 * deep, tall - 0.01),
+            (0.0, middle - 0.12 * deep, tall + 0.035),
+            (0.0, middle + 0.08 * deep, tall + 0.035),
+            (0.0, middle + 0.1 * deep, tall - 0.01),
+        ],
         0.01,
+        bend=0.02,
         segments=10,
     )
     return {
@@ -73,8 +70,8 @@ def canister(size: Size, rng: np.random.Generator) -> Parts:
         **numbered("wheel", [*wheels, caster]),
         "base": head,
         "pipe": pipe,
-        "hose": tube(filleted(hose, 0.12, segments=5), 0.0175, segments=14),
-        "grip": joined([tube(filleted(grip, 0.05), 0.021, segments=14), strap]),
+        "hose": tube(hose, 0.0175, bend=0.12, bend_segments=5, segments=14),
+        "grip": joined([tube(grip, 0.021, bend=0.05, segments=14), strap]),
         "button": knob,
     }
 

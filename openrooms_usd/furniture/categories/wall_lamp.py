@@ -11,7 +11,6 @@ from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, sphere
 from openrooms_usd.geometry.sweeps import sheet, tube
@@ -64,7 +63,7 @@ def globe(size: Size, rng: np.random.Generator) -> Parts:
     cup = cylinder(0.42 * ball, 0.03, bevel=0.005, segments=28, base=(0.0, y, top - ball - 0.012))
     return {
         "base": _plate(max(plate, low), back, low),
-        "lamp_pole": tube(filleted(path, 0.3 * (back - y)), 0.0075),
+        "lamp_pole": tube(path, 0.0075, bend=0.3 * (back - y)),
         "frame": cup,
         "light_bulb": sphere(ball, center=(0.0, y, top)),
     }
@@ -84,7 +83,7 @@ def swing(size: Size, rng: np.random.Generator) -> Parts:
         (0.0, y, level),
         (0.0, y, low + 0.35 * tall),
     ]
-    arms = tube(filleted(path, 0.012), 0.006, segments=10)
+    arms = tube(path, 0.006, bend=0.012, segments=10)
     plate = board((-0.028, back - 0.014, 0.0), (0.028, back, 0.55 * height), 0.005)
     socket = low + 0.34 * tall
     top = float(rng.uniform(0.78, 0.94)) * radius

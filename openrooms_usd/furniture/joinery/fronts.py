@@ -11,7 +11,6 @@ from openrooms_usd.furniture.joinery.assembly import Assembly, Side
 from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
 from openrooms_usd.furniture.joinery.cells import BOARD, GAP, HANDLE, Cell, columns, rows
 from openrooms_usd.furniture.joinery.pieces import Fronts, Order
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, vessel
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
@@ -27,7 +26,7 @@ def bar(length: float) -> Mesh:
     """A bent bar handle SIDE X, 28 mm before the front at y = 0."""
     half = 0.5 * length
     path = [(-half, 0.0, 0.0), (-half, -0.0235, 0.0), (half, -0.0235, 0.0), (half, 0.0, 0.0)]
-    return tube(filleted(path, 0.01), 0.0045, segments=10)
+    return tube(path, 0.0045, bend=0.01, segments=10)
 
 
 def knob(length: float = 0.0) -> Mesh:

@@ -140,7 +140,7 @@ def television_feet(size: Size, rng: np.random.Generator) -> Parts:
         (0.0, -0.006, lift + 0.015),
         (0.0, 0.5 * depth - 0.006, 0.006),
     ]
-    foot = tube(filleted(line, 0.03), 0.006)
+    foot = tube(line, 0.006, bend=0.03)
     return {
         **parts,
         **numbered("foot", [foot.moved((side * spread, 0.0, 0.0)) for side in (-1, 1)]),

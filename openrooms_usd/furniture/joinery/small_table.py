@@ -207,7 +207,7 @@ def bracket(size: Size, rng: np.random.Generator) -> Parts:
     outline = filleted(rectangle(width, depth), 0.03, closed=True)
     return {
         "tabletop": _slab(outline, thick, height),
-        "leg": tube(filleted(path, 0.03, segments=5), r, segments=10),
+        "leg": tube(path, r, bend=0.03, bend_segments=5, segments=10),
         "frame": tube([(-side * x, -y, under - r), (-side * x, y, under - r)], r, segments=10),
     }
 

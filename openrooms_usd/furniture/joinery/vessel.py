@@ -182,9 +182,7 @@ def bottle_sport(size: Size, rng: np.random.Generator) -> Parts:
         (0.5 * r, 0.0, h - thick),
         (0.5 * r, 0.0, top + 0.07 * h),
     ]
-    loop = turned(
-        tube(filleted(arch, 0.3 * r), thick, segments=10), "z", float(rng.uniform(0.0, 180.0))
-    )
+    loop = turned(tube(arch, thick, bend=0.3 * r, segments=10), "z", float(rng.uniform(0.0, 180.0)))
     outline = filleted([(0.0, 0.0), *body, (0.0, top + 0.02 * h)], 0.12 * r, segments=5)
     return {"container": lathe(outline, segments=36), "lid": lid, "handle": loop}
 
@@ -207,7 +205,7 @@ def bottle_pump(size: Size, rng: np.random.Generator) -> Parts:
     stem = cylinder(0.11 * r, 0.2 * h, segments=14, base=(0.0, 0.0, top + 0.05 * h))
     head = cylinder(0.3 * r, 0.05 * h, bevel=0.004, segments=24, base=(0.0, 0.0, 0.95 * h))
     nozzle = [(0.0, 0.0, 0.975 * h), (0.0, -0.8 * r, 0.975 * h), (0.0, -0.98 * r, 0.94 * h)]
-    spout = tube(filleted(nozzle, 0.15 * r), 0.09 * r, segments=10)
+    spout = tube(nozzle, 0.09 * r, bend=0.15 * r, segments=10)
     return {
         "container": lathe(outline, segments=36),
         "lid": collar,
