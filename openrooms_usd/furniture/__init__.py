@@ -16,7 +16,7 @@ import numpy as np
 from openrooms_usd.description.advice import in_metres
 from openrooms_usd.description.categories import other_words
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture.joinery.boards import (
+from openrooms_usd.furniture.joinery.pieces import (
     NOTHING_ORDERED,
     Furniture,
     Joint,

@@ -34,7 +34,7 @@ OTHERS: Final[dict[str, Category]] = {
     "opening": Category(
         fixed=True,
         classes=Classes(nyu40="otherstructure"),
-        schemes=(scheme("white", threshold="wood"),),
+        schemes=(scheme("white", wood="threshold"),),
     ),
     "pendant_lamp": Category(classes=Classes("lamp", "lamp", "chandelier"), support="ceiling"),
     "picture_rail": Category(fixed=True, classes=Classes("wall", "otherstructure", "wall")),

@@ -159,8 +159,8 @@ class SurfacePlacement:
 
 def on(
     places: str,
-    *,
     rooms: str = "",
+    *,
     styles: str = "",
     weight: float = 1.0,
     count: tuple[int, int] = (1, 1),

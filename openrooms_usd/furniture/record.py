@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final, Literal, NamedTuple, TypeAlias
 
 from openrooms_usd.furniture.construction import Row
-from openrooms_usd.furniture.joinery.boards import Size, Style
+from openrooms_usd.furniture.joinery.pieces import Size, Style
 from openrooms_usd.furniture.placements import Place, SurfacePlacement
 from openrooms_usd.furniture.schemes import Scheme
 

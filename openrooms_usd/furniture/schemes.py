@@ -34,6 +34,11 @@ class Scheme:
 _NO_PARTS: Final[Mapping[str, str]] = {}
 
 
+def finished(**parts: str) -> dict[str, str]:
+    """Finishes by part: by each finish the parts that have it, apart by blanks."""
+    return {part: finish for finish, named in parts.items() for part in named.split()}
+
+
 def scheme(
     finish: str,
     shared: Mapping[str, str] = _NO_PARTS,
@@ -42,66 +47,65 @@ def scheme(
     needs: str | None = None,
     weight: float = 1.0,
     suite: str = "",
-    **parts: str,
+    **others: str,
 ) -> Scheme:
     """A scheme by the finish of most parts, and by those that have another.
 
     Args:
         finish: Of all that are not named.
-        shared: Finishes of parts which several schemes have; ``parts`` go before them.
+        shared: Finishes by part which several schemes have; ``others`` go before them.
         needs: As of `Scheme`.
         weight: As of `Scheme`.
         suite: As of `Scheme`.
-        **parts: The finish of each other part.
+        **others: Parts of other finishes, as `finished` has them.
     """
-    return Scheme({ANY: finish, **shared, **parts}, needs, weight, suite)
+    return Scheme({ANY: finish, **shared, **finished(**others)}, needs, weight, suite)
+
+
+def landscape_print(tones: str) -> dict[str, str]:
+    """The finishes of a landscape's sheets in tones that fit together; the sky is its canvas."""
+    return {"canvas" if tone == "sky" else tone: f"{tones}_{tone}" for tone in TONES}
 
 
 # Parts that several categories finish alike.
-HIDE: Final = {"seat_cushion": "hide", "back_cushion": "hide", "cushion": "hide"}
-TAP: Final = {"body": "chrome", "switch": "chrome"}
-DARK_TAP: Final = {"body": METAL, "switch": METAL, "spout": METAL, "drain": METAL}
-_HOT: Final = {"container": "cavity", "base": "black", "rack": "chrome", "handle": "steel"}
+HIDE: Final = finished(hide="seat_cushion back_cushion cushion")
+TAP: Final = finished(chrome="body switch")
+DARK_TAP: Final = finished(metal="body switch spout drain")
+_HOT: Final = finished(cavity="container", black="base", chrome="rack", steel="handle")
 
 CHAIRS: Final = (
     scheme("bent_wood", weight=3.0),
-    scheme("lacquer", leg="bent_wood", frame="bent_wood"),
+    scheme("lacquer", bent_wood="leg frame"),
     scheme("lacquer"),
-    scheme("upholstery", leg="bent_wood", needs="arm", weight=100.0),
+    scheme("upholstery", bent_wood="leg", needs="arm", weight=100.0),
 )
 TABLES: Final = (
     scheme("wood", weight=3.0),
-    scheme(METAL, tabletop="wood", shelf="wood"),
-    scheme("white", tabletop="wood", shelf="wood"),
+    scheme(METAL, wood="tabletop shelf"),
+    scheme("white", wood="tabletop shelf"),
 )
 STORAGE: Final = (
     scheme("wood", weight=2.0),
-    scheme("white", leg="wood", base="white"),
-    scheme("wood", door="lacquer", drawer_front="lacquer", needs="handle"),
+    scheme("white", wood="leg", white="base"),
+    scheme("wood", lacquer="door drawer_front", needs="handle"),
 )
-_UNIT: Final = {
-    "shelf": "white",
-    "drawer_box": "white",
-    "container": "plastic",
-    "tray": "plastic",
-    "rack": "chrome",
-}
+_UNIT: Final = finished(white="shelf drawer_box", plastic="container tray", chrome="rack")
 KITCHEN: Final = (
     scheme("white", _UNIT, weight=3.0, suite="kitchen"),
     scheme("kitchen_lacquer", _UNIT, weight=3.0, suite="kitchen"),
     scheme("wood", _UNIT, weight=2.0, suite="kitchen"),
-    scheme("white", _UNIT, kickboard="black", suite="kitchen"),
+    scheme("white", _UNIT, black="kickboard", suite="kitchen"),
 )
 # Of appliances behind the fronts of a kitchen.
 PANELLED: Final = tuple(replace(each, needs="kickboard") for each in KITCHEN)
-LAMPS: Final = (scheme(METAL, weight=2.0), scheme(METAL, base="ceramic"))
-SOCKETED: Final = (scheme(METAL, lamp_shade="lacquer", needs="socket", weight=100.0),)
+LAMPS: Final = (scheme(METAL, weight=2.0), scheme(METAL, ceramic="base"))
+SOCKETED: Final = (scheme(METAL, lacquer="lamp_shade", needs="socket", weight=100.0),)
 COOKERS: Final = (
-    scheme("steel", _HOT, frame="black", weight=2.0),
-    scheme("enamel", _HOT, knob="enamel", weight=2.0),
-    scheme("screen", _HOT, frame="black", knob="steel"),
+    scheme("steel", _HOT, black="frame", weight=2.0),
+    scheme("enamel", _HOT, enamel="knob", weight=2.0),
+    scheme("screen", _HOT, black="frame", steel="knob"),
 )
 SCREENS: Final = (
     scheme("black_plastic", weight=3.0),
-    scheme("black_plastic", stand="aluminium", base="aluminium", foot="aluminium"),
+    scheme("black_plastic", aluminium="stand base foot"),
 )

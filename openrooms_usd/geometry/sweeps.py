@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.geometry.curves import lengths, signed_area
+from openrooms_usd.geometry.curves import filleted, lengths, signed_area
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.vectors import UP, unit
@@ -126,13 +126,21 @@ def _capped(sides: Mesh, rings: NDArray[np.float64], count: int) -> Mesh:
 
 
 def tube(
-    path: ArrayLike, radius: float | Sequence[float], *, segments: int = 12, closed: bool = False
+    path: ArrayLike,
+    radius: float | Sequence[float],
+    *,
+    bend: float = 0.0,
+    bend_segments: int = 4,
+    segments: int = 12,
+    closed: bool = False,
 ) -> Mesh:
     """A round bar along a polyline, mitred at its corners.
 
     Args:
-        path: (N, 3) points of its axis, metres; use `curves.filleted` for bends.
-        radius: Metres, one for all or one a point.
+        path: (N, 3) points of its axis, metres.
+        radius: Metres, one for all or one a point, those of bends included.
+        bend: Of its corners, the radius of their arcs, metres.
+        bend_segments: Straight pieces of each arc.
         segments: Sides around the axis.
         closed: Whether the last point joins the first; the ends are capped otherwise.
 
@@ -140,6 +148,8 @@ def tube(
         The closed mesh.
     """
     axis = np.asarray(path, dtype=np.float64)
+    if bend > 0.0:
+        axis = filleted(axis, bend, segments=bend_segments, closed=closed)
     radii = np.broadcast_to(np.asarray(radius, dtype=np.float64), (len(axis),))
     rings = axis[:, None] + _tube_offsets(axis, segments, closed) * radii[:, None, None]
     rows = len(axis) if closed else len(axis) - 1

@@ -35,3 +35,8 @@ def unit(vectors: Array, otherwise: ArrayLike | None = None) -> Array:
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
     found = np.asarray(vectors / np.where(lengths > 0.0, lengths, 1.0))
     return found if otherwise is None else np.where(lengths > 0.0, found, otherwise)
+
+
+def points_at(*coordinates: ArrayLike) -> Array:
+    """(..., D) points by their D coordinates, which are broadcast against each other."""
+    return np.stack(np.broadcast_arrays(*coordinates), axis=-1)

@@ -25,7 +25,7 @@ from openrooms_usd import names
 from openrooms_usd.atomic import appearing
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture.joinery.boards import Furniture, Joint, part_of
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, part_of
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.timber import grained
 

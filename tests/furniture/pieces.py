@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 from openrooms_usd.furniture import CATEGORIES, Furniture, Size
-from openrooms_usd.furniture.joinery.boards import fitted
+from openrooms_usd.furniture.joinery.pieces import fitted
 
 STYLES = [(name, style) for name, spec in CATEGORIES.items() for style in spec.styles]
 

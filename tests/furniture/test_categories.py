@@ -11,7 +11,7 @@ import pytest
 from openrooms_usd.description.categories import LibraryCategory
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.furniture import CATEGORIES, category
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.others import OTHERS
 from openrooms_usd.furniture.placements import Place, Pose
 from openrooms_usd.furniture.record import BuiltCategory

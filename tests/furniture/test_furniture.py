@@ -17,7 +17,7 @@ from openrooms_usd.furniture import (
     part_of,
     styles,
 )
-from openrooms_usd.furniture.joinery.boards import fitted
+from openrooms_usd.furniture.joinery.pieces import fitted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.solids import box

@@ -174,7 +174,7 @@ def asset_names(folder: Path) -> dict[str, str]:
     ("file", "changed"),
     [
         ("openrooms_usd/furniture/categories/bathtub.py", {"bathtub"}),
-        ("openrooms_usd/furniture/joinery/boards.py", set(CATEGORIES)),
+        ("openrooms_usd/furniture/joinery/pieces.py", set(CATEGORIES)),
         ("openrooms_usd/library/assets.py", set(CATEGORIES)),
         ("openrooms_usd/draws.py", set(CATEGORIES)),
         ("openrooms_usd/library/textures/rough_stone/masonry.py", set()),

@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
-from openrooms_usd.furniture.joinery.boards import part_of
+from openrooms_usd.furniture.joinery.pieces import part_of
 from openrooms_usd.geometry.rotations import is_rotation
 from openrooms_usd.rendering.scene.arrays import Patch, Scene
 from openrooms_usd.rendering.scene.pictures import Picture

@@ -5,15 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
 
@@ -69,6 +62,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     mass_range=(6, 20),
     words="air_conditioning ac_unit air_condition aircon",
-    schemes=(scheme("plastic", slat="grey"),),
+    schemes=(scheme("plastic", grey="slat"),),
     construction=(row(ANY, filled(260), "weight"),),
 )

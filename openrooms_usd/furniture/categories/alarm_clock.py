@@ -5,12 +5,12 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box, cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -38,8 +38,8 @@ def bells(size: Size, rng: np.random.Generator) -> Parts:
     middle = r + 0.1 * height
     deep = 0.98 * depth
     rim = [(r - 0.006, 0.0), (r, 0.002), (r, deep - 0.002), (r - 0.006, deep)]
-    drum = lathe([(0.0, 0.0), *rim, (r - 0.009, deep - 0.003), (0.0, deep - 0.003)], segments=32)
-    dial = cylinder(r - 0.008, 0.001, segments=32, base=(0.0, 0.0, deep - 0.0035))
+    drum = lathe([(0.0, 0.0), *rim, (r - 0.009, deep - 0.003), (0.0, deep - 0.003)])
+    dial = cylinder(r - 0.008, 0.001, base=(0.0, 0.0, deep - 0.0035))
     marks = [
         turned(box((0.0016, 0.1 * r, 0.0012), (0.0, 0.76 * r, deep - 0.0025)), "z", 30.0 * k)
         for k in range(12)
@@ -74,7 +74,7 @@ def bells(size: Size, rng: np.random.Generator) -> Parts:
         (0.2 * r, 0.0, height - 0.003),
         (0.26 * r, 0.0, middle + 1.1 * r),
     ]
-    handle = tube(filleted(path, 0.1 * r, segments=2), 0.0025, segments=6)
+    handle = tube(path, 0.0025, bend=0.1 * r, bend_segments=2, segments=6)
     return {**parts, "bell": joined(top), "foot": joined(legs), "handle": handle}
 
 
@@ -125,21 +125,15 @@ CATEGORY: Final = BuiltCategory(
     words="clock_radio digital_clock desk_clock",
     classes=Classes("clock", "otherprop", "clock", "clock"),
     schemes=(
-        scheme(METAL, face="white_paper", number="print", hand="black"),
+        scheme(METAL, white_paper="face", print="number", black="hand"),
         scheme(
-            "lacquer",
-            face="white_paper",
-            number="print",
-            hand="black",
-            bell="chrome",
-            foot="chrome",
-            handle="chrome",
+            "lacquer", white_paper="face", print="number", black="hand", chrome="bell foot handle"
         ),
-        scheme("dark_plastic", digit="lit_digit", needs="digit", weight=100.0),
+        scheme("dark_plastic", lit_digit="digit", needs="digit", weight=100.0),
     ),
     construction=(row(ANY, filled(550), "weight"),),
     placements=(
         on("bedside", weight=0.6),
-        on("shelf desk dresser_top", rooms="bedroom", weight=0.25, max_groups=1),
+        on("shelf desk dresser_top", "bedroom", weight=0.25, max_groups=1),
     ),
 )

@@ -9,20 +9,17 @@ from openrooms_usd.furniture.categories.sofa import modern, wooden
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     SIDE,
-    Parts,
-    Size,
-    Style,
     board,
     corners,
-    numbered,
     profiled,
     round_leg,
     splayed,
     square_leg,
     strip,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import HIDE, METAL, scheme
+from openrooms_usd.furniture.schemes import HIDE, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh
@@ -56,9 +53,7 @@ def wing(size: Size, rng: np.random.Generator) -> Parts:
     inner = width - 2.0 * arm
     lean = 0.09
     thick = 0.15
-    rest = cushion(
-        (inner + 0.01, thick, height - seat + 0.04), radius=0.05, crown=(0.0, 0.025, 0.012)
-    )
+    rest = cushion((inner + 0.01, thick, height - seat + 0.04), crown=(0.0, 0.025, 0.012))
     shear = np.eye(3)
     shear[1, 2] = lean / (height - seat)
     pad_depth = depth - 0.2
@@ -202,9 +197,9 @@ CATEGORY: Final = BuiltCategory(
     words="arm_chair recliner club_chair lounge_chair easy_chair sofa_chair poltrone massage_chair",
     classes=Classes("chair", "chair", "armchair", "chair"),
     schemes=(
-        scheme("upholstery", leg="wood", weight=2.0),
-        scheme("upholstery", leg=METAL),
-        scheme("hide", HIDE, leg="wood", needs="seat_cushion", weight=0.7),
+        scheme("upholstery", wood="leg", weight=2.0),
+        scheme("upholstery", metal="leg"),
+        scheme("hide", HIDE, wood="leg", needs="seat_cushion", weight=0.7),
         scheme("wood", needs="rail", weight=100.0),
     ),
     construction=SEAT_ROWS,

@@ -5,12 +5,12 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import seated, tapered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
@@ -25,17 +25,14 @@ def _straps(width: float, height: float, back: float, strap: float) -> list[Mesh
     """The two straps over the shoulders."""
     return [
         tube(
-            filleted(
-                [
-                    (s * 0.3 * width, back - strap, 0.08 * height),
-                    (s * 0.34 * width, back - 0.006, 0.4 * height),
-                    (s * 0.16 * width, back - 0.006, 0.8 * height),
-                    (s * 0.12 * width, back - strap - 0.04, 0.9 * height),
-                ],
-                0.04,
-                segments=4,
-            ),
+            [
+                (s * 0.3 * width, back - strap, 0.08 * height),
+                (s * 0.34 * width, back - 0.006, 0.4 * height),
+                (s * 0.16 * width, back - 0.006, 0.8 * height),
+                (s * 0.12 * width, back - strap - 0.04, 0.9 * height),
+            ],
             0.006,
+            bend=0.04,
             segments=8,
         )
         for s in (-1.0, 1.0)
@@ -50,7 +47,6 @@ def day(size: Size, rng: np.random.Generator) -> Parts:
     high = height - 0.03
     whole = cushion(
         (1.056 * width, deep, high + sag),
-        radius=0.05,
         crown=(0.012, 0.02, 0.01),
         center=(0.0, back - strap - 0.5 * deep, 0.5 * (high - sag)),
     )
@@ -64,16 +60,14 @@ def day(size: Size, rng: np.random.Generator) -> Parts:
     straps = _straps(width, height, back, strap)
     y = back - strap - 0.3 * deep
     loop = tube(
-        filleted(
-            [
-                (-0.04, y, high - 0.02),
-                (-0.03, y, height - 0.006),
-                (0.03, y, height - 0.006),
-                (0.04, y, high - 0.02),
-            ],
-            0.012,
-        ),
+        [
+            (-0.04, y, high - 0.02),
+            (-0.03, y, height - 0.006),
+            (0.03, y, height - 0.006),
+            (0.04, y, high - 0.02),
+        ],
         0.006,
+        bend=0.012,
         segments=8,
     )
     zips = [
@@ -101,13 +95,13 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.5, 5),
     words="rucksack knapsack schoolbag school_bag",
     classes=Classes("bag", "bag", "bag", "backpack"),
-    schemes=(scheme("bag_cloth", lock="chrome", weight=2.0), scheme("hide", lock="brass")),
+    schemes=(scheme("bag_cloth", chrome="lock", weight=2.0), scheme("hide", brass="lock")),
     construction=(row(ANY, filled(90), "common"),),
     collision_softness=0.03,
     placements=(
         on(
             "floor_by_wall floor_under_desk floor_by_door",
-            rooms=_DRY,
+            _DRY,
             clutter=2,
             weight=0.7,
             max_groups=1,

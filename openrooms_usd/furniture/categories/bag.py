@@ -5,8 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.boards import FRONT
 from openrooms_usd.furniture.joinery.cloth import pillow, ripples
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M, on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -39,7 +40,7 @@ def _loop(half: float, y: float, low: float, top: float, thick: float) -> Mesh:
 
 
 def tote(size: Size, rng: np.random.Generator) -> Parts:
-    """A bag of cloth that stands, its loops up."""
+    """A bag of cloth that stands, its loops FRONT."""
     width, depth, height = size
     tall = 0.7 * height
     loops = [_loop(0.24 * width, s * 0.36 * depth, 0.9 * tall, height, 0.005) for s in (-1, 1)]
@@ -62,9 +63,8 @@ def hung(size: Size, rng: np.random.Generator) -> Parts:
 
 def filled_case(width: float, tall: float, depth: float, rng: np.random.Generator) -> Mesh:
     """A soft case that stands on its edge, about the origin."""
-    up = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     case = pillow(width, tall, depth, rng, divisions=12)
-    return metric(case.transformed(up))[0]
+    return metric(case.transformed(FRONT))[0]
 
 
 def paper(size: Size, rng: np.random.Generator) -> Parts:
@@ -96,9 +96,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bag", "bag", "bag", "handbag"),
     synsets=("02773838",),
     schemes=(
-        scheme("bag_cloth", handle="bag_cloth", weight=2.0),
-        scheme("hide", handle="hide"),
-        scheme("cardboard", cord="white_paper", needs="sack", weight=100.0),
+        scheme("bag_cloth", bag_cloth="handle", weight=2.0),
+        scheme("hide", hide="handle"),
+        scheme("cardboard", white_paper="cord", needs="sack", weight=100.0),
     ),
     construction=(
         row("sack", walls(0.3, 800), "common"),
@@ -108,8 +108,7 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "hook",
-            rooms="hallway closet bedroom living_room apartment office hotel kitchen "
-            "classroom stairs",
+            "hallway closet bedroom living_room apartment office hotel kitchen classroom stairs",
             styles="hung",
             pose="hung",
             weight=0.6,
@@ -117,6 +116,6 @@ CATEGORY: Final = BuiltCategory(
         on("floor_by_door floor_by_wall", styles="tote paper", weight=0.5),
         on("floor_under_desk floor_beside_sofa", styles="tote", weight=0.3, max_groups=1),
         on("chair_seat", styles="tote", clutter=2, weight=0.3, max_groups=1),
-        on("worktop", rooms="kitchen", styles="paper", clutter=3, weight=0.25, max_groups=1),
+        on("worktop", "kitchen", styles="paper", clutter=3, weight=0.25, max_groups=1),
     ),
 )

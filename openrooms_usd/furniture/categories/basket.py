@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import hoop, oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
@@ -29,15 +30,15 @@ def basket_rope(size: Size, rng: np.random.Generator) -> Parts:
     belly = float(rng.uniform(0.04, 0.1))
     shape = (r - thick) * (1.0 - belly * (2.0 * z / h - 0.9) ** 2)
     shape *= (r - thick) / shape.max()
-    coils = [hoop(float(a), float(b), thick, 32, 6) for a, b in zip(shape, z, strict=True)]
-    floor = cylinder(float(shape[0]), 1.6 * thick, segments=32)
+    coils = [hoop(float(a), float(b), thick, 32) for a, b in zip(shape, z, strict=True)]
+    floor = cylinder(float(shape[0]), 1.6 * thick)
     arch = [
         (-0.055, 0.0, -0.02),
         (-0.055, 0.0, loop - thick),
         (0.055, 0.0, loop - thick),
         (0.055, 0.0, -0.02),
     ]
-    grip = tube(filleted(arch, 0.03), thick, segments=8)
+    grip = tube(arch, thick, bend=0.03, segments=8)
     grips = [grip.moved((0.0, side * float(shape[-1]), h)) for side in (-1.0, 1.0)]
     return {
         "container": oval(joined([*coils, floor]), size),
@@ -54,7 +55,7 @@ def basket_woven(size: Size, rng: np.random.Generator) -> Parts:
     strip, rim = 0.0045, 0.009
     rows = max(6, round(h / 0.022))
     pitch = (h - 2.0 * rim) / rows
-    outline = filleted(rectangle(width - 2 * rim, depth - 2 * rim), 0.045, closed=True, segments=4)
+    outline = filleted(rectangle(width - 2 * rim, depth - 2 * rim), 0.045, closed=True)
     around = _dense(outline, 0.022)
     side = np.roll(around, -1, axis=0) - np.roll(around, 1, axis=0)
     normal = unit(np.stack([side[:, 1], -side[:, 0]], axis=1))
@@ -157,7 +158,7 @@ CATEGORY: Final = BuiltCategory(
     "storage_bin plastic_bin laundry_bin",
     classes=Classes("basket", "otherprop", "basket"),
     synsets=("02801938",),
-    schemes=(scheme("rope", handle="rope"), scheme("wood", needs="base", weight=100.0)),
+    schemes=(scheme("rope", rope="handle"), scheme("wood", needs="base", weight=100.0)),
     construction=(row(ANY, filled(250), "weight", "fabric"),),
     placements=(
         on("low_shelf wardrobe_shelf appliance_top", weight=0.8),

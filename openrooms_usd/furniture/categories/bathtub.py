@@ -9,9 +9,10 @@ from openrooms_usd.furniture.construction import ANY, row, walls
 from openrooms_usd.furniture.joinery.appliance import square
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import SEGMENTS, drain, inside
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, corners
+from openrooms_usd.furniture.joinery.boards import corners
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
@@ -149,7 +150,7 @@ CATEGORY: Final = BuiltCategory(
     words="tub bath bathing_tub bath_tub jacuzzi",
     classes=Classes("bathtub", "bathtub", "bathtub"),
     synsets=("02808440",),
-    schemes=(scheme("sanitary", leg=METAL),),
+    schemes=(scheme("sanitary", metal="leg"),),
     construction=(row(f"container {ANY}", walls(5, 1200), "common", "specular_stone"),),
     offers_surfaces=("bath_rim",),
     view_importance=2.5,

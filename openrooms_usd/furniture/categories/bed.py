@@ -6,16 +6,9 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import SEAT_ROWS, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Size,
-    Style,
-    board,
-    corners,
-    round_leg,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, round_leg, square_leg
 from openrooms_usd.furniture.joinery.cloth import cover, pillow
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
@@ -86,8 +79,8 @@ def platform(size: Size, rng: np.random.Generator) -> Furniture:
     half, foot, head = 0.5 * width, -0.5 * depth, 0.5 * depth
     deck, slab = level - thick + 0.03, 0.09
     panel = 0.04
-    made.add("frame", board((-half, foot, deck - slab), (half, head - panel, deck), 0.008))
-    made.add("base", board((0.12 - half, foot + 0.15, 0.0), (half - 0.12, head - 0.1, deck - slab)))
+    made.board("frame", (-half, foot, deck - slab), (half, head - panel, deck), 0.008)
+    made.board("base", (0.12 - half, foot + 0.15, 0.0), (half - 0.12, head - 0.1, deck - slab))
     _headboard(made, size, head, panel, bool(rng.integers(2)))
     span = (foot + 0.055, head - panel - 0.01)
     bedding(made, half - 0.055, span, level, thick, (min(0.2, thick), 0.16), rng)
@@ -103,13 +96,11 @@ def _headboard(made: Assembly, size: Size, head: float, panel: float, planks: bo
     pitch = (height - low) / count
     for i in range(count):
         gap = 0.006 if i else 0.0
-        made.add(
+        made.board(
             "headboard",
-            board(
-                (-half, head - panel, low + i * pitch + gap),
-                (half, head, low + (i + 1) * pitch),
-                0.006,
-            ),
+            (-half, head - panel, low + i * pitch + gap),
+            (half, head, low + (i + 1) * pitch),
+            0.006,
         )
 
 
@@ -134,14 +125,12 @@ def slatted(size: Size, rng: np.random.Generator) -> Furniture:
         made.add(part, crest, rail)
         _bars(made, part, half - 0.5 * t, side * y, (deck, top - 0.11), upright)
     for s in (-1.0, 1.0):
-        made.add(
-            "rail", board((s * half - 0.013, -y, deck - 0.13), (s * half + 0.013, y, deck), 0.004)
-        )
+        made.board("rail", (s * half - 0.013, -y, deck - 0.13), (s * half + 0.013, y, deck), 0.004)
     inner = half - 0.013
     count = max(6, round(depth / 0.16))
     base = level - thick
     for p in np.linspace(-y + 0.09, y - 0.09, count).tolist():
-        made.add("slat", board((-inner, p - 0.035, base - 0.018), (inner, p + 0.035, base), 0.003))
+        made.board("slat", (-inner, p - 0.035, base - 0.018), (inner, p + 0.035, base), 0.003)
     span = (0.02 - y, y - 0.02)
     bedding(made, inner - 0.012, span, level, thick, (0.0, 0.0), rng)
     return made.furniture()
@@ -155,11 +144,11 @@ def _bars(
         return
     if upright:
         for x in np.linspace(-half, half, max(4, round(2.0 * half / 0.11)) + 1)[1:-1].tolist():
-            made.add(part, board((x - 0.016, y - 0.008, z[0]), (x + 0.016, y + 0.008, z[1]), 0.003))
+            made.board(part, (x - 0.016, y - 0.008, z[0]), (x + 0.016, y + 0.008, z[1]), 0.003)
         return
     count = max(1, round((z[1] - z[0]) / 0.15))
     for a in (z[0] + (z[1] - z[0]) * (np.arange(count) + 0.5) / count).tolist():
-        made.add(part, board((-half, y - 0.009, a - 0.045), (half, y + 0.009, a + 0.045), 0.004))
+        made.board(part, (-half, y - 0.009, a - 0.045), (half, y + 0.009, a + 0.045), 0.004)
 
 
 def upholstered(size: Size, rng: np.random.Generator) -> Furniture:
@@ -179,11 +168,10 @@ def upholstered(size: Size, rng: np.random.Generator) -> Furniture:
         )
     end = rounded_box((width - 2.0 * side + 0.02, side, deck - foot_high), 0.02, segments=2)
     made.add("frame", end.moved((0.0, foot + 0.5 * side, 0.5 * (deck + foot_high))))
-    made.add(
+    made.board(
         "base",
-        board(
-            (side - half, foot + side, foot_high + 0.03), (half - side, rear, level - thick + 0.005)
-        ),
+        (side - half, foot + side, foot_high + 0.03),
+        (half - side, rear, level - thick + 0.005),
     )
     _channels(made, size, rear, board_thick, foot_high, bool(rng.integers(2)))
     leg = round_leg(0.028, 0.02, foot_high + 0.01)
@@ -199,14 +187,8 @@ def _channels(
 ) -> None:
     width, depth, height = size
     rear = 0.035
-    made.add(
-        "headboard",
-        board(
-            (-0.5 * width, 0.5 * depth - rear, low),
-            (0.5 * width, 0.5 * depth, height - 0.01),
-            0.015,
-        ),
-    )
+    least, most = (-0.5 * width, 0.5 * depth - rear, low), (0.5 * width, 0.5 * depth, height - 0.01)
+    made.board("headboard", least, most, 0.015)
     length, across = (width, height - low) if upright else (height - low, width)
     count = max(2, round(length / 0.19))
     pitch = length / count
@@ -241,15 +223,13 @@ def four_poster(size: Size, rng: np.random.Generator) -> Furniture:
     pitch = 2.0 * half / count
     for i in range(count):
         a = -half + i * pitch
-        made.add(
+        made.board(
             "headboard",
-            board(
-                (a + 0.006, y - 0.018, level - thick),
-                (a + pitch - 0.006, y + 0.018, min(level + 0.6, height - 0.2)),
-                0.01,
-            ),
+            (a + 0.006, y - 0.018, level - thick),
+            (a + pitch - 0.006, y + 0.018, min(level + 0.6, height - 0.2)),
+            0.01,
         )
-    made.add("base", board((-half, -y, level - thick - 0.03), (half, y, level - thick)))
+    made.board("base", (-half, -y, level - thick - 0.03), (half, y, level - thick))
     span = (0.02 - y, y - 0.03)
     bedding(made, half - 0.02, span, level, thick, (0.0, 0.0), rng)
     return made.furniture()
@@ -264,13 +244,11 @@ def _guards(
 ) -> None:
     """The rails of the upper bunk, open where the ladder is, and the ends of both."""
     for a in (height - 0.07, 0.5 * (decks[1] + 0.12 + height - 0.07)):
-        made.add(
-            "rail",
-            board((-side * half - 0.011, -y, a - 0.035), (-side * half + 0.011, y, a + 0.035)),
+        made.board(
+            "rail", (-side * half - 0.011, -y, a - 0.035), (-side * half + 0.011, y, a + 0.035)
         )
-        made.add(
-            "rail",
-            board((side * half - 0.011, 0.38 - y, a - 0.035), (side * half + 0.011, y, a + 0.035)),
+        made.board(
+            "rail", (side * half - 0.011, 0.38 - y, a - 0.035), (side * half + 0.011, y, a + 0.035)
         )
         made.add(
             "headboard",
@@ -293,12 +271,10 @@ def _ladder(made: Assembly, x: float, y: float, side: float, height: float, deck
     rungs = max(3, round(deck / 0.27))
     rail = filleted([(x + side * 0.03, 0.0, 0.0), (x + side * 0.03, 0.0, height)], 0.0)
     for p in (-y + 0.06, -y + 0.36):
-        made.add(
+        made.board(
             "ladder",
-            board(
-                (min(x, x + side * _LADDER_M), p - 0.012, 0.0),
-                (max(x, x + side * _LADDER_M), p + 0.012, height),
-            ),
+            (min(x, x + side * _LADDER_M), p - 0.012, 0.0),
+            (max(x, x + side * _LADDER_M), p + 0.012, height),
         )
     for k in range(rungs):
         z = deck * (k + 0.7) / rungs
@@ -330,10 +306,7 @@ def bunk(size: Size, rng: np.random.Generator) -> Furniture:
             ),
         )
         for p in np.linspace(0.08 - y, y - 0.08, max(6, round(depth / 0.2))).tolist():
-            made.add(
-                "slat",
-                board((-half, p - 0.035, deck + 0.02), (half, p + 0.035, deck + 0.036), 0.002),
-            )
+            made.board("slat", (-half, p - 0.035, deck + 0.02), (half, p + 0.035, deck + 0.036))
         bedding(
             made, half - 0.028, (0.03 - y, y - 0.03), deck + 0.036 + thick, thick, (0.0, 0.0), rng
         )
@@ -369,7 +342,7 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme("wood", weight=3.0),
         scheme("white"),
-        scheme("upholstery", leg="wood", base="black", needs="headboard_pad", weight=100.0),
+        scheme("upholstery", wood="leg", black="base", needs="headboard_pad", weight=100.0),
     ),
     construction=(
         row("frame headboard footboard", walls(12), "board", "wood", "paint"),

@@ -6,24 +6,12 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled, square_leg
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import CHAIRS, METAL, scheme
-from openrooms_usd.geometry.curves import filleted
+from openrooms_usd.furniture.schemes import CHAIRS, scheme
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import tube
-
-_ALONG: Final = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 def plank(size: Size, rng: np.random.Generator) -> Parts:
@@ -35,7 +23,7 @@ def plank(size: Size, rng: np.random.Generator) -> Parts:
     # Each side board has an arch cut out of its foot.
     arch = [(cut * np.cos(t), 0.5 * cut * np.sin(t)) for t in np.linspace(np.pi, 0.0, 9)]
     outline = [(-half, 0.0), *arch, (half, 0.0), (0.42 * depth, under), (-0.42 * depth, under)]
-    side = profiled(outline, 0.036, _ALONG, 0.002)
+    side = profiled(outline, 0.036, SIDE, 0.002)
     rail = board((-x, -0.014, 0.4 * under), (x, 0.014, 0.4 * under + 0.09), 0.003)
     return {
         "seat": board(
@@ -113,7 +101,7 @@ def hoop(size: Size, rng: np.random.Generator) -> Parts:
     r, thick = 0.012, 0.036
     x, y = 0.5 * width - 0.14, 0.5 * depth - r
     path = [(0.0, -y, height - thick - r), (0.0, -y, r), (0.0, y, r), (0.0, y, height - thick - r)]
-    frame = tube(filleted(path, 0.06, segments=6, closed=True), r, segments=10, closed=True)
+    frame = tube(path, r, bend=0.06, bend_segments=6, segments=10, closed=True)
     gap = float(rng.uniform(0.004, 0.02))
     planks = [
         board(
@@ -146,22 +134,20 @@ def chest(size: Size, rng: np.random.Generator) -> Furniture:
         ),
         board((t - x, front + t, foot), (x - t, y - t, foot + t)),
     )
-    made.add("base", board((0.02 - x, front + 0.02, 0.0), (x - 0.02, y - 0.02, foot)))
+    made.board("base", (0.02 - x, front + 0.02, 0.0), (x - 0.02, y - 0.02, foot))
     count = max(1, round(width / 0.5))
     pitch = (2.0 * x - 0.04) / count
     panel = float(rng.uniform(0.05, 0.08))
     # Mouldings that frame panels on the front.
     for i in range(count):
         a, b = -x + 0.02 + i * pitch, -x + 0.02 + (i + 1) * pitch
-        made.add(
+        made.board(
             "panel",
-            board(
-                (a + 0.3 * panel, front - 0.006, foot + panel),
-                (b - 0.3 * panel, front + 0.001, top - panel),
-                0.004,
-            ),
+            (a + 0.3 * panel, front - 0.006, foot + panel),
+            (b - 0.3 * panel, front + 0.001, top - panel),
+            0.004,
         )
-    lid = made.add("lid", board((-half, -y, top + 0.001), (half, y, height), 0.006))
+    lid = made.board("lid", (-half, -y, top + 0.001), (half, y, height), 0.006)
     made.hinge("lid", lid, (0.0, y, top), "top", 90.0)
     return made.furniture()
 
@@ -183,7 +169,7 @@ CATEGORY: Final = BuiltCategory(
     words="piano_bench",
     classes=Classes("bench", "otherfurniture", "bench", "bench"),
     synsets=("02828884",),
-    schemes=(*CHAIRS, scheme("wood", leg=METAL)),
+    schemes=(*CHAIRS, scheme("wood", metal="leg")),
     construction=SEAT_ROWS,
     offers_surfaces=("cabinet_top",),
     view_importance=0.7,

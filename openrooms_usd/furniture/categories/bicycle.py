@@ -6,7 +6,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import hoop, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
@@ -26,7 +27,7 @@ _SPOKES: Final = 20
 
 
 def _bar(points: Sequence[Point], radius: float, bend: float = 0.0) -> Mesh:
-    path = filleted(points, bend, segments=4) if bend else np.array(points)
+    path = filleted(points, bend) if bend else np.array(points)
     return tube(path, radius, segments=10)
 
 
@@ -54,7 +55,7 @@ def _wheel(x: float) -> dict[str, Mesh]:
     hub = _across(cylinder(0.02, 0.08, segments=16, base=(0.0, 0.0, -0.04)))
     return {
         "tyre": _across(hoop(_WHEEL_M - _TYRE_M, 0.0, _TYRE_M, 40, 8)).moved(at),
-        "rim": joined([_across(hoop(rim, 0.0, 0.009, 40, 6)), hub]).moved(at),
+        "rim": joined([_across(hoop(rim, 0.0, 0.009, 40)), hub]).moved(at),
         "spoke": joined(spokes).moved(at),
     }
 
@@ -63,7 +64,7 @@ def _drive() -> dict[str, Mesh]:
     """Chainring, cranks, pedals, and the chain to the rear hub."""
     x, _, z = _CRANK
     y = -0.045
-    ring = _across(hoop(0.085, 0.0, 0.004, 30, 6)).moved((x, y, z))
+    ring = _across(hoop(0.085, 0.0, 0.004, 30)).moved((x, y, z))
     cranks = [
         _bar([(x, s * 0.055, z), (x + s * 0.16, s * 0.075, z - s * 0.04)], 0.009)
         for s in (-1.0, 1.0)
@@ -172,19 +173,13 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "black",
-            frame="lacquer",
-            rim="steel",
-            spoke="steel",
-            chain="steel",
-            crank="steel",
-            handlebar="chrome",
-            post="chrome",
-            kickstand="steel",
+            lacquer="frame",
+            steel="rim spoke chain crank kickstand",
+            chrome="handlebar post",
             tyre="tyre",
-            saddle="hide",
-            grip="hide",
+            hide="saddle grip",
         ),
-        scheme("black", frame="lacquer", spoke="steel", chain="steel", tyre="tyre", post="steel"),
+        scheme("black", lacquer="frame", steel="spoke chain post", tyre="tyre"),
     ),
     construction=(
         row("tyre", filled(600), "common"),
@@ -193,7 +188,7 @@ CATEGORY: Final = BuiltCategory(
         row(ANY, walls(3.5, STEEL), "sheet", "metal", "paint"),
     ),
     placements=(
-        on("floor_by_wall", rooms="hallway garage basement", weight=1.5, max_groups=1),
-        on("floor_by_wall", rooms="living_room apartment", weight=0.15, max_groups=1),
+        on("floor_by_wall", "hallway garage basement", weight=1.5, max_groups=1),
+        on("floor_by_wall", "living_room apartment", weight=0.15, max_groups=1),
     ),
 )

@@ -5,13 +5,14 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.posing import band, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
-from openrooms_usd.geometry.solids import box, cylinder, lathe
+from openrooms_usd.geometry.solids import box, cylinder
 
 
 def standing(size: Size, rng: np.random.Generator) -> Parts:
@@ -28,11 +29,7 @@ def standing(size: Size, rng: np.random.Generator) -> Parts:
     lines = [
         box((0.45 * width, 0.0012, 0.008), (0.0, -y, (0.8 - 0.06 * k) * height)) for k in range(3)
     ]
-    hole = turned(
-        lathe([(0.011, -0.001), (0.0135, -0.001), (0.0135, 0.0008), (0.011, 0.0008)], segments=20),
-        "x",
-        90.0,
-    )
+    hole = turned(band(0.011, 0.0135, -0.001, 0.0008, 20), "x", 90.0)
     dark = turned(cylinder(0.0112, 0.0012, segments=20), "x", 90.0).moved((0.0, 0.0006, 0.0))
     at = (0.0, -y, 0.16 * height)
     return {
@@ -81,28 +78,21 @@ CATEGORY: Final = BuiltCategory(
     words="binders folder folders ring_binder file_folder",
     schemes=(
         scheme(
-            "binder", label="white_paper", text="print", ring="steel", hole="cavity", weight=2.0
+            "binder", white_paper="label", print="text", steel="ring", cavity="hole", weight=2.0
         ),
-        scheme("white_paper", folder="envelope", needs="folder", weight=100.0),
+        scheme("white_paper", envelope="folder", needs="folder", weight=100.0),
     ),
     construction=(row("pages paper", filled(420), "weight"), row(ANY, solid(700), "common")),
     placements=(
         on(
             "shelf low_shelf",
-            rooms="office",
+            "office",
             styles="standing",
             pose="row",
             count=(3, 6),
             weight=0.9,
             max_groups=4,
         ),
-        on(
-            "desk cabinet_top",
-            rooms="office",
-            styles="folders",
-            pose="flat",
-            weight=0.4,
-            max_groups=1,
-        ),
+        on("desk cabinet_top", "office", styles="folders", pose="flat", weight=0.4, max_groups=1),
     ),
 )

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.books import Book
 from openrooms_usd.furniture.joinery.linens import between
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import printed_cover
 from openrooms_usd.furniture.placements import on
@@ -93,16 +94,12 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.1, 3),
     words="books notebooks textbook",
     classes=Classes(nyu40="books", ade20k="book", coco="book"),
-    schemes=(
-        scheme(
-            "binding", field="package_field", title="package_ink", text="package_ink", weight=1.0
-        ),
-    ),
+    schemes=(scheme("binding", package_field="field", package_ink="title text"),),
     construction=(row(ANY, solid(700), "common"),),
     placements=(
         on(
             "shelf low_shelf",
-            rooms="living_room office bedroom",
+            "living_room office bedroom",
             styles="lying",
             pose="stacked",
             max_variants=5,
@@ -145,6 +142,6 @@ CATEGORY: Final = BuiltCategory(
             weight=0.4,
             max_groups=1,
         ),
-        on("worktop", rooms="kitchen", styles="lying", clutter=2, weight=0.2, max_groups=1),
+        on("worktop", "kitchen", styles="lying", clutter=2, weight=0.2, max_groups=1),
     ),
 )

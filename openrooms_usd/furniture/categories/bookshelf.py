@@ -7,10 +7,11 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
 from openrooms_usd.furniture.joinery.books import Book, Shelf, bound
 from openrooms_usd.furniture.joinery.carcass import BACK, Carcass, plinth_height
-from openrooms_usd.furniture.joinery.fronts import BOARD, HANDLE, SEAT, Cell, doors, drawn_look
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell
+from openrooms_usd.furniture.joinery.fronts import doors, drawn_look
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
@@ -53,19 +54,19 @@ def cubes(size: Size, rng: np.random.Generator) -> Furniture:
     made, outer, inner = Assembly(), 0.036, 0.016
     x, y = 0.5 * width, 0.5 * depth
     for side in (-x, x - outer):
-        made.add("frame", board((side, -y, 0.0), (side + outer, y, height)))
+        made.board("frame", (side, -y, 0.0), (side + outer, y, height))
     for z in (0.0, height - outer):
-        made.add("frame", board((outer - x, -y, z), (x - outer, y, z + outer)))
+        made.board("frame", (outer - x, -y, z), (x - outer, y, z + outer))
     across = max(1, round((width - 2 * outer) / 0.35))
     up = max(1, round((height - 2 * outer) / 0.35))
     xs = np.linspace(outer - x, x - outer, across + 1)
     zs = np.linspace(outer, height - outer, up + 1)
     half = 0.5 * inner
     for z in zs[1:-1]:
-        made.add("shelf", board((outer - x, 0.003 - y, z - half), (x - outer, y - 0.003, z + half)))
+        made.board("shelf", (outer - x, 0.003 - y, z - half), (x - outer, y - 0.003, z + half))
     for a in xs[1:-1]:
         low, high = (a - half, 0.004 - y, outer), (a + half, y - 0.004, height - outer)
-        made.add("frame", board(low, high))
+        made.board("frame", low, high)
     cells = [
         (float(a) + half, float(b) - half, float(low) + (half if i else 0.0), float(high) - half)
         for i, (low, high) in enumerate(pairwise(zs))
@@ -92,7 +93,7 @@ def ladder(size: Size, rng: np.random.Generator) -> Furniture:
         for side in (-x, x):
             made.add("tube", tube([(side, edge, level), (side, y, level)], 0.8 * r))
         low, high = (-x - 0.3 * r, edge, level + 0.006), (x + 0.3 * r, y + 0.3 * r, level + 0.026)
-        made.add("shelf", board(low, high))
+        made.board("shelf", low, high)
         cells.append((r - x, x - r, float(level) + 0.026, float(above) - 0.03))
     # Without a back, books stay clear of the front tubes at the top of the lowest board.
     edge = lean * float(levels[-1] + 0.3) / height - y + 0.02

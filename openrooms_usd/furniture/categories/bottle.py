@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import row, walls
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.vessel import bottle_pump, bottle_sport, bottle_wine
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -30,11 +30,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("bottle", "otherprop", "bottle", "bottle"),
     synsets=("02876657",),
     schemes=(
-        scheme("aluminium", lid="black_plastic", handle="black_plastic"),
-        scheme("glaze", lid="steel", frame="steel", handle="steel", needs="frame", weight=100.0),
-        scheme(
-            "bottle_glass", lid="bottle_label", label="bottle_label", needs="label", weight=100.0
-        ),
+        scheme("aluminium", black_plastic="lid handle"),
+        scheme("glaze", steel="lid frame handle", needs="frame", weight=100.0),
+        scheme("bottle_glass", bottle_label="lid label", needs="label", weight=100.0),
     ),
     construction=(
         row("container", walls(3), "common", "specular_stone"),
@@ -42,8 +40,8 @@ CATEGORY: Final = BuiltCategory(
     ),
     placements=(
         on("basin_edge sink_edge bath_rim", styles="pump", cluster="washing"),
-        on("worktop dining_table cabinet_top", rooms=_MEALS, styles="wine", weight=0.6),
+        on("worktop dining_table cabinet_top", _MEALS, styles="wine", weight=0.6),
         on("desk bedside coffee_table shop_counter", styles="sport", weight=0.6, clutter=2),
-        on("shelf cupboard", rooms=_STORES, pose="row", count=(2, 4), weight=0.7, max_variants=4),
+        on("shelf cupboard", _STORES, pose="row", count=(2, 4), weight=0.7, max_variants=4),
     ),
 )

@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import row, walls
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.vessel import bowl_footed, bowl_fruit, bowl_oval, bowl_round
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -35,7 +35,7 @@ CATEGORY: Final = BuiltCategory(
         on("shelf cabinet_top media_top dresser_top side_table", weight=0.5),
         on(
             "cupboard shelf",
-            rooms=_KITCHENS,
+            _KITCHENS,
             styles="round",
             pose="stacked",
             count=(2, 4),

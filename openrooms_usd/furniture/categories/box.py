@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
 
@@ -33,7 +34,7 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(nyu40="box", ade20k="box"),
     construction=(row(ANY, filled(100), "weight"),),
     placements=(
-        on("low_shelf shelf", rooms=_STORES, weight=1.5, max_groups=12, max_variants=3),
+        on("low_shelf shelf", _STORES, weight=1.5, max_groups=12, max_variants=3),
         on("wardrobe_shelf cupboard drawer", weight=0.8, max_groups=4),
         on("low_shelf shelf cabinet_top desk", weight=0.3, max_groups=3),
         on("floor_corner floor_by_wall", clutter=3, weight=0.5),

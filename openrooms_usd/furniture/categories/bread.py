@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -105,10 +105,10 @@ CATEGORY: Final = BuiltCategory(
     schemes=(scheme("crust"),),
     construction=(row(ANY, filled(300), "common"),),
     placements=(
-        on("worktop", rooms="kitchen", pose="flat", weight=0.4, max_groups=1),
+        on("worktop", "kitchen", pose="flat", weight=0.4, max_groups=1),
         on(
             "in_basket on_tray",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="flat",
             styles="rolls",
             weight=0.4,

@@ -6,18 +6,10 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.carcass import Carcass, closed, plinth_height
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    Cell,
-    Look,
-    columns,
-    doors,
-    drawers,
-    drawn_look,
-    rows,
-)
+from openrooms_usd.furniture.joinery.cells import BOARD, Cell, columns, rows
+from openrooms_usd.furniture.joinery.fronts import Look, doors, drawers, drawn_look
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
 

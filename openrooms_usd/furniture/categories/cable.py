@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import at_rest
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
@@ -19,7 +20,7 @@ from openrooms_usd.geometry.sweeps import tube
 def _lying(points: ArrayLike, thick: float) -> Mesh:
     """A cable on the ground along points (x, y), rounded."""
     flat = np.asarray(points, dtype=np.float64)
-    path = np.insert(filleted(flat, 0.025, segments=4), 2, thick, axis=1)
+    path = np.insert(filleted(flat, 0.025), 2, thick, axis=1)
     return tube(path, thick, segments=6)
 
 
@@ -60,7 +61,7 @@ def coil(size: Size, rng: np.random.Generator) -> Parts:
         axis=1,
     )
     ends = [(0.36 * width, y, 0.5 * height) for y in (-0.006, 0.006)]
-    tie = tube(ends, 0.5 * height, segments=12)
+    tie = tube(ends, 0.5 * height)
     return at_rest({"cable": tube(path, thick, segments=6), "tie": tie}, size)
 
 
@@ -74,8 +75,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.02, 0.4),
     words="charger wire cord cables phone_charger power_cord extension_cord",
     schemes=(
-        scheme("plastic", pin="steel", tie="membrane", weight=2.0),
-        scheme("black_plastic", pin="steel", tie="grey"),
+        scheme("plastic", steel="pin", membrane="tie", weight=2.0),
+        scheme("black_plastic", steel="pin", grey="tie"),
     ),
     construction=(row(ANY, solid(1300), "common"),),
     placements=(

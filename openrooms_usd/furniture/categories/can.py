@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -31,23 +32,11 @@ def tin(size: Size, rng: np.random.Generator) -> Parts:
             (0.94 * r, h),
             (0.93 * r, h - 0.004),
             (0.0, h - 0.004),
-        ],
-        segments=32,
+        ]
     )
-    paper = lathe(
-        [(0.974 * r, 0.009), (0.983 * r, 0.009), (0.983 * r, h - 0.009), (0.974 * r, h - 0.009)],
-        segments=32,
-    )
+    paper = band(0.974 * r, 0.983 * r, 0.009, h - 0.009)
     low, high = sorted(rng.uniform(0.2, 0.75, 2).tolist())
-    stripe = lathe(
-        [
-            (0.98 * r, low * h),
-            (0.986 * r, low * h),
-            (0.986 * r, (high + 0.1) * h),
-            (0.98 * r, (high + 0.1) * h),
-        ],
-        segments=32,
-    )
+    stripe = band(0.98 * r, 0.986 * r, low * h, (high + 0.1) * h)
     ring_ = tube(
         [
             (0.3 * r * np.cos(a), -0.35 * r + 0.26 * r * np.sin(a), h - 0.0035)
@@ -73,8 +62,7 @@ def drink(size: Size, rng: np.random.Generator) -> Parts:
                 (0.76 * r, 0.0),
                 (0.9 * r, 0.009),
                 (0.0, 0.009),
-            ],
-            segments=32,
+            ]
         ),
         lathe(
             [
@@ -85,8 +73,7 @@ def drink(size: Size, rng: np.random.Generator) -> Parts:
                 (neck, h),
                 (neck, h - 0.003),
                 (0.0, h - 0.008),
-            ],
-            segments=32,
+            ]
         ),
     ]
     body = lathe(
@@ -98,20 +85,11 @@ def drink(size: Size, rng: np.random.Generator) -> Parts:
             (neck, h - 0.004),
             (0.0, h - 0.0065),
         ],
-        segments=32,
         crease=50.0,
     )
     low = float(rng.uniform(0.25, 0.4)) * h
-    band = lathe(
-        [
-            (r - 0.0004, low),
-            (r + 0.0002, low),
-            (r + 0.0002, low + 0.32 * h),
-            (r - 0.0004, low + 0.32 * h),
-        ],
-        segments=32,
-    )
-    return {"cover": body, "container": joined(ends), "field": band}
+    printed = band(r - 0.0004, r + 0.0002, low, low + 0.32 * h)
+    return {"cover": body, "container": joined(ends), "field": printed}
 
 
 CATEGORY: Final = BuiltCategory(
@@ -130,11 +108,11 @@ CATEGORY: Final = BuiltCategory(
     words="cans tin soda_can beer_can soup_can coke_can",
     classes=Classes(openrooms45="can"),
     synsets=("02946921",),
-    schemes=(scheme("package", container="can_metal", field="package_field"),),
+    schemes=(scheme("package", can_metal="container", package_field="field"),),
     construction=(row("container cover", filled(800), "weight"), row(ANY, solid(700), "common")),
     placements=(
-        on("cupboard shelf", rooms="kitchen", styles="tin", pose="row", count=(2, 5)),
-        on("worktop", rooms="kitchen", clutter=2, weight=0.35, count=(1, 2)),
+        on("cupboard shelf", "kitchen", styles="tin", pose="row", count=(2, 5)),
+        on("worktop", "kitchen", clutter=2, weight=0.35, count=(1, 2)),
         on("desk coffee_table", styles="drink", clutter=2, weight=0.35),
     ),
 )

@@ -5,10 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -54,18 +55,9 @@ def jar(size: Size, rng: np.random.Generator) -> Parts:
             (r - 0.003, h - 0.001),
             (r - 0.003, fill),
             (0.0, fill),
-        ],
-        segments=32,
+        ]
     )
-    label = lathe(
-        [
-            (r - 0.0004, 0.25 * h),
-            (r + 0.0003, 0.25 * h),
-            (r + 0.0003, 0.6 * h),
-            (r - 0.0004, 0.6 * h),
-        ],
-        segments=32,
-    )
+    label = band(r - 0.0004, r + 0.0003, 0.25 * h, 0.6 * h)
     top = cylinder(r - 0.0032, 0.003, segments=28, base=(0.0, 0.0, fill - 0.001))
     return {"container": glass, "label": label, "wax": top, "wick": _wick(fill + 0.002)}
 
@@ -121,9 +113,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.06, 1.2),
     words="candles candlestick candle_holder",
     schemes=(
-        scheme("wax", wick="cavity", base=METAL),
+        scheme("wax", cavity="wick", metal="base"),
         scheme(
-            "glaze", wax="wax", wick="cavity", label="bottle_label", needs="label", weight=100.0
+            "glaze", wax="wax", cavity="wick", bottle_label="label", needs="label", weight=100.0
         ),
     ),
     construction=(

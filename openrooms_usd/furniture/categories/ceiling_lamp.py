@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import LAMP_ROWS
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.lamp_parts import (
     bulb,
     carrier,
@@ -16,6 +16,7 @@ from openrooms_usd.furniture.joinery.lamp_parts import (
     rose,
     shade,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import hoop, turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED, scheme
@@ -23,6 +24,7 @@ from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.vectors import points_at
 
 
 def ceiling_pendant(size: Size, rng: np.random.Generator) -> Parts:
@@ -53,9 +55,7 @@ def ceiling_flush(size: Size, rng: np.random.Generator) -> Parts:
     plate = min(0.3 * height, 0.03)
     deep = height - plate
     ring = radius * float(rng.uniform(0.93, 0.97))
-    opal = np.stack(
-        [ring * np.sin(0.5 * np.pi * t), deep * (1.0 - np.cos(0.5 * np.pi * t) ** 0.8)], axis=1
-    )
+    opal = points_at(ring * np.sin(0.5 * np.pi * t), deep * (1.0 - np.cos(0.5 * np.pi * t) ** 0.8))
     opal[0] = 0.0
     return {
         "base": lathe(
@@ -83,7 +83,7 @@ def ceiling_drum(size: Size, rng: np.random.Generator) -> Parts:
         "lamp_pole": cord(tall * 0.55, height - 0.02, 0.007),
         "frame": joined([holder(0.62 * tall, 0.02), carrier(radius - 0.003, 0.75 * tall)]),
         "lamp_shade": shade(radius, radius, 0.0, tall),
-        "light_bulb": sphere(globe, segments=32, center=(0.0, 0.0, 0.16 * tall + globe)),
+        "light_bulb": sphere(globe, center=(0.0, 0.0, 0.16 * tall + globe)),
     }
 
 
@@ -163,7 +163,7 @@ def cluster(size: Size, rng: np.random.Generator) -> Parts:
     radius, height = radius_of(size), size[2]
     ball = min(0.42 * radius, 0.2 * height)
     angle = float(rng.uniform(0.0, 2.0 * np.pi)) + np.radians([0.0, 120.0, 240.0])
-    around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    around = points_at(np.cos(angle), np.sin(angle))
     # The globes touch all four sides of the box.
     low, high = around.min(axis=0), around.max(axis=0)
     centers = (radius - ball) * (2.0 * (around - low) / (high - low) - 1.0)
@@ -172,7 +172,7 @@ def cluster(size: Size, rng: np.random.Generator) -> Parts:
         z = level * height + ball
         root = (float(np.clip(0.35 * x, -0.03, 0.03)), float(np.clip(0.35 * y, -0.03, 0.03)))
         knot = [(*root, height - 0.02), (0.9 * x, 0.9 * y, height - 0.045), (x, y, z + ball)]
-        cords.append(tube(filleted(knot, 0.03), 0.0028, segments=8))
+        cords.append(tube(knot, 0.0028, bend=0.03, segments=8))
         caps.append(
             cylinder(0.3 * ball, 0.035, bevel=0.004, segments=20, base=(x, y, z + 0.93 * ball))
         )
@@ -206,8 +206,7 @@ def spots(size: Size, rng: np.random.Generator) -> Parts:
                 (0.0, 0.7 * long),
                 (radius - 0.003, 0.7 * long),
                 (radius - 0.003, 0.0),
-            ],
-            segments=32,
+            ]
         )
         lens = lathe(
             [
@@ -215,8 +214,7 @@ def spots(size: Size, rng: np.random.Generator) -> Parts:
                 (0.8 * radius, 0.05 * long),
                 (radius - 0.004, 0.16 * long),
                 (0.0, 0.16 * long),
-            ],
-            segments=32,
+            ]
         )
         pivot = (0.0, 0.0, 0.8 * long)
         low = float(turned(can, "x", tilt, pivot).extent[0, 2])
@@ -276,7 +274,7 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         *LAMPS,
         scheme("white", weight=2.0),
-        scheme("brass", candle="white", needs="candle", weight=100.0),
+        scheme("brass", white="candle", needs="candle", weight=100.0),
         *SOCKETED,
     ),
     construction=LAMP_ROWS,

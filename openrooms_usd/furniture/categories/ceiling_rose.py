@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import lathe
@@ -62,7 +62,6 @@ def domed(size: Size, rng: np.random.Generator) -> Parts:
 CATEGORY: Final = BuiltCategory(
     description="a rose of plaster around a lamp at the ceiling",
     size=(0.5, 0.5, 0.03),
-    min_size=(0.25, 0.25, 0.015),
     max_size=(1.5, 1.5, 0.15),
     styles={"stepped": Style(stepped), "domed": Style(domed)},
     size_variation=STANDARD,

@@ -9,25 +9,22 @@ from numpy.typing import NDArray
 from openrooms_usd.furniture.categories.sofa import modern
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
-    Parts,
-    Size,
-    Style,
     bent_post,
     board,
     corners,
-    numbered,
     round_leg,
     splayed,
     square_leg,
     strip,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import CHAIRS
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
-from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.geometry.vectors import points_at, unit
 
 SEAT_HEIGHT: Final = 0.45
 ARMCHAIR_WIDTH: Final = 0.64
@@ -100,7 +97,7 @@ def _slats(
 
     def rung(bottom: float, tall: float, thick: float) -> Mesh:
         u = np.linspace(-1.0, 1.0, 9)
-        line = np.stack([u * (x - 0.4 * t), 0.022 * (1.0 - u**2)], axis=1)
+        line = points_at(u * (x - 0.4 * t), 0.022 * (1.0 - u**2))
         flat = extrude(strip(line, thick), tall, bevel=0.004)
         return _leaning(flat, slope).moved((0.0, y0 + slope * (bottom - z0) - 0.004, bottom))
 
@@ -167,7 +164,7 @@ def _shell_line(depth: float, seat: float, height: float) -> NDArray[np.float64]
     rough = filleted(bend, 0.11, segments=10)
     s = lengths(rough)
     even = np.linspace(0.0, s[-1], 29)
-    return np.stack([np.interp(even, s, rough[:, 0]), np.interp(even, s, rough[:, 1])], axis=1)
+    return points_at(np.interp(even, s, rough[:, 0]), np.interp(even, s, rough[:, 1]))
 
 
 def _shell_grid(
@@ -184,7 +181,7 @@ def _shell_grid(
     wrap = lift[:, None] * u**2
     y = line[:, :1] - along[:, 1:] * wrap
     z = line[:, 1:] + along[:, :1] * wrap
-    grid = np.stack([np.broadcast_to(half[:, None] * u, y.shape), y, z], axis=-1)
+    grid = points_at(half[:, None] * u, y, z)
     return grid, int(np.argmax(along[:, 1] > along[:, 0]))
 
 
@@ -258,7 +255,7 @@ def sled(size: Size, rng: np.random.Generator) -> Parts:
         (rear - 0.02, radius),
     ]
     path = [(-x, *p) for p in side] + [(x, *p) for p in side[::-1]]
-    frame = tube(filleted(path, 0.055, segments=6), radius)
+    frame = tube(path, radius, bend=0.055, bend_segments=6)
     seat_board = extrude(
         filleted(rectangle(width - 0.002, hip - front - 0.05), 0.05, closed=True),
         0.014,
@@ -273,10 +270,7 @@ def sled(size: Size, rng: np.random.Generator) -> Parts:
     y = hip + slope * (z - seat) - radius - 0.004
     ends = np.clip(np.minimum(v, 1.0 - v) / 0.3, 0.0, 1.0)
     half = x * (0.86 + 0.14 * np.sqrt(1.0 - (1.0 - ends) ** 2))
-    grid = np.stack(
-        np.broadcast_arrays(half[:, None] * u, y[:, None] + 0.012 - 0.02 * u**2, z[:, None]),
-        axis=-1,
-    )
+    grid = points_at(half[:, None] * u, y[:, None] + 0.012 - 0.02 * u**2, z[:, None])
     return {"tube": frame, "seat": seat_board, "back": sheet(grid, 0.01)}
 
 

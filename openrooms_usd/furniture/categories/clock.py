@@ -5,11 +5,12 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, cylinder, lathe
@@ -202,20 +203,18 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("clock", "otherprop", "clock", "clock"),
     synsets=("03046257",),
     schemes=(
-        scheme("black", frame="wood"),
-        scheme("black", face="enamel", needs="face", weight=20.0),
-        scheme("black", frame=METAL, face="enamel", needs="face", weight=20.0),
+        scheme("black", wood="frame"),
+        scheme("black", enamel="face", needs="face", weight=20.0),
+        scheme("black", metal="frame", enamel="face", needs="face", weight=20.0),
         scheme(
             "black",
-            frame="wood",
-            base="wood",
-            foot="brass",
-            face="enamel",
-            bezel="brass",
+            wood="frame base",
+            brass="foot bezel",
+            enamel="face",
             needs="bezel",
             weight=500.0,
         ),
-        scheme("black", ray="brass", frame="brass", face="enamel", needs="ray", weight=500.0),
+        scheme("black", brass="ray frame", enamel="face", needs="ray", weight=500.0),
     ),
     construction=(row(ANY, filled(500), "weight"),),
     placements=(

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -22,7 +22,7 @@ def disc(size: Size, rng: np.random.Generator) -> Parts:
 def tile(size: Size, rng: np.random.Generator) -> Parts:
     """A square coaster."""
     width, depth, height = size
-    return {"coaster": extrude(rounded_rectangle(width, depth, 0.008, 4), height, bevel=0.0012)}
+    return {"coaster": extrude(rounded_rectangle(width, depth, 0.008), height, bevel=0.0012)}
 
 
 CATEGORY: Final = BuiltCategory(

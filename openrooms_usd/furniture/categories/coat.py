@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import backed, boxed, over_bar, with_loop
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import LOOP_M, on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -16,6 +16,7 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
+from openrooms_usd.geometry.vectors import points_at
 
 _NOT_WET: Final = (
     "hallway closet bedroom living_room apartment office hotel classroom conference_room stairs "
@@ -48,28 +49,17 @@ def _garment(size: Size, folds: int, hem: float, rng: np.random.Generator) -> Me
         )
         low = hem * height * 0.5 * (1.0 + np.cos(2.0 * angle + phase)) * (z == 0.0)
         rings.append(
-            np.stack(
-                [
-                    0.5 * width * a * wave * np.cos(angle) / 1.1,
-                    0.5 * depth * b * wave * np.sin(angle) / 1.1,
-                    z * height + low,
-                ],
-                axis=1,
+            points_at(
+                0.5 * width * a * wave * np.cos(angle) / 1.1,
+                0.5 * depth * b * wave * np.sin(angle) / 1.1,
+                z * height + low,
             )
         )
     shell = backed(np.array(rings))
     middle = [0.0, float(shell[-1, :, 1].mean()), 0.0]
     inner = (shell[-1] - middle) * [0.9, 0.9, 1.0] + middle + [0.0, 0.0, 0.03 * height]
     end = (
-        np.stack(
-            [
-                0.1 * width * np.cos(angle),
-                0.1 * depth * np.sin(angle),
-                np.full(count, 0.12 * height),
-            ],
-            axis=1,
-        )
-        + middle
+        points_at(0.1 * width * np.cos(angle), 0.1 * depth * np.sin(angle), 0.12 * height) + middle
     )
     return metric(loft(np.array([end, inner, *shell[::-1]]), crease=70.0))[0]
 
@@ -93,9 +83,7 @@ def _sleeves(size: Size, long: float, rng: np.random.Generator) -> list[Mesh]:
         arm = np.stack([np.interp(at, run, bent[:, i]) for i in range(3)], axis=1)
         thick = min(0.05, 0.3 * depth)
         creases = rng.uniform(0.9, 1.08, len(arm))
-        found.append(
-            tube(arm, (np.linspace(thick, 0.8 * thick, 14) * creases).tolist(), segments=12)
-        )
+        found.append(tube(arm, (np.linspace(thick, 0.8 * thick, 14) * creases).tolist()))
     return found
 
 
@@ -113,13 +101,8 @@ def robe(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     z = 0.56 * height
     angle = np.linspace(0.0, 2.0 * np.pi, 25)[:-1]
-    around = np.stack(
-        [
-            0.385 * width * np.cos(angle),
-            0.44 * depth * np.sin(angle) - 0.02 * depth,
-            np.full(24, z),
-        ],
-        axis=1,
+    around = points_at(
+        0.385 * width * np.cos(angle), 0.44 * depth * np.sin(angle) - 0.02 * depth, z
     )
     ends = [
         tube(
@@ -188,13 +171,10 @@ def _shirt(size: Size, rng: np.random.Generator) -> Mesh:
     for a, b, z in rows:
         wave = 1.0 + 0.12 * (1.0 - z) ** 0.5 * np.cos(7.0 * angle + phase + 2.0 * z)
         rings.append(
-            np.stack(
-                [
-                    0.5 * width * a * np.cos(angle),
-                    0.5 * depth * b * wave * np.sin(angle) / 1.12,
-                    np.full(count, z * height),
-                ],
-                axis=1,
+            points_at(
+                0.5 * width * a * np.cos(angle),
+                0.5 * depth * b * wave * np.sin(angle) / 1.12,
+                z * height,
             )
         )
     inner = rings[-1] * [0.94, 0.8, 1.0] + [0.0, 0.0, 0.05 * height]
@@ -207,7 +187,7 @@ def _shirt(size: Size, rng: np.random.Generator) -> Mesh:
             (side * (0.5 * width - thick), 0.0, 0.84 * height),
             (side * (0.5 * width - thick), 0.0, (0.9 - long) * height),
         ]
-        sleeves.append(tube(filleted(path, 0.05, segments=3), thick, segments=10))
+        sleeves.append(tube(path, thick, bend=0.05, bend_segments=3, segments=10))
     body = loft(np.array([inner, *rings[::-1]]), crease=70.0)
     return boxed(metric(joined([body, *sleeves]))[0], size)
 
@@ -242,16 +222,16 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme("coat_cloth"),
         scheme("terry", needs="robe", weight=100.0),
-        scheme("shirt_cloth", hook="chrome", hanger="wood", needs="shirt", weight=100.0),
+        scheme("shirt_cloth", chrome="hook", wood="hanger", needs="shirt", weight=100.0),
     ),
     construction=(row("hook hanger", filled(500), "common"), row(ANY, filled(45), "weight")),
     placements=(
-        on("hook", rooms=_NOT_WET, styles="coat jacket", pose="hung", max_groups=6, max_variants=4),
-        on("hook", rooms="bathroom", styles="robe", pose="hung", weight=0.4, max_groups=1),
+        on("hook", _NOT_WET, styles="coat jacket", pose="hung", max_groups=6, max_variants=4),
+        on("hook", "bathroom", styles="robe", pose="hung", weight=0.4, max_groups=1),
         on("clothes_rail", styles="on_hanger", pose="hung", max_groups=12, max_variants=5),
         on(
             "chair_back",
-            rooms="bedroom living_room office dining_room",
+            "bedroom living_room office dining_room",
             styles="draped",
             pose="draped",
             clutter=2,

@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory
 from openrooms_usd.furniture.schemes import METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.sweeps import tube
@@ -22,7 +22,7 @@ def _hook(reach: float, tall: float) -> Mesh:
         (0.0, -reach, 0.0),
         (0.0, -0.97 * reach, 0.5 * tall),
     ]
-    lower = tube(filleted(path, 0.3 * reach, segments=3), 0.0045, segments=8)
+    lower = tube(path, 0.0045, bend=0.3 * reach, bend_segments=3, segments=8)
     ball = sphere(0.008, segments=10, center=(0.0, -0.97 * reach, 0.5 * tall))
     return joined([lower, ball])
 
@@ -68,9 +68,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.02, 4),
     words="hook hooks coat_hook coat_hooks hanger towel_hook wall_hook clothes_hook",
     schemes=(
-        scheme("wood", hook=METAL, weight=3.0),
-        scheme("white", hook=METAL),
-        scheme(METAL, hook=METAL, needs="plate", weight=100.0),
+        scheme("wood", metal="hook", weight=3.0),
+        scheme("white", metal="hook"),
+        scheme(METAL, metal="hook", needs="plate", weight=100.0),
     ),
     construction=(
         row("hook", solid(3000), "common", "metal", "paint"),

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrooms_usd.furniture.categories.table import shelf
 from openrooms_usd.furniture.construction import TABLE_ROWS
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.small_table import chest, compact, drum, hairpin, sled
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import TABLES

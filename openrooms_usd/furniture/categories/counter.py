@@ -3,13 +3,13 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.kitchen import (
     counter_doors,
     counter_drawers,
     counter_open,
     island,
 )
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 
@@ -29,17 +29,10 @@ CATEGORY: Final = BuiltCategory(
     words="kitchen_counter countertop kitchen_island bar_counter bar counter_top island",
     classes=Classes("counter", "counter", "counter"),
     schemes=(
-        scheme("white", countertop="wood", base="black", weight=2.0),
-        scheme("white", countertop="stone", weight=2.0),
-        scheme("wood", countertop="stone"),
-        scheme(
-            "lacquer",
-            frame="white",
-            shelf="white",
-            drawer_box="white",
-            countertop="stone",
-            base="black",
-        ),
+        scheme("white", wood="countertop", black="base", weight=2.0),
+        scheme("white", stone="countertop", weight=2.0),
+        scheme("wood", stone="countertop"),
+        scheme("lacquer", white="frame shelf drawer_box", stone="countertop", black="base"),
     ),
     construction=STORAGE_ROWS,
     offers_surfaces=("worktop", "shelf", "low_shelf", "cupboard", "drawer"),

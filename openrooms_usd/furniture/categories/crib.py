@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import joined
@@ -62,7 +63,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(14, 40),
     words="baby_bed baby_crib cot cradle bassinet infant_bed",
     classes=Classes("bed", "bed", "cradle", "bed"),
-    schemes=(scheme("wood", slat="wood", weight=2.0), scheme("white")),
+    schemes=(scheme("wood", wood="slat", weight=2.0), scheme("white")),
     construction=(
         row("leg rail slat", solid(), "common", "wood"),
         row("leg rail slat frame", filled(600), "common"),

@@ -6,19 +6,19 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import SIDE, board
 from openrooms_usd.furniture.joinery.cloth import folded
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, Scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.rotations import about_x
 from openrooms_usd.geometry.solids import box, cylinder, sphere
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.vectors import points_at
 
 ROD: Final = 0.0125
 RING: Final = 0.024
-_TO_X: Final = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 # How much of the width curtains leave free: those that stand open or half open, and drawn ones.
@@ -39,7 +39,7 @@ def _rod(size: Size, y: float) -> Parts:
             board((x - 0.02, 0.5 * depth - 0.006, z - 0.045), (x + 0.02, 0.5 * depth, z + RING))
         )
     knobs = [sphere(knob, segments=16, center=(s * (half - knob), y, z)) for s in (-1.0, 1.0)]
-    rod = cylinder(ROD, 2.0 * end + 0.03, segments=16).transformed(_TO_X)
+    rod = cylinder(ROD, 2.0 * end + 0.03, segments=16).transformed(SIDE)
     return {
         "rod": rod.moved((-end - 0.015, y, z)),
         **numbered("finial", knobs),
@@ -49,9 +49,7 @@ def _rod(size: Size, y: float) -> Parts:
 
 def _ring(x: float, y: float, z: float) -> Mesh:
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
-    path = np.stack(
-        [np.full(12, x), y + 0.82 * RING * np.cos(angle), z + 0.82 * RING * np.sin(angle)], axis=1
-    )
+    path = points_at(x, y + 0.82 * RING * np.cos(angle), z + 0.82 * RING * np.sin(angle))
     return tube(path, 0.0028, segments=5, closed=True)
 
 
@@ -83,7 +81,7 @@ def _track(size: Size, y: float) -> Parts:
     width, depth, height = size
     half = 0.5 * width
     blocks = [
-        board((x - 0.02, y, height - 0.022), (x + 0.02, 0.5 * depth, height - 0.004), 0.002)
+        board((x - 0.02, y, height - 0.022), (x + 0.02, 0.5 * depth, height - 0.004))
         for x in (0.1 - half, half - 0.1)
     ]
     return {
@@ -174,12 +172,10 @@ def roller(size: Size, rng: np.random.Generator) -> Parts:
             (0.004 - inner, behind - 0.0008, 0.012), (inner - 0.004, behind + 0.0008, z), 0.0004
         ),
         "rod": cylinder(r - 0.002, 2.0 * inner, segments=24)
-        .transformed(_TO_X)
+        .transformed(SIDE)
         .moved((-inner, y, z)),
         "weight": board((-inner, behind - 0.006, 0.0), (inner, behind + 0.006, 0.026), 0.004),
-        "chain": tube(
-            filleted(chain, 0.012, segments=4, closed=True), 0.0018, segments=5, closed=True
-        ),
+        "chain": tube(chain, 0.0018, bend=0.012, segments=5, closed=True),
         **numbered("bracket", brackets),
     }
 

@@ -6,13 +6,15 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import at_rest
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import sheet
+from openrooms_usd.geometry.vectors import points_at
 
 
 def _strip(
@@ -30,14 +32,7 @@ def _strip(
     y = np.linspace(place[0], place[-1], rows)
     a, z = np.interp(y, place, half), np.interp(y, place, level)
     u = np.linspace(-1.0, 1.0, 3 if dish else 2)
-    grid = np.stack(
-        [
-            a[:, None] * u,
-            np.broadcast_to(y[:, None], (rows, len(u))),
-            z[:, None] + dish * a[:, None] * u**2,
-        ],
-        axis=-1,
-    )
+    grid = points_at(a[:, None] * u, y[:, None], z[:, None] + dish * a[:, None] * u**2)
     return sheet(grid, thick)
 
 
@@ -127,20 +122,15 @@ CATEGORY: Final = BuiltCategory(
     words="fork knife spoon silverware utensil",
     synsets=("03624134",),
     schemes=(
-        scheme("cutlery_steel", handle="cutlery_steel", weight=3.0),
-        scheme("cutlery_steel", handle="black_plastic"),
+        scheme("cutlery_steel", cutlery_steel="handle", weight=3.0),
+        scheme("cutlery_steel", black_plastic="handle"),
     ),
     construction=(row(ANY, solid(), "common", "metal"), row(ANY, solid(1200), "common")),
     placements=(
         on("dining_table", cluster="setting", weight=0.7),
-        on("drawer", rooms="kitchen dining_room", pose="row", count=(3, 6)),
+        on("drawer", "kitchen dining_room", pose="row", count=(3, 6)),
         on(
-            "sink_edge worktop",
-            rooms="kitchen",
-            pose="flat",
-            cluster="washing_up",
-            clutter=2,
-            weight=0.4,
+            "sink_edge worktop", "kitchen", pose="flat", cluster="washing_up", clutter=2, weight=0.4
         ),
     ),
 )

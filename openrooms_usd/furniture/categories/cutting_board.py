@@ -6,7 +6,8 @@ import numpy as np
 
 from openrooms_usd.furniture.categories.bread import loaf_of, slice_of
 from openrooms_usd.furniture.construction import filled, row, solid
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, numbered, profiled
+from openrooms_usd.furniture.joinery.boards import FRONT, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
@@ -19,7 +20,7 @@ from openrooms_usd.geometry.sweeps import extrude, tube
 def plain(size: Size, rng: np.random.Generator) -> Parts:
     """A rectangular board with rounded corners."""
     width, depth, height = size
-    outline = rounded_rectangle(width, depth, float(rng.uniform(0.008, 0.03)), 4)
+    outline = rounded_rectangle(width, depth, float(rng.uniform(0.008, 0.03)))
     return {"board": extrude(outline, height, bevel=0.002)}
 
 
@@ -38,9 +39,7 @@ def paddle(size: Size, rng: np.random.Generator) -> Parts:
         (-bend, low),
         (-half, low),
     ]
-    body = profiled(
-        filleted(outline, 0.8 * bend, segments=4, closed=True), thick - 0.0014, FRONT, 0.002
-    )
+    body = profiled(filleted(outline, 0.8 * bend, closed=True), thick - 0.0014, FRONT, 0.002)
     z = height - 0.7 * bend
     thong = [
         (0.011 * np.cos(a), -0.5 * thick + 0.0014, z + 0.012 * np.sin(a))
@@ -58,7 +57,7 @@ def bread(size: Size, rng: np.random.Generator) -> Parts:
     thick = 0.018
     loaf = min(0.24, 0.55 * width)
     parts = {
-        "board": extrude(rounded_rectangle(width, depth, 0.012, 4), thick, bevel=0.002),
+        "board": extrude(rounded_rectangle(width, depth, 0.012), thick, bevel=0.002),
         "bread": loaf_of((loaf, 0.55 * depth, height - thick), rng, cut=True).moved(
             (0.5 * width - 0.5 * loaf - 0.02, 0.0, thick)
         ),
@@ -87,7 +86,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.4, 3),
     words="chopping_board breadboard chopping_boards",
-    schemes=(scheme("board_wood", cord="hide", bread="crust", slice="crumb"),),
+    schemes=(scheme("board_wood", hide="cord", crust="bread", crumb="slice"),),
     construction=(
         row("bread slice", filled(280), "common"),
         row("board", solid(650), "common"),
@@ -96,6 +95,6 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on("worktop", pose="on_back", styles="paddle", cluster="cooking", weight=0.7),
         on("worktop", styles="plain bread", cluster="cooking", weight=0.8, max_groups=1),
-        on("dining_table", styles="bread", rooms="kitchen dining_room", weight=0.25, max_groups=1),
+        on("dining_table", "kitchen dining_room", styles="bread", weight=0.25, max_groups=1),
     ),
 )

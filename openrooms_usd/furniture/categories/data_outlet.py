@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, wall_plate
+from openrooms_usd.furniture.joinery.boards import board, wall_plate
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -58,6 +59,6 @@ CATEGORY: Final = BuiltCategory(
     mount_height=0.26,
     fixed=True,
     words="ethernet_outlet network_outlet aerial_socket antenna_socket wall_jack",
-    schemes=(scheme("plastic", hole="dark_plastic", ring="steel"),),
+    schemes=(scheme("plastic", dark_plastic="hole", steel="ring"),),
     construction=(row(ANY, filled(900), "common"),),
 )

@@ -6,27 +6,10 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS, TABLE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    square_leg,
-)
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    HANDLE,
-    SEAT,
-    Cell,
-    Look,
-    columns,
-    drawer,
-    drawn_look,
-    rows,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, square_leg
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
+from openrooms_usd.furniture.joinery.fronts import Look, drawer, drawn_look
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
@@ -72,14 +55,12 @@ def pedestal(size: Size, rng: np.random.Generator) -> Furniture:
     for sign in (side, -side) if both else (side,):
         edges = sorted((sign * half, sign * (half - block)))
         _pedestal(made, (edges[0], edges[1], low, under), front, back, look, shares)
-        made.add(
-            "base", board((edges[0] + 0.015, front + 0.03, 0.0), (edges[1] - 0.015, back, low))
-        )
+        made.board("base", (edges[0] + 0.015, front + 0.03, 0.0), (edges[1] - 0.015, back, low))
     if not both:
         edges = sorted((-side * half, -side * (half - 0.024)))
-        made.add("leg", board((edges[0], front - BOARD, 0.0), (edges[1], back, under)))
+        made.board("leg", (edges[0], front - BOARD, 0.0), (edges[1], back, under))
     span = sorted((side * (half - block), -side * (half - (block if both else 0.024))))
-    made.add("back", board((span[0], back - 0.06, under - 0.38), (span[1], back - 0.042, under)))
+    made.board("back", (span[0], back - 0.06, under - 0.38), (span[1], back - 0.042, under))
     return made.furniture()
 
 
@@ -105,11 +86,10 @@ def writing(size: Size, rng: np.random.Generator) -> Furniture:
     count = max(1, min(3, round((2.0 * x - t) / 0.5)))
     cells = columns((0.5 * t - x, x - 0.5 * t, low + 0.008, under), count)
     for cell in cells[1:]:
-        made.add(
+        made.board(
             "frame",
-            board(
-                (cell[0] - 0.006, face + 0.001, low + 0.008), (cell[0] + 0.006, back - 0.009, under)
-            ),
+            (cell[0] - 0.006, face + 0.001, low + 0.008),
+            (cell[0] + 0.006, back - 0.009, under),
         )
     for cell in cells:
         drawer(made, cell, face, back - 0.02, look, margin=0.008)
@@ -137,8 +117,7 @@ def standing(size: Size, rng: np.random.Generator) -> Parts:
         )
         columns_.append(_lift(0.03, under - 0.02, stages).moved((s * x, 0.0, 0.0)))
     beams = [
-        board((-x, y - 0.02, under - rail), (x, y + 0.02, under - 0.004), 0.002)
-        for y in (-0.07, 0.07)
+        board((-x, y - 0.02, under - rail), (x, y + 0.02, under - 0.004)) for y in (-0.07, 0.07)
     ]
     switch_x = float(rng.choice([-1.0, 1.0])) * (0.5 * width - 0.12)
     return {
@@ -175,8 +154,7 @@ def _foot(reach: float) -> Mesh:
         (-0.1, 0.038),
         (-reach, 0.02),
     ]
-    along = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    bar = extrude(outline, 0.075, bevel=0.004, base=-0.0375).transformed(along)
+    bar = extrude(outline, 0.075, bevel=0.004, base=-0.0375).transformed(SIDE)
     pads = [
         board((-0.02, y - 0.02, 0.0), (0.02, y + 0.02, 0.01), 0.003)
         for y in (0.03 - reach, reach - 0.03)
@@ -228,7 +206,7 @@ def framed(size: Size, rng: np.random.Generator) -> Furniture:
     under, y, x = height - thick, 0.5 * depth - r, 0.5 * width - r
     for s in (-1.0, 1.0):
         path = [(s * x, -y, under - r), (s * x, -y, r), (s * x, y, r), (s * x, y, under - r)]
-        rounded = filleted(path, 0.03, segments=4, closed=True)
+        rounded = filleted(path, 0.03, closed=True)
         made.add("leg", tube(rounded, r, segments=8, closed=True))
     made.add(
         "frame",

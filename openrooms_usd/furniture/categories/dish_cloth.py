@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.cloth import ripples
 from openrooms_usd.furniture.joinery.linens import between, folded_pile, over_bar
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -56,19 +56,19 @@ CATEGORY: Final = BuiltCategory(
     schemes=(scheme("dish_linen"),),
     construction=(row(ANY, filled(160), "common"),),
     placements=(
-        on("towel_rail", rooms="kitchen", styles="draped", pose="draped", max_groups=1),
+        on("towel_rail", "kitchen", styles="draped", pose="draped", max_groups=1),
         on(
             "worktop sink_edge",
-            rooms="kitchen",
+            "kitchen",
             styles="folded crumpled",
             weight=0.8,
             cluster="washing_up",
             pose="flat",
         ),
-        on("drawer", rooms="kitchen", styles="folded", pose="stacked", count=(2, 4), weight=0.6),
+        on("drawer", "kitchen", styles="folded", pose="stacked", count=(2, 4), weight=0.6),
         on(
             "chair_back",
-            rooms="kitchen",
+            "kitchen",
             styles="draped",
             pose="draped",
             clutter=3,

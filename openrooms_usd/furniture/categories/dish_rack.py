@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -19,10 +19,7 @@ def wire(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     x, y, r = 0.5 * width, 0.5 * depth, 0.003
     tray = vessel(
-        (-x, -y, 0.0, x, y, 0.02),
-        (0.012 - x, 0.012 - y, 0.004, x - 0.012, y - 0.012),
-        wall_edge=0.002,
-        corner=0.02,
+        (-x, -y, 0.0, x, y, 0.02), (0.012 - x, 0.012 - y, 0.004, x - 0.012, y - 0.012), corner=0.02
     )
     a, b, low = x - 0.02, y - 0.02, 0.03
     wires = [
@@ -59,9 +56,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.3, 3),
     words="dishrack dish_drainer drying_rack_for_dishes plate_rack",
-    schemes=(scheme("chrome", tray="plastic"), scheme("black", tray="dark_plastic", rack="black")),
+    schemes=(scheme("chrome", plastic="tray"), scheme("black", dark_plastic="tray", black="rack")),
     construction=(row("tray", walls(2.0, 1000), "common"), row(ANY, solid(STEEL), "common")),
-    placements=(
-        on("sink_edge", rooms="kitchen apartment", weight=0.8, max_groups=1, cluster="washing"),
-    ),
+    placements=(on("sink_edge", "kitchen apartment", weight=0.8, max_groups=1, cluster="washing"),),
 )

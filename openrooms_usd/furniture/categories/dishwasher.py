@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.laundry import console, integrated, two_drawers
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import PANELLED, scheme
 
@@ -25,8 +25,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("dishwasher", "otherstructure", "dishwasher"),
     synsets=("03207941",),
     schemes=(
-        scheme("enamel", container="steel", handle="steel"),
-        scheme("steel", frame="grey", base="black", weight=2.0),
+        scheme("enamel", steel="container handle"),
+        scheme("steel", grey="frame", black="base", weight=2.0),
         *PANELLED,
     ),
     construction=(

@@ -9,7 +9,7 @@ from openrooms_usd.building import leaves
 from openrooms_usd.building.doors import door
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
 
@@ -55,8 +55,8 @@ CATEGORY: Final = BuiltCategory(
     words="doors doorway",
     classes=Classes("door", "door", "door"),
     schemes=(
-        scheme("white", threshold="wood", weight=2.0),
-        scheme("white", panel="wood", door="wood", threshold="wood"),
+        scheme("white", wood="threshold", weight=2.0),
+        scheme("white", wood="panel door threshold"),
     ),
     construction=(
         row("frame", solid(), "common"),

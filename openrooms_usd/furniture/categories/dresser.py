@@ -5,18 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.carcass import Carcass, closed, plinth_height
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    columns,
-    doors,
-    drawer,
-    drawers,
-    drawn_look,
-    leaf,
-    rows,
-)
+from openrooms_usd.furniture.joinery.cells import BOARD, columns, rows
+from openrooms_usd.furniture.joinery.fronts import doors, drawer, drawers, drawn_look, leaf
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
 from openrooms_usd.geometry.lofts import ring, rounded_rectangle

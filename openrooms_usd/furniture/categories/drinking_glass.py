@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -31,7 +31,7 @@ def _tumbler(r: float, h: float, narrow: float) -> Mesh:
         (low - wall - 0.005, floor),
         (0.0, floor - 0.001),
     ]
-    return lathe(profile, segments=32, crease=50.0)
+    return lathe(profile, crease=50.0)
 
 
 def tumbler(size: Size, rng: np.random.Generator) -> Parts:
@@ -73,7 +73,7 @@ def wine(size: Size, rng: np.random.Generator) -> Parts:
         *inner[::-1],
         (0.0, bowl + 0.007),
     ]
-    return {"glassware": lathe(profile, segments=32, crease=55.0)}
+    return {"glassware": lathe(profile, crease=55.0)}
 
 
 CATEGORY: Final = BuiltCategory(
@@ -96,14 +96,14 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "cupboard shelf",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="row",
             count=(3, 6),
             weight=1.3,
             max_groups=4,
         ),
         on("dining_table", pose="flat", cluster="setting", weight=0.7),
-        on("worktop sink_edge", rooms="kitchen", pose="flat", cluster="washing_up", weight=0.5),
+        on("worktop sink_edge", "kitchen", pose="flat", cluster="washing_up", weight=0.5),
         on("bedside coffee_table desk", pose="flat", clutter=2, weight=0.35, styles="tumbler"),
     ),
 )

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
@@ -72,12 +72,12 @@ CATEGORY: Final = BuiltCategory(
     one_variant_per_room=True,
     mass_range=(1, 20),
     words="dumbbells weights free_weights kettlebell",
-    schemes=(scheme("tyre", handle="chrome"), scheme("cast_iron", handle="chrome")),
+    schemes=(scheme("tyre", chrome="handle"), scheme("cast_iron", chrome="handle")),
     construction=(row("weight", solid(4500), "weight"), row("handle", solid(6000), "weight")),
     placements=(
         on(
             "floor_by_wall floor_corner",
-            rooms="bedroom gym living_room",
+            "bedroom gym living_room",
             pose="row",
             count=(2, 2),
             weight=0.25,

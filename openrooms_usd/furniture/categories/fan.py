@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -41,7 +41,7 @@ def pedestal(size: Size, rng: np.random.Generator) -> Furniture:
         segments=28,
     )
     made.add("frame", facing(motor, (0.0, 0.075, z)))
-    made.add("frame", tube([(0.0, 0.02, z - 0.06), (0.0, 0.02, z)], 0.02, segments=12))
+    made.add("frame", tube([(0.0, 0.02, z - 0.06), (0.0, 0.02, z)], 0.02))
     middle = front + 0.06
     made.add("cage", _cage(r, middle, z, front))
     blade = extrude(
@@ -92,10 +92,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(2, 10),
     words="stand_fan pedestal_fan floor_fan electric_fan table_fan desk_fan",
     classes=Classes(ade20k="fan"),
-    schemes=(
-        scheme("plastic", cage="chrome", pole="chrome"),
-        scheme("black", cage="black", pole="black"),
-    ),
+    schemes=(scheme("plastic", chrome="cage pole"), scheme("black", black="cage pole")),
     construction=(
         row("base", filled(1500), "weight"),
         row("frame", filled(1600), "weight"),

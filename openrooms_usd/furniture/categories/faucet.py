@@ -6,10 +6,9 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, BRASS, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import DARK_TAP, METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -46,7 +45,7 @@ def mixer(made: Assembly, size: Size, at: Point) -> None:
     tip = at[1] - 0.5 * depth + 0.012
     z = at[2] + 0.62 * tall
     spout = [(at[0], y, z - 0.01), (at[0], tip + 0.004, z + 0.015), (at[0], tip, z - 0.016)]
-    made.add("spout", tube(filleted(spout, 0.014), 0.012, segments=14))
+    made.add("spout", tube(spout, 0.012, bend=0.014, segments=14))
     top = at[2] + tall + 0.001
     cap = lathe([(0.0, 0.0), (0.8 * r, 0.0), (0.72 * r, 0.014), (0.0, 0.018)], segments=24)
     grip = tube(
@@ -120,7 +119,7 @@ def bridge(made: Assembly, size: Size, at: Point) -> None:
         names = made.add("switch", _cross(arm).moved(top))
         made.turn("switch", names, top, _UP, (0.0, 180.0))
     level = at[2] + 0.55 * tall
-    made.add("body", tube([(at[0] - x, y, level), (at[0] + x, y, level)], pipe, segments=12))
+    made.add("body", tube([(at[0] - x, y, level), (at[0] + x, y, level)], pipe))
     tip, high = at[1] - 0.5 * depth + pipe, at[2] + height - pipe
     path = [
         (at[0], y, level),
@@ -129,7 +128,7 @@ def bridge(made: Assembly, size: Size, at: Point) -> None:
         (at[0], tip, high - 0.3 * height),
     ]
     bend = 0.45 * (y - tip)
-    made.add("spout", tube(filleted(path, bend, segments=8), pipe, segments=14))
+    made.add("spout", tube(path, pipe, bend=bend, bend_segments=8, segments=14))
 
 
 def pillar(made: Assembly, size: Size, at: Point) -> None:
@@ -155,7 +154,7 @@ def pillar(made: Assembly, size: Size, at: Point) -> None:
         ).moved((x, y, z)),
     )
     spout = [(x, y, z + level - 0.02), (x, tip, z + level - 0.02), (x, tip, z + level - 0.075)]
-    made.add("spout", tube(filleted(spout, 0.03, segments=5), 0.013, segments=14))
+    made.add("spout", tube(spout, 0.013, bend=0.03, bend_segments=5, segments=14))
     # Beside the body, against which it turns.
     lever = tube(
         [(0.0282, 0.0, 0.0), (0.5 * width - 0.006, 0.0, 0.028)], [0.008, 0.005], segments=10
@@ -168,14 +167,14 @@ def pillar(made: Assembly, size: Size, at: Point) -> None:
         "bracket", tube([(x, y, z + level - 0.05), (side, y, z + level - 0.05)], 0.008, segments=10)
     )
     grip = [(side, y, z + height - 0.26), (side, y, z + height - 0.012)]
-    made.add("spout", tube(grip, [0.009, 0.0125], segments=12))
+    made.add("spout", tube(grip, [0.009, 0.0125]))
     hose = [
         (side, y, z + height - 0.26),
         (side, y - 0.01, z + 0.42 * height),
         (x - 0.03, y - 0.02, z + 0.3 * height),
         (x, y, z + 0.5 * height),
     ]
-    made.add("hose", tube(filleted(hose, 0.06, segments=5), 0.006, segments=8))
+    made.add("hose", tube(hose, 0.006, bend=0.06, bend_segments=5, segments=8))
 
 
 KINDS: Final = {"mixer": mixer, "arc": arc, "bridge": bridge, "pillar": pillar}
@@ -220,9 +219,6 @@ CATEGORY: Final = BuiltCategory(
     words="tap spigot water_faucet",
     classes=Classes(openrooms45="faucet"),
     synsets=("03325088",),
-    schemes=(
-        scheme("chrome", switch="chrome", bracket="chrome", weight=2.0),
-        scheme(METAL, DARK_TAP),
-    ),
+    schemes=(scheme("chrome", chrome="switch bracket", weight=2.0), scheme(METAL, DARK_TAP)),
     construction=(row(ANY, walls(3, BRASS), "common"),),
 )

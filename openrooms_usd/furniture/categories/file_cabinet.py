@@ -5,14 +5,16 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import SIDE, Furniture, Size, Style, board, corners
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE, board, corners
 from openrooms_usd.furniture.joinery.carcass import Carcass
-from openrooms_usd.furniture.joinery.fronts import HANDLE, SEAT, Cell, Look, drawer, rows
+from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell, rows
+from openrooms_usd.furniture.joinery.fronts import Look, drawer
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder
 
-FRONT: Final = 0.02
+_FRONT_M: Final = 0.02
 
 
 def _case(size: Size, low: float) -> Carcass:
@@ -23,12 +25,12 @@ def _case(size: Size, low: float) -> Carcass:
 
 def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
     """A drawer between the sides, with a card in a holder above its handle."""
-    y = case.front + FRONT
+    y = case.front + _FRONT_M
     riders: tuple[str, ...] = ()
     if labelled:
         x, z = 0.5 * (cell[0] + cell[1]), 0.5 * (cell[2] + cell[3]) + 0.055
         low, high = (x - 0.04, case.front - 0.002, z - 0.016), (x + 0.04, y - 0.01, z + 0.016)
-        riders = case.made.add("label", board(low, high, 0.001))
+        riders = case.made.board("label", low, high, 0.001)
     drawer(
         case.made,
         cell,
@@ -36,7 +38,7 @@ def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
         case.back - 0.03,
         look,
         margin=0.0,
-        thickness=FRONT - SEAT,
+        thickness=_FRONT_M - SEAT,
         riders=riders,
     )
 
@@ -44,9 +46,8 @@ def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
 def _lock(case: Carcass) -> None:
     """A cylinder lock in the upper right corner of the case."""
     lock = cylinder(0.008, 0.012, bevel=0.002, segments=16)
-    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     x, z = 0.5 * case.width - 0.045, case.high - 0.009
-    case.made.add("lock", lock.transformed(forward).moved((x, case.front + 0.006, z)))
+    case.made.add("lock", lock.transformed(FRONT).moved((x, case.front + 0.006, z)))
 
 
 def upright(size: Size, rng: np.random.Generator) -> Furniture:
@@ -111,9 +112,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("file_cabinet", "cabinet", "cabinet"),
     synsets=("03337140",),
     schemes=(
-        scheme("grey", handle="chrome", weight=2.0),
-        scheme("white", handle="chrome", wheel="dark_plastic"),
-        scheme("black", handle="black"),
+        scheme("grey", chrome="handle", weight=2.0),
+        scheme("white", chrome="handle", dark_plastic="wheel"),
+        scheme("black", black="handle"),
     ),
     construction=(
         row("frame base door drawer_front drawer_box shelf", walls(0.45, STEEL), "sheet"),

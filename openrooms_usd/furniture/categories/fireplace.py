@@ -5,16 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, square_leg
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted
@@ -74,13 +66,8 @@ def _pillar(
     panel = 0.2 * wide
     if opening - hearth > 0.3:
         low, high = hearth + 0.16, opening - 0.05
-        frames.append(
-            board(
-                (edges[0] + panel, front - 0.009, low),
-                (edges[1] - panel, front + 0.01, high),
-                0.006,
-            )
-        )
+        least, most = (edges[0] + panel, front - 0.009, low), (edges[1] - panel, front + 0.01, high)
+        frames.append(board(least, most, 0.006))
     return frames
 
 
@@ -128,14 +115,11 @@ def mantel(size: Size, rng: np.random.Generator) -> Parts:
                 board(
                     (min(s * inner, s * (inner - slip)), front + 0.03, hearth),
                     (max(s * inner, s * (inner - slip)), front + 0.06, opening),
-                    0.002,
                 )
                 for s in (-1.0, 1.0)
             ],
         ),
-        "lintel": board(
-            (-inner, front + 0.03, opening - slip), (inner, front + 0.06, opening), 0.002
-        ),
+        "lintel": board((-inner, front + 0.03, opening - slip), (inner, front + 0.06, opening)),
         **numbered(
             "firebox",
             _firebox(
@@ -161,10 +145,10 @@ def breast(size: Size, rng: np.random.Generator) -> Parts:
         board((-half, front, high), (half, back, height), 0.003),
     ]
     metal = [
-        board((-half, front - 0.008, low), (half, front + 0.03, low + rim), 0.002),
-        board((-half, front - 0.008, high - rim), (half, front + 0.03, high), 0.002),
-        board((-half, front - 0.008, low + rim), (rim - half, front + 0.03, high - rim), 0.002),
-        board((half - rim, front - 0.008, low + rim), (half, front + 0.03, high - rim), 0.002),
+        board((-half, front - 0.008, low), (half, front + 0.03, low + rim)),
+        board((-half, front - 0.008, high - rim), (half, front + 0.03, high)),
+        board((-half, front - 0.008, low + rim), (rim - half, front + 0.03, high - rim)),
+        board((half - rim, front - 0.008, low + rim), (half, front + 0.03, high - rim)),
     ]
     return {
         **numbered("frame", frames),
@@ -188,9 +172,8 @@ def _stove_door(
         (x - rim, door_low + rim, x, door_high - rim),
     ]
     names = made.add("door", *(board((a, y - 0.022, b), (c, y, d), 0.003) for a, b, c, d in frame))
-    names += made.add(
-        "glass",
-        board((rim - x, y - 0.014, door_low + rim), (x - rim, y - 0.008, door_high - rim), 0.001),
+    names += made.board(
+        "glass", (rim - x, y - 0.014, door_low + rim), (x - rim, y - 0.008, door_high - rim), 0.001
     )
     z = 0.5 * (door_low + door_high)
     bow = [(y - 0.02, z - 0.05), (y - 0.05, z - 0.05), (y - 0.05, z + 0.05), (y - 0.02, z + 0.05)]
@@ -222,17 +205,14 @@ def stove(size: Size, rng: np.random.Generator) -> Furniture:
         board((t - half, front, low), (half - t, rear - t, low + 0.08)),
         board((t - half, front, high - 0.06), (half - t, rear - t, high)),
     )
-    made.add(
-        "tabletop",
-        board((-0.5 * width, front - 0.012, high), (0.5 * width, rear + 0.01, top), 0.006),
+    made.board(
+        "tabletop", (-0.5 * width, front - 0.012, high), (0.5 * width, rear + 0.01, top), 0.006
     )
     inner = (low + 0.07, high - 0.05)
-    made.add(
+    made.board(
         "firebox",
-        board(
-            (t - half + 0.005, rear - t - 0.012, inner[0]),
-            (half - t - 0.005, rear - t + 0.002, inner[1]),
-        ),
+        (t - half + 0.005, rear - t - 0.012, inner[0]),
+        (half - t - 0.005, rear - t + 0.002, inner[1]),
     )
     door_low, door_high, x = low + 0.05, high - 0.035, half - 0.02
     side = 1.0 if rng.integers(2) else -1.0
@@ -244,7 +224,7 @@ def stove(size: Size, rng: np.random.Generator) -> Furniture:
         cylinder(pipe, height - top + 0.002, segments=28, base=at),
         cylinder(1.2 * pipe, 0.03, bevel=0.004, segments=28, base=at),
     )
-    made.add("hearth", board((-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, back, 0.012), 0.002))
+    made.board("hearth", (-0.5 * width, -0.5 * depth, 0.0), (0.5 * width, back, 0.012))
     made.add("log", *_logs(2 * (half - t), (front, rear), low + 0.08, rng))
     return made.furniture()
 
@@ -263,9 +243,9 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     classes=Classes(nyu40="otherstructure", ade20k="fireplace"),
     schemes=(
-        scheme("white", hearth="masonry", weight=2.0),
+        scheme("white", masonry="hearth", weight=2.0),
         scheme("masonry"),
-        scheme("black", hearth="masonry", needs="pipe", weight=100.0),
+        scheme("black", masonry="hearth", needs="pipe", weight=100.0),
     ),
     offers_surfaces=("mantel",),
     view_importance=2.0,

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import LAMP_ROWS, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered, round_leg, splayed
+from openrooms_usd.furniture.joinery.boards import round_leg, splayed
 from openrooms_usd.furniture.joinery.lamp_parts import (
     bulb,
     carrier,
@@ -15,6 +15,7 @@ from openrooms_usd.furniture.joinery.lamp_parts import (
     radius_of,
     shade,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED
 from openrooms_usd.geometry.curves import filleted
@@ -107,7 +108,6 @@ def floor_uplight(size: Size, rng: np.random.Generator) -> Parts:
         "lamp_shade": lathe(np.concatenate([outer, rim]), segments=48),
         "light_bulb": sphere(
             0.55 * radius,
-            segments=32,
             squash=0.32 * deep / (0.55 * radius),
             center=(0.0, 0.0, height - 0.5 * deep),
         ),

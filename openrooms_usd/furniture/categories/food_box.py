@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import SIDE, Parts, Size, Style, board, profiled
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.prints import Print, label_lines, printed_cover
 from openrooms_usd.furniture.placements import on
@@ -135,14 +136,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(nyu40="box", ade20k="box"),
     schemes=(
         scheme(
-            "package",
-            field="package_field",
-            title="package_ink",
-            text="package_ink",
-            lid="plastic",
-            weight=2.0,
+            "package", package_field="field", package_ink="title text", plastic="lid", weight=2.0
         ),
-        scheme("white_paper", field="package_field", title="print", text="print", lid="package"),
+        scheme("white_paper", package_field="field", print="title text", package="lid"),
     ),
     construction=(
         row("box", filled(160), "weight"),
@@ -151,9 +147,9 @@ CATEGORY: Final = BuiltCategory(
         row(ANY, solid(700), "common"),
     ),
     placements=(
-        on("cupboard shelf", rooms="kitchen", pose="row", count=(2, 5), max_groups=4),
-        on("worktop", rooms="kitchen", weight=0.6, max_groups=3),
-        on("appliance_top", rooms="kitchen", styles="cereal", weight=0.5, count=(1, 2)),
+        on("cupboard shelf", "kitchen", pose="row", count=(2, 5), max_groups=4),
+        on("worktop", "kitchen", weight=0.6, max_groups=3),
+        on("appliance_top", "kitchen", styles="cereal", weight=0.5, count=(1, 2)),
         on("dining_table", styles="cereal carton", clutter=2, weight=0.3),
     ),
 )

@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import boxed
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import at_rest, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -140,7 +140,7 @@ CATEGORY: Final = BuiltCategory(
         on("in_bowl", pose="flat", max_groups=10, max_variants=6),
         on(
             "worktop dining_table",
-            rooms="kitchen dining_room apartment",
+            "kitchen dining_room apartment",
             pose="flat",
             count=(1, 3),
             clutter=2,

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import FRONT, board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude, tube
@@ -37,15 +37,13 @@ def _stand(back: float, thick: float, tall: float, seat: float) -> Parts:
     r, y = 0.009, 0.02
     legs = [
         tube(
-            filleted(
-                [
-                    (s * 0.14, -back + r, r),
-                    (s * 0.12, y - thick - 0.02, seat - 0.012),
-                    (0.0, 0.16, 0.55 * tall + seat),
-                ],
-                0.05,
-            ),
+            [
+                (s * 0.14, -back + r, r),
+                (s * 0.12, y - thick - 0.02, seat - 0.012),
+                (0.0, 0.16, 0.55 * tall + seat),
+            ],
             r,
+            bend=0.05,
             segments=10,
         )
         for s in (-1.0, 1.0)
@@ -76,9 +74,7 @@ def on_stand(size: Size, rng: np.random.Generator, *, solid: bool) -> Parts:
         (-0.025, -thick - 0.017, 0.62 * tall), (0.025, -thick - 0.011, 0.88 * long), 0.001
     )
     head = board((-0.036, -thick - 0.006, 0.87 * long), (0.036, -thick + 0.01, long), 0.003)
-    bridge = board(
-        (-0.075, -thick - 0.012, 0.27 * tall), (0.075, -thick + 0.001, 0.31 * tall), 0.002
-    )
+    bridge = board((-0.075, -thick - 0.012, 0.27 * tall), (0.075, -thick + 0.001, 0.31 * tall))
     z = np.linspace(0.89 * long, 0.98 * long, 3)
     pegs = [cylinder(0.008, 0.03, segments=10) for _ in range(6)]
     pins = joined(
@@ -134,24 +130,21 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "wood",
-            string="steel",
-            peg="chrome",
-            rosette="black",
-            leg="black",
-            support="tyre",
-            fretboard="ebony",
+            steel="string",
+            chrome="peg",
+            black="rosette leg",
+            tyre="support",
+            ebony="fretboard",
             weight=2.0,
         ),
         scheme(
             "piano_lacquer",
-            neck="wood",
-            head="wood",
-            string="steel",
-            peg="chrome",
-            rosette="black",
-            leg="black",
-            support="tyre",
-            fretboard="ebony",
+            wood="neck head",
+            steel="string",
+            chrome="peg",
+            black="rosette leg",
+            tyre="support",
+            ebony="fretboard",
         ),
     ),
     construction=(

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import at_rest, oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -86,11 +86,11 @@ CATEGORY: Final = BuiltCategory(
     synsets=("02954340",),
     schemes=(
         scheme("coat_cloth", weight=2.0),
-        scheme("rope", band="membrane", needs="band", weight=2.0),
+        scheme("rope", membrane="band", needs="band", weight=2.0),
     ),
     construction=(row(ANY, filled(250), "common"),),
     placements=(
-        on("wardrobe_shelf shelf", rooms="bedroom hallway", weight=0.4, pose="flat"),
+        on("wardrobe_shelf shelf", "bedroom hallway", weight=0.4, pose="flat"),
         on("chair_seat cabinet_top bed_foot", clutter=2, weight=0.2, pose="flat", max_groups=1),
     ),
 )

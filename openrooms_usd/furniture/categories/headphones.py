@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import at_rest, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
@@ -96,8 +96,8 @@ CATEGORY: Final = BuiltCategory(
     words="headphone headset earphones earphone",
     synsets=("03261776",),
     schemes=(
-        scheme("black_plastic", pad="membrane", stand="aluminium", weight=2.0),
-        scheme("plastic", pad="grey", stand="wood"),
+        scheme("black_plastic", membrane="pad", aluminium="stand", weight=2.0),
+        scheme("plastic", grey="pad", wood="stand"),
     ),
     construction=(row("stand", solid(1500), "weight"), row(ANY, filled(800), "weight")),
     placements=(

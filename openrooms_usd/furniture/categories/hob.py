@@ -7,8 +7,9 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.appliance import dial
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import FRONT, Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import FRONT
 from openrooms_usd.furniture.joinery.cooker import gas_hob, glass_hob
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
 
@@ -24,7 +25,7 @@ _KNOBS_M: Final = 0.075
 
 def _body(made: Assembly, size: Size) -> None:
     x, y = 0.5 * size[0] - BESIDE_M - 0.004, 0.5 * size[1] - BESIDE_M - 0.004
-    made.add("frame", board((-x, -y, 0.0), (x, y, SUNK_M)))
+    made.board("frame", (-x, -y, 0.0), (x, y, SUNK_M))
 
 
 def glass(size: Size, rng: np.random.Generator) -> Furniture:
@@ -33,7 +34,7 @@ def glass(size: Size, rng: np.random.Generator) -> Furniture:
     made, top = Assembly(), SUNK_M + _PLATE_M
     _body(made, size)
     x, y = 0.5 * width, 0.5 * depth
-    made.add("cooktop", board((-x, -y, SUNK_M), (x, y, top - 0.0012), 0.0015))
+    made.board("cooktop", (-x, -y, SUNK_M), (x, y, top - 0.0012), 0.0015)
     glass_hob(made, width + 0.016, 0.0, depth + 0.016, top)
     return made.furniture()
 
@@ -44,7 +45,7 @@ def gas(size: Size, rng: np.random.Generator) -> Furniture:
     made, level = Assembly(), SUNK_M + _PLATE_M
     _body(made, size)
     x, y = 0.5 * width, 0.5 * depth
-    made.add("cooktop", board((-x, -y, SUNK_M), (x, y, level), 0.002))
+    made.board("cooktop", (-x, -y, SUNK_M), (x, y, level))
     gas_hob(made, width, 0.5 * _KNOBS_M, depth - _KNOBS_M, height)
     up = dial(0.019, 0.022).transformed(np.linalg.inv(FRONT))
     count = 2 * max(2, round(width / 0.32))
@@ -70,7 +71,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(6, 20),
     words="cooktop gas_hob induction_hob stovetop",
     classes=Classes("stove", "otherstructure", "stove"),
-    schemes=(scheme("steel", frame="black"), scheme("screen", frame="black", knob="steel")),
+    schemes=(scheme("steel", black="frame"), scheme("screen", black="frame", steel="knob")),
     construction=(
         row("burner grate", solid(7200), "common"),
         row("glass cooktop", walls(1.0, STEEL), "sheet"),

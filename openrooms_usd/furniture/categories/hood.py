@@ -6,7 +6,7 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle
@@ -26,19 +26,13 @@ def _filters(made: Assembly, width: float, front: float, back: float, z: float) 
     """Two filters of mesh that look down, a strip of keys before them."""
     x = 0.5 * width
     for a, b in ((-x, -0.004), (0.004, x)):
-        made.add("panel", board((a, front, z - 0.006), (b, back, z + 0.004), 0.001))
+        made.board("panel", (a, front, z - 0.006), (b, back, z + 0.004), 0.001)
 
 
 def _buttons(made: Assembly, front: float, z: float) -> None:
     for x in np.linspace(-0.05, 0.05, 5):
-        made.add(
-            "button",
-            board(
-                (x - 0.007, front - 0.0015, z - 0.005),
-                (x + 0.007, front + 0.002, z + 0.005),
-                0.0006,
-            ),
-        )
+        least, most = (x - 0.007, front - 0.0015, z - 0.005), (x + 0.007, front + 0.002, z + 0.005)
+        made.board("button", least, most, 0.0006)
 
 
 def chimney(size: Size, rng: np.random.Generator) -> Furniture:
@@ -67,8 +61,8 @@ def slim(size: Size, rng: np.random.Generator) -> Furniture:
     width, depth, height = size
     made, front, back = Assembly(), -0.5 * depth, 0.5 * depth
     x, low, nose = 0.5 * width, 0.006, front + 0.05
-    made.add("frame", board((-x, nose, low), (x, back, height), 0.003))
-    made.add("panel", board((-x, front, low + 0.004), (x, nose, low + 0.024), 0.003))
+    made.board("frame", (-x, nose, low), (x, back, height), 0.003)
+    made.board("panel", (-x, front, low + 0.004), (x, nose, low + 0.024), 0.003)
     _filters(made, width - 0.06, nose + 0.03, back - 0.03, low)
     _buttons(made, front, low + 0.014)
     return made.furniture()
@@ -118,9 +112,9 @@ CATEGORY: Final = BuiltCategory(
     words="range_hood cooker_hood extractor_hood kitchen_hood extractor exhaust_hood oven_hood",
     classes=Classes(nyu40="otherstructure", ade20k="hood"),
     schemes=(
-        scheme("steel", button="dark_plastic", weight=3.0),
-        scheme("black", panel="steel"),
-        scheme("white", panel="steel"),
+        scheme("steel", dark_plastic="button", weight=3.0),
+        scheme("black", steel="panel"),
+        scheme("white", steel="panel"),
     ),
     construction=(
         row("panel", walls(1.0, STEEL), "sheet"),

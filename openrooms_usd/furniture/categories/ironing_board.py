@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.sweeps import extrude, tube
@@ -46,8 +46,8 @@ CATEGORY: Final = BuiltCategory(
     words="ironing_table iron_board",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        scheme("white", cushion="throw", leg="aluminium"),
-        scheme("grey", cushion="linen", leg="grey"),
+        scheme("white", throw="cushion", aluminium="leg"),
+        scheme("grey", linen="cushion", grey="leg"),
     ),
     construction=(
         row("cushion", filled(90), "foam"),

@@ -3,11 +3,11 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import row, walls
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.vessel import jar_canister, jar_ginger, jar_preserving
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 
 _KITCHENS: Final = "kitchen apartment"
 
@@ -29,24 +29,18 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="jar"),
     synsets=("03593526",),
     schemes=(
-        scheme("glaze", handle="glaze"),
+        scheme("glaze", glaze="handle"),
         scheme(
-            "glaze", lid="wood", seal="membrane", label="bottle_label", needs="seal", weight=100.0
+            "glaze", wood="lid", membrane="seal", bottle_label="label", needs="seal", weight=100.0
         ),
-        scheme("bottle_glass", lid=METAL, frame=METAL, needs="frame", weight=100.0),
+        scheme("bottle_glass", metal="lid frame", needs="frame", weight=100.0),
     ),
     construction=(
         row("container", walls(3), "common", "specular_stone"),
         row("lid", walls(0.4), "sheet", "metal"),
     ),
     placements=(
-        on(
-            "worktop shelf cupboard",
-            rooms=_KITCHENS,
-            count=(2, 4),
-            cluster="cooking",
-            max_variants=4,
-        ),
+        on("worktop shelf cupboard", _KITCHENS, count=(2, 4), cluster="cooking", max_variants=4),
         on("worktop dining_table mantel", weight=0.6, cluster="cooking", max_variants=4),
         on("shelf cabinet_top dresser_top media_top desk", weight=0.5, max_variants=4),
     ),

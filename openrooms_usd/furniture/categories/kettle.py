@@ -5,12 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.vessel import smooth_line
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 from openrooms_usd.geometry.sweeps import tube
@@ -28,7 +27,7 @@ def jug(size: Size, rng: np.random.Generator) -> Parts:
         segments=36,
         crease=50.0,
     )
-    base = cylinder(1.02 * r, foot - 0.003, bevel=0.004, segments=32)
+    base = cylinder(1.02 * r, foot - 0.003, bevel=0.004)
     lid = lathe(
         [
             (0.0, top - 0.002),
@@ -56,7 +55,7 @@ def jug(size: Size, rng: np.random.Generator) -> Parts:
         (reach - 0.012, 0.0, foot + 0.28 * top),
         (0.9 * r, 0.0, foot + 0.18 * top),
     ]
-    grip = tube(filleted(path, 0.035, segments=4), 0.0105, segments=10)
+    grip = tube(path, 0.0105, bend=0.035, segments=10)
     return {
         "container": body,
         "base": base,
@@ -104,16 +103,14 @@ def stove(size: Size, rng: np.random.Generator) -> Parts:
         (0.55 * r, 0.0, height - 0.008),
         (0.6 * r, 0.0, 0.72 * h),
     ]
-    grip = tube(filleted(arch, 0.4 * r, segments=5), 0.0075, segments=10)
+    grip = tube(arch, 0.0075, bend=0.4 * r, bend_segments=5, segments=10)
     end = width - r - 0.012
     beak = [
         (-0.75 * r, 0.0, 0.42 * h),
         (-0.5 * (r + end) - 0.01, 0.0, 0.62 * h),
         (-end, 0.0, 0.98 * h),
     ]
-    spout = tube(
-        filleted(beak, 0.03, segments=3), np.linspace(0.02, 0.011, 6).tolist(), segments=12
-    )
+    spout = tube(beak, np.linspace(0.02, 0.011, 6).tolist(), bend=0.03, bend_segments=3)
     return {"container": body, "lid": lid, "knob": knob, "handle": grip, "spout": spout}
 
 
@@ -130,27 +127,10 @@ CATEGORY: Final = BuiltCategory(
     words="tea_kettle water_kettle electric_kettle teapot",
     schemes=(
         scheme(
-            "cookware_steel",
-            handle="black_plastic",
-            base="black_plastic",
-            knob="black_plastic",
-            spout="cookware_steel",
-            weight=2.0,
+            "cookware_steel", black_plastic="handle base knob", cookware_steel="spout", weight=2.0
         ),
-        scheme(
-            "cookware_enamel",
-            handle="black_plastic",
-            base="black_plastic",
-            knob="black_plastic",
-            spout="cookware_enamel",
-        ),
-        scheme(
-            "tinted_plastic",
-            base="black_plastic",
-            spout="tinted_plastic",
-            handle="black_plastic",
-            needs="base",
-        ),
+        scheme("cookware_enamel", black_plastic="handle base knob", cookware_enamel="spout"),
+        scheme("tinted_plastic", black_plastic="base handle", tinted_plastic="spout", needs="base"),
     ),
     construction=(row(ANY, filled(420), "weight"),),
     placements=(

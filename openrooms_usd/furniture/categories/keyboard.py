@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.computing import keyboard_full, keyboard_slim, keyboard_split
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 
@@ -26,8 +26,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="computer_keyboard", coco="keyboard"),
     synsets=("03085013",),
     schemes=(
-        scheme("black_plastic", key="membrane", weight=2.0),
-        scheme("aluminium", key="pale_plastic"),
+        scheme("black_plastic", membrane="key", weight=2.0),
+        scheme("aluminium", pale_plastic="key"),
         scheme("pale_plastic"),
     ),
     construction=(row(ANY, filled(500), "weight"),),

@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.kitchen import wall_doors, wall_flaps, wall_glass, wall_open
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import KITCHEN
 

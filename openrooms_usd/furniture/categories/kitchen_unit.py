@@ -8,30 +8,18 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    NOTHING_ORDERED,
-    Furniture,
-    Order,
-    Size,
-    Style,
-    board,
-)
 from openrooms_usd.furniture.joinery.carcass import Carcass
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    GAP,
-    SEAT,
-    Cell,
     Look,
-    columns,
     drawer,
     hang_door,
     leaf,
     ordered_look,
     reach,
-    rows,
 )
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import KITCHEN
 
@@ -67,13 +55,7 @@ def _leaves(unit: Carcass, cell: Cell, look: Look, handle_z: float) -> None:
         left = i % 2 == 0
         x = part[1] - 0.04 if left else part[0] + 0.04
         hang_door(
-            unit.made,
-            part,
-            unit.face,
-            "left" if left else "right",
-            look,
-            handle=(x, handle_z),
-            length=0.16,
+            unit.made, part, unit.face, "left" if left else "right", look, handle=(x, handle_z)
         )
 
 
@@ -136,7 +118,6 @@ def corner(
         "right" if side < 0 else "left",
         look,
         handle=handle,
-        length=0.16,
     )
     unit.shelves(unit.inside, 0.36, 0.02)
     return unit.made.furniture()
@@ -146,8 +127,8 @@ def filler(size: Size, rng: np.random.Generator) -> Furniture:
     """A strip that closes what is left beside a wall or in a corner."""
     width, depth, height = size
     made, face, half = Assembly(), -0.5 * depth + BOARD, 0.5 * width
-    made.add("panel", board((-half, face - BOARD, TOE), (half, face, height), 0.001))
-    made.add("frame", board((-half, face, TOE), (half, 0.5 * depth, height), 0.001))
+    made.board("panel", (-half, face - BOARD, TOE), (half, face, height), 0.001)
+    made.board("frame", (-half, face, TOE), (half, 0.5 * depth, height), 0.001)
     kickboard(made, width, face - BOARD, 0.5 * depth)
     return made.furniture()
 

@@ -5,15 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ALUMINIUM, ANY, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import (
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    splayed,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, splayed
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 
@@ -23,8 +16,8 @@ def step(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     x, y = 0.5 * width, 0.5 * depth
     top, inner = height - 0.03, 0.36 * width
-    rail = board((-0.011, -0.03, 0.0), (0.011, 0.03, top), 0.002)
-    rear = board((-0.01, -0.015, 0.0), (0.01, 0.015, top), 0.002)
+    rail = board((-0.011, -0.03, 0.0), (0.011, 0.03, top))
+    rear = board((-0.01, -0.015, 0.0), (0.01, 0.015, top))
     apex = 0.1 * depth
     legs = [
         splayed(rail if b < 0 else rear, (a, b), (np.sign(a) * inner, apex + 0.05 * np.sign(b)))

@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.computing import laptop_classic, laptop_slim, laptop_tablet
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
@@ -26,8 +26,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("laptop", "otherprop", "computer", "laptop"),
     synsets=("03642806",),
     schemes=(
-        scheme("aluminium", hinge="black_plastic", key="black_plastic", weight=2.0),
-        scheme("dark_plastic", touchpad="membrane", key="membrane"),
+        scheme("aluminium", black_plastic="hinge key", weight=2.0),
+        scheme("dark_plastic", membrane="touchpad key"),
     ),
     construction=(
         row("screen", solid(2500), "common"),
@@ -37,6 +37,6 @@ CATEGORY: Final = BuiltCategory(
     joint_damping=JointDamping(0.05, 0.8),
     placements=(
         on("coffee_table dining_table", clutter=2, weight=0.3, max_groups=1),
-        on("desk", rooms="office conference_room library", weight=0.4),
+        on("desk", "office conference_room library", weight=0.4),
     ),
 )

@@ -6,9 +6,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.cloth import ripples
 from openrooms_usd.furniture.joinery.linens import between, folded_pile
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -71,35 +71,17 @@ CATEGORY: Final = BuiltCategory(
     schemes=(scheme("garment"),),
     construction=(row(ANY, filled(90), "weight"),),
     placements=(
-        on("wardrobe_shelf cupboard drawer", rooms="bedroom", styles="folded", count=(1, 2)),
-        on(
-            "chair_seat armchair_seat bed_foot",
-            rooms="bedroom",
-            clutter=2,
-            weight=0.5,
-            max_groups=1,
-        ),
-        on(
-            "in_basket",
-            rooms="bathroom bedroom laundry_room",
-            styles="heap",
-            weight=0.7,
-            max_groups=1,
-        ),
+        on("wardrobe_shelf cupboard drawer", "bedroom", styles="folded", count=(1, 2)),
+        on("chair_seat armchair_seat bed_foot", "bedroom", clutter=2, weight=0.5, max_groups=1),
+        on("in_basket", "bathroom bedroom laundry_room", styles="heap", weight=0.7, max_groups=1),
         on(
             "floor_open floor_corner floor_beside_bed",
-            rooms="bedroom",
+            "bedroom",
             styles="heap",
             clutter=3,
             weight=0.5,
             max_groups=1,
         ),
-        on(
-            "appliance_top",
-            rooms="bathroom laundry_room",
-            styles="folded",
-            weight=0.4,
-            max_groups=1,
-        ),
+        on("appliance_top", "bathroom laundry_room", styles="folded", weight=0.4, max_groups=1),
     ),
 )

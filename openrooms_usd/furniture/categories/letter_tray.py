@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -62,6 +63,6 @@ CATEGORY: Final = BuiltCategory(
     construction=(row("paper", solid(750), "common"), row("tray", solid(900), "common")),
     placements=(
         on("desk", weight=0.5, max_groups=1),
-        on("cabinet_top shelf", rooms="office", weight=0.4, max_groups=1),
+        on("cabinet_top shelf", "office", weight=0.4, max_groups=1),
     ),
 )

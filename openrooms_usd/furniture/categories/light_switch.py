@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, wall_plate
+from openrooms_usd.furniture.joinery.boards import board, wall_plate
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -66,8 +67,8 @@ CATEGORY: Final = BuiltCategory(
     words="wall_switch dimmer",
     schemes=(
         scheme("plastic", weight=3.0),
-        scheme("plastic", cover="steel"),
-        scheme("plastic", cover="brass"),
+        scheme("plastic", steel="cover"),
+        scheme("plastic", brass="cover"),
     ),
     construction=(row(ANY, filled(900), "common"),),
 )

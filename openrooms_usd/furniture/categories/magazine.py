@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import between, folded_pile
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.prints import Print, label_lines, printed_cover
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -56,10 +56,8 @@ CATEGORY: Final = BuiltCategory(
     words="magazines newspaper newspapers brochure",
     classes=Classes(nyu40="paper"),
     schemes=(
-        scheme("package", field="package_field", title="package_ink", text="package_ink"),
-        scheme(
-            "newsprint", field="print", title="cavity", text="print", needs="paper", weight=100.0
-        ),
+        scheme("package", package_field="field", package_ink="title text"),
+        scheme("newsprint", print="field text", cavity="title", needs="paper", weight=100.0),
     ),
     construction=(row(ANY, filled(700), "common"),),
     placements=(
@@ -83,7 +81,7 @@ CATEGORY: Final = BuiltCategory(
         ),
         on(
             "dining_table worktop",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="flat",
             styles="newspaper",
             clutter=2,

@@ -7,8 +7,9 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row, solid
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, knob, liner
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
-from openrooms_usd.furniture.joinery.fronts import HANDLE, SEAT, Cell, Look, hang_door
+from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell
+from openrooms_usd.furniture.joinery.fronts import Look, hang_door
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder, lathe
@@ -49,7 +50,7 @@ def _cavity(made: Assembly, cell: Cell, face: float, back: float) -> None:
         (0.88 * radius, 0.004),
         (0.0, 0.004),
     ]
-    tray = lathe(profile, segments=32)
+    tray = lathe(profile)
     hub = cylinder(0.03, 0.012, segments=16)
     at = (0.5 * (left + right), 0.5 * (face + back) - 0.01, inside[2])
     made.add("tray", tray.moved(at).moved((0.0, 0.0, 0.01)))
@@ -66,8 +67,8 @@ def _door(made: Assembly, cell: Cell, face: float, look: Look, drops: bool) -> N
         low + inset,
         high - inset - (free if drops else 0.0),
     )
-    riders = made.add(
-        "glass", board((pane[0], front - 0.0015, pane[2]), (pane[1], front + 0.004, pane[3]), 0.001)
+    riders = made.board(
+        "glass", (pane[0], front - 0.0015, pane[2]), (pane[1], front + 0.004, pane[3]), 0.001
     )
     if drops:
         handle, length = (0.5 * (left + right), high - 0.028), 0.7 * (right - left)
@@ -93,7 +94,7 @@ def _side_by_side(size: Size, look: Look) -> tuple[Assembly, Cell, float]:
     middle = right - max(0.085, 0.23 * size[0])
     _cavity(made, (left, middle + 0.5 * SHEET, low, high), face, 0.5 * size[1])
     _door(made, (left, middle, low, high), face, look, False)
-    made.add("panel", board((middle + 0.0015, face - DOOR, low), (right, face, high), 0.003))
+    made.board("panel", (middle + 0.0015, face - DOOR, low), (right, face, high), 0.003)
     return made, (middle, right, low, high), face - DOOR
 
 
@@ -107,8 +108,8 @@ def keypad(size: Size, rng: np.random.Generator) -> Furniture:
     for line in np.linspace(0.12, 0.64, 5):
         for column in (-0.26, 0.0, 0.26):
             u, v = x + column * wide, low + float(line) * tall
-            made.add(
-                "button", board((u - a, front - 0.002, v - b), (u + a, front + 0.002, v + b), 0.001)
+            made.board(
+                "button", (u - a, front - 0.002, v - b), (u + a, front + 0.002, v + b), 0.001
             )
     return made.furniture()
 
@@ -129,13 +130,13 @@ def dropping(size: Size, rng: np.random.Generator) -> Furniture:
     strip = high - max(0.045, 0.18 * size[2])
     _cavity(made, (left, right, low, strip + 0.5 * SHEET), face, 0.5 * size[1])
     _door(made, (left, right, low, strip), face, Look(str(rng.choice(["grip", "rod"]))), True)
-    made.add("panel", board((left, face - DOOR, strip + 0.0015), (right, face, high), 0.003))
+    made.board("panel", (left, face - DOOR, strip + 0.0015), (right, face, high), 0.003)
     z, front = 0.5 * (strip + high), face - DOOR
     display(made, 0.0, front, z, (0.24 * size[0], 0.5 * (high - strip)))
     for x in (-0.34, -0.26, 0.26, 0.34):
         low_corner = (x * size[0] - 0.009, front - 0.002, z - 0.009)
         high_corner = (x * size[0] + 0.009, front + 0.002, z + 0.009)
-        made.add("button", board(low_corner, high_corner, 0.002))
+        made.board("button", low_corner, high_corner)
     return made.furniture()
 
 
@@ -160,15 +161,14 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "steel",
-            container="enamel",
-            frame="black",
-            tray="plastic",
-            panel="screen",
-            handle="steel",
-            base="black",
+            enamel="container",
+            black="frame base",
+            plastic="tray",
+            screen="panel",
+            steel="handle",
         ),
-        scheme("enamel", tray="plastic", handle="enamel"),
-        scheme("black", container="enamel", handle="steel"),
+        scheme("enamel", plastic="tray", enamel="handle"),
+        scheme("black", enamel="container", steel="handle"),
     ),
     construction=(
         row("panel", filled(4000), "weight"),

@@ -6,9 +6,11 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Side
-from openrooms_usd.furniture.joinery.boards import FRONT, Furniture, Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import FRONT, board
 from openrooms_usd.furniture.joinery.carcass import Carcass
-from openrooms_usd.furniture.joinery.fronts import BOARD, GAP, SEAT, columns, leaf
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, SEAT, columns
+from openrooms_usd.furniture.joinery.fronts import leaf
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style
 from openrooms_usd.furniture.joinery.wall_board import mitred
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
@@ -80,7 +82,7 @@ def cabinet(size: Size, rng: np.random.Generator) -> Furniture:
     for i, cell in enumerate(cells):
         side: Side = "left" if i % 2 == 0 else "right"
         wide, x = cell[1] - cell[0] - GAP, 0.5 * (cell[0] + cell[1])
-        glass = leaf(wide, height - GAP, BOARD).moved((x, unit.face, 0.5 * GAP))
+        glass = leaf(wide, height - GAP).moved((x, unit.face, 0.5 * GAP))
         names = unit.made.add("mirror", glass)
         edge = cell[0] + 0.5 * GAP if side == "left" else cell[1] - 0.5 * GAP
         unit.made.hinge("door", names, (edge, unit.face - BOARD, 0.0), side, 100.0)

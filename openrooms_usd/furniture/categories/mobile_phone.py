@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.handheld import slab
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -34,8 +34,8 @@ CATEGORY: Final = BuiltCategory(
     words="cell_phone cellphone smartphone cellular_telephone iphone",
     classes=Classes(openrooms45="telephone", coco="cell_phone"),
     schemes=(
-        scheme("black_plastic", lens="screen", weight=2.0),
-        scheme("phone_back", lens="screen"),
+        scheme("black_plastic", screen="lens", weight=2.0),
+        scheme("phone_back", screen="lens"),
     ),
     construction=(row(ANY, filled(2100), "weight"),),
     placements=(

@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.screen import deep, monitor_curved, monitor_flat, monitor_tube
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import SCREENS, scheme
@@ -28,7 +28,7 @@ CATEGORY: Final = BuiltCategory(
     words="computer_monitor screen computer_screen display lcd",
     classes=Classes("monitor", "otherprop", "monitor", "tv"),
     synsets=("03211117",),
-    schemes=(*SCREENS, scheme("pale_plastic", button="pale_plastic", needs="button", weight=100.0)),
+    schemes=(*SCREENS, scheme("pale_plastic", pale_plastic="button", needs="button", weight=100.0)),
     construction=(
         row("screen", solid(2500), "common"),
         row(ANY, filled(300), "weight"),

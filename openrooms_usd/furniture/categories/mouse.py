@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
@@ -82,8 +83,8 @@ CATEGORY: Final = BuiltCategory(
     words="computer_mouse",
     classes=Classes(coco="mouse"),
     schemes=(
-        scheme("black_plastic", wheel="membrane", groove="cavity", weight=2.0),
-        scheme("plastic", wheel="grey", groove="grey"),
+        scheme("black_plastic", membrane="wheel", cavity="groove", weight=2.0),
+        scheme("plastic", grey="wheel groove"),
     ),
     construction=(row(ANY, filled(650), "weight"),),
     placements=(on("desk", weight=0.9, cluster="computer", max_groups=1),),

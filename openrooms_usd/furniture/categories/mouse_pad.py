@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -16,17 +16,17 @@ from openrooms_usd.geometry.sweeps import extrude, tube
 def small(size: Size, rng: np.random.Generator) -> Parts:
     """A pad of cloth on rubber."""
     width, depth, height = size
-    return {"pad": extrude(rounded_rectangle(width, depth, 0.012, 4), height, bevel=0.001)}
+    return {"pad": extrude(rounded_rectangle(width, depth, 0.012), height, bevel=0.001)}
 
 
 def stitched(size: Size, rng: np.random.Generator) -> Parts:
     """A wide mat with a stitched edge."""
     width, depth, height = size
-    outline = rounded_rectangle(width, depth, 0.015, 4)
-    inner = rounded_rectangle(width - 0.006, depth - 0.006, 0.012, 4)
+    outline = rounded_rectangle(width, depth, 0.015)
+    inner = rounded_rectangle(width - 0.006, depth - 0.006, 0.012)
     rim = np.column_stack(
         [
-            rounded_rectangle(width - 0.003, depth - 0.003, 0.014, 4),
+            rounded_rectangle(width - 0.003, depth - 0.003, 0.014),
             np.full(len(outline), 0.5 * height),
         ]
     )
@@ -47,7 +47,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.03, 1.2),
     words="mousepad desk_mat",
-    schemes=(scheme("pad_cloth", seam="membrane"),),
+    schemes=(scheme("pad_cloth", membrane="seam"),),
     construction=(row(ANY, solid(400), "common"),),
     placements=(on("desk", styles="small", weight=0.4, cluster="computer", max_groups=1),),
 )

@@ -6,12 +6,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -27,7 +26,7 @@ def _handle(reach: float, low: float, high: float, thick: float, wall: float) ->
         (wall + 0.6 * reach, 0.0, low + 0.1 * half),
         (wall - 0.003, 0.0, low),
     ]
-    loop = tube(filleted(path, 0.4 * half, segments=3), thick, segments=8)
+    loop = tube(path, thick, bend=0.4 * half, bend_segments=3, segments=8)
     return loop.transformed(np.diag([1.0, 1.45, 1.0]))
 
 
@@ -161,9 +160,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(coco="cup"),
     synsets=("03797390",),
     schemes=(
-        scheme("mug_glaze", drink="coffee", handle="mug_glaze"),
-        scheme("porcelain", drink="coffee", handle="porcelain", needs="saucer", weight=100.0),
-        scheme("white_paper", seal="cardboard", lid="tinted_plastic", needs="seal", weight=100.0),
+        scheme("mug_glaze", coffee="drink", mug_glaze="handle"),
+        scheme("porcelain", coffee="drink", porcelain="handle", needs="saucer", weight=100.0),
+        scheme("white_paper", cardboard="seal", tinted_plastic="lid", needs="seal", weight=100.0),
     ),
     construction=(
         row("drink", solid(1000), "common"),
@@ -172,8 +171,8 @@ CATEGORY: Final = BuiltCategory(
         row(ANY, filled(300), "common"),
     ),
     placements=(
-        on("cupboard shelf", rooms="kitchen", pose="row", count=(2, 5)),
-        on("worktop sink_edge", rooms="kitchen", cluster="coffee", pose="flat", weight=0.8),
+        on("cupboard shelf", "kitchen", pose="row", count=(2, 5)),
+        on("worktop sink_edge", "kitchen", cluster="coffee", pose="flat", weight=0.8),
         on("desk coffee_table", pose="flat", weight=0.6, styles="mug tall"),
         on("bedside side_table window_sill", pose="flat", clutter=2, weight=0.3),
         on("dining_table", pose="flat", cluster="setting", weight=0.3, styles="mug cup"),

@@ -6,15 +6,14 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import folded_pile, rolled
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
-from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.uv import metric
 
 # Half the length of a ring, metres, and how thick the roll is in it, as a share of its ends.
@@ -33,8 +32,8 @@ def ringed(size: Size, rng: np.random.Generator) -> Parts:
     roll = _waisted(rolled(size, rng, columns=9), size)
     inner = _WAIST_SHARE * 0.5 * height
     outer, half = inner + 0.002, _HALF_RING_M
-    band = lathe([(inner, -half), (outer, -half), (outer, half), (inner, half)], segments=28)
-    laid = turned(band, "y", 90.0).transformed(np.diag([1.0, depth / height, 1.0]))
+    hoop = band(inner, outer, -half, half, 28)
+    laid = turned(hoop, "y", 90.0).transformed(np.diag([1.0, depth / height, 1.0]))
     return {"cloth": roll, "ring": laid.moved((0.0, 0.0, 0.5 * height))}
 
 
@@ -62,13 +61,13 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.005, 0.15),
     words="napkins serviette",
-    schemes=(scheme("table_linen", ring=METAL),),
+    schemes=(scheme("table_linen", metal="ring"),),
     construction=(row("ring", solid(), "common", "metal"), row(ANY, filled(180), "common")),
     placements=(
         on("dining_table", cluster="setting", weight=0.6),
         on(
             "drawer",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             styles="folded",
             pose="stacked",
             count=(3, 6),

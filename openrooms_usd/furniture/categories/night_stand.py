@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.carcass import closed
 from openrooms_usd.furniture.joinery.fronts import drawers, drawn_look
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.small_table import nightstand
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
@@ -21,8 +21,8 @@ def chest(size: Size, rng: np.random.Generator) -> Furniture:
         cabinet.legs()
     else:
         cabinet.plinth()
-    look = drawn_look(rng, 0.4)
-    drawers(cabinet.made, cabinet.overlay, cabinet.face, cabinet.back - 0.03, look, 0.2)
+    look = drawn_look(rng)
+    drawers(cabinet.made, cabinet.overlay, cabinet.face, cabinet.back - 0.03, look)
     return cabinet.made.furniture()
 
 

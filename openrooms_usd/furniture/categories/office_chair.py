@@ -6,16 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ALUMINIUM, ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    numbered,
-    profiled,
-    strip,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled, strip
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
@@ -109,15 +101,9 @@ def _arm_of_star(hub: NDArray[np.float64], foot: NDArray[np.float64], root: floa
 def _mechanism(y: float, seat: float) -> Parts:
     """The box under the seat with its lever."""
     lever = tube(
-        filleted(
-            [
-                (0.04, y + 0.03, seat - 0.09),
-                (0.2, y + 0.03, seat - 0.1),
-                (0.25, y + 0.03, seat - 0.08),
-            ],
-            0.03,
-        ),
+        [(0.04, y + 0.03, seat - 0.09), (0.2, y + 0.03, seat - 0.1), (0.25, y + 0.03, seat - 0.08)],
         0.005,
+        bend=0.03,
         segments=8,
     )
     return {
@@ -146,7 +132,7 @@ def _armrests(x: float, y: float, seat: float, top: float) -> Parts:
             (side * (x - 0.03), y, seat - 0.085),
             (side * (x - 0.035), y, top - 0.02),
         ]
-        posts.append(tube(filleted(path, 0.05, segments=5), 0.014, segments=10))
+        posts.append(tube(path, 0.014, bend=0.05, bend_segments=5, segments=10))
         outline = filleted(rectangle(0.075, 0.24), 0.035, closed=True)
         pad = extrude(outline, 0.028, bevel=0.008, base=top - 0.028)
         pads.append(pad.moved((side * (x - 0.0375), y - 0.02, 0.0)))
@@ -178,7 +164,7 @@ def task(size: Size, rng: np.random.Generator) -> Parts:
         "seat_cushion": _seat_pad(wide, deep, 0.075, middle, seat),
         "back": sheet(grid, 0.006),
         "back_frame": tube(loop, 0.011, segments=8, closed=True),
-        "back_support": tube(filleted(spine, 0.06, segments=5), 0.016, segments=10),
+        "back_support": tube(spine, 0.016, bend=0.06, bend_segments=5, segments=10),
         **_armrests(0.5 * min(width, 0.7), y + 0.02, seat, arm_top),
     }
 
@@ -220,17 +206,15 @@ def executive(size: Size, rng: np.random.Generator) -> Parts:
     x, reach = 0.5 * min(width, 0.72) - 0.02, 0.36 * depth
     loops = [
         tube(
-            filleted(
-                [
-                    (s * (x - 0.07), middle - reach * 0.4, seat - 0.05),
-                    (s * x, middle - reach * 0.5, arm_top - 0.012),
-                    (s * x, middle + reach * 0.5, arm_top - 0.012),
-                    (s * (x - 0.06), middle + reach * 0.5, seat - 0.05),
-                ],
-                0.07,
-                segments=5,
-            ),
+            [
+                (s * (x - 0.07), middle - reach * 0.4, seat - 0.05),
+                (s * x, middle - reach * 0.5, arm_top - 0.012),
+                (s * x, middle + reach * 0.5, arm_top - 0.012),
+                (s * (x - 0.06), middle + reach * 0.5, seat - 0.05),
+            ],
             0.016,
+            bend=0.07,
+            bend_segments=5,
             segments=10,
         )
         for s in (-1.0, 1.0)
@@ -293,7 +277,7 @@ def clerk(size: Size, rng: np.random.Generator) -> Parts:
         **_mechanism(y, seat),
         "seat_cushion": _seat_pad(wide, deep, 0.07, middle, seat),
         "back_cushion": pad.transformed(lean).moved((0.0, rear + 0.02, height - 0.5 * tall)),
-        "back_support": tube(filleted(bar, 0.06, segments=5), 0.013, segments=10),
+        "back_support": tube(bar, 0.013, bend=0.06, bend_segments=5, segments=10),
     }
 
 
@@ -314,8 +298,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("chair", "chair", "swivel_chair", "chair"),
     schemes=(
         scheme("black", weight=2.0),
-        scheme("black", leg="steel", arm_support="steel"),
-        scheme("white", back="black", arm="black"),
+        scheme("black", steel="leg arm_support"),
+        scheme("white", black="back arm"),
     ),
     construction=(
         row("seat_cushion seat", filled(150), "weight"),

@@ -5,15 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row
-from openrooms_usd.furniture.joinery.boards import (
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    round_leg,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, round_leg
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
@@ -71,8 +64,8 @@ CATEGORY: Final = BuiltCategory(
     words="pouffe pouf pouff hassock footstool foot_stool footrest",
     classes=Classes("chair", "chair", "ottoman"),
     schemes=(
-        scheme("upholstery", leg="wood", weight=3.0),
-        scheme("hide", leg="wood", seat_cushion="hide"),
+        scheme("upholstery", wood="leg", weight=3.0),
+        scheme("hide", wood="leg", hide="seat_cushion"),
     ),
     construction=(row("frame", filled(110), "weight"), row("seat_cushion", filled(60), "foam")),
     collision_softness=0.03,

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
@@ -79,7 +79,7 @@ def _brackets(r: float, z: float, reach: float) -> list[Mesh]:
         (r + reach - 0.005, 0.035, z + 0.002),
         (r - 0.003, 0.035, z),
     ]
-    loop = tube(filleted(path, 0.018, segments=3), 0.0048, segments=8)
+    loop = tube(path, 0.0048, bend=0.018, bend_segments=3, segments=8)
     return [loop, turned(loop, "z", 180.0)]
 
 
@@ -139,9 +139,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.4, 3.5),
     words="frying_pan saucepan pots pans cooking_pot skillet wok cookware",
     schemes=(
-        scheme("cookware_steel", handle="black_plastic", knob="black_plastic", weight=2.0),
-        scheme("cookware_black", handle="black_plastic", knob="black_plastic", weight=2.0),
-        scheme("cookware_enamel", handle="cookware_enamel", knob="cookware_steel"),
+        scheme("cookware_steel", black_plastic="handle knob", weight=2.0),
+        scheme("cookware_black", black_plastic="handle knob", weight=2.0),
+        scheme("cookware_enamel", cookware_enamel="handle", cookware_steel="knob"),
     ),
     construction=(
         row("pan lid", solid(3000), "weight"),
@@ -149,8 +149,8 @@ CATEGORY: Final = BuiltCategory(
     ),
     placements=(
         on("hob", cluster="cooking"),
-        on("cupboard", rooms="kitchen", pose="flat", weight=0.8, styles="saucepan stockpot"),
-        on("worktop sink_edge", rooms="kitchen", clutter=2, weight=0.3, max_groups=1),
-        on("shelf", rooms="kitchen", weight=0.4, styles="stockpot"),
+        on("cupboard", "kitchen", pose="flat", weight=0.8, styles="saucepan stockpot"),
+        on("worktop sink_edge", "kitchen", clutter=2, weight=0.3, max_groups=1),
+        on("shelf", "kitchen", weight=0.4, styles="stockpot"),
     ),
 )

@@ -6,7 +6,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import at_rest, turned
 from openrooms_usd.furniture.joinery.prints import Print, label_lines
 from openrooms_usd.furniture.placements import on
@@ -15,6 +16,7 @@ from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.sweeps import sheet, tube
+from openrooms_usd.geometry.vectors import points_at
 
 _FLAT: Final = "sheets pad letters"
 
@@ -23,7 +25,7 @@ def _page(width: float, depth: float, rng: np.random.Generator) -> tuple[Mesh, l
     """A sheet about the origin with the lines that are printed on it."""
     u, v = np.meshgrid(np.linspace(-0.5, 0.5, 5), np.linspace(-0.5, 0.5, 6))
     curl = 0.0012 * np.clip(np.abs(u) + np.abs(v) - 0.75, 0.0, None) / 0.25
-    mesh = sheet(np.stack([width * u, depth * v, 0.0006 + curl], axis=-1), 0.0005)
+    mesh = sheet(points_at(width * u, depth * v, 0.0006 + curl), 0.0005)
     page = Print((width, depth))
     lines = [page.bar((0.12, 0.86), (0.5, 0.885))]
     lines += label_lines(page, (0.12, 0.88, 0.3 + 0.2 * float(rng.uniform()), 0.8), 11, rng)
@@ -62,13 +64,10 @@ def pad(size: Size, rng: np.random.Generator) -> Parts:
     lift[:3, 3] = (-x, -y, 0.82 * height)
     turns = 12
     t = np.linspace(0.0, 2.0 * np.pi * turns, 7 * turns + 1)
-    wire = np.stack(
-        [
-            0.92 * width * (t / t[-1] - 0.5),
-            y - loop + (loop - 0.0008) * np.cos(t),
-            loop + (loop - 0.0008) * np.sin(t),
-        ],
-        axis=1,
+    wire = points_at(
+        0.92 * width * (t / t[-1] - 0.5),
+        y - loop + (loop - 0.0008) * np.cos(t),
+        loop + (loop - 0.0008) * np.sin(t),
     )
     return {
         "pages": block,
@@ -135,10 +134,10 @@ CATEGORY: Final = BuiltCategory(
         scheme(
             "white_paper",
             envelope="envelope",
-            field="white_paper",
-            title="package",
-            text="print",
-            wire="steel",
+            white_paper="field",
+            package="title",
+            print="text",
+            steel="wire",
         ),
     ),
     construction=(
@@ -157,7 +156,7 @@ CATEGORY: Final = BuiltCategory(
             weight=0.35,
         ),
         on("coffee_table", styles=_FLAT, pose="flat", clutter=3, weight=0.3, max_groups=1),
-        on("drawer", rooms="office", styles=_FLAT, pose="flat", weight=0.5),
-        on("shelf", rooms="office", styles="pad letters", pose="stacked", count=(1, 3), weight=0.5),
+        on("drawer", "office", styles=_FLAT, pose="flat", weight=0.5),
+        on("shelf", "office", styles="pad letters", pose="stacked", count=(1, 3), weight=0.5),
     ),
 )

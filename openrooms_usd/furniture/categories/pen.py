@@ -6,7 +6,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
@@ -66,15 +67,15 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.003, 0.04),
     words="pencil ballpoint pens pencils marker",
     schemes=(
-        scheme("toy_plastic", tip="steel"),
+        scheme("toy_plastic", steel="tip"),
         scheme(
-            "toy_plastic", wood="wood", tip="cavity", eraser="eraser", needs="wood", weight=100.0
+            "toy_plastic", wood="wood", cavity="tip", eraser="eraser", needs="wood", weight=100.0
         ),
     ),
     construction=(row(ANY, solid(1000), "common"),),
     placements=(
         on("desk", pose="flat", count=(1, 2), weight=0.8, cluster="writing", max_groups=3),
-        on("drawer", rooms="office", pose="flat", count=(1, 3), weight=0.6),
+        on("drawer", "office", pose="flat", count=(1, 3), weight=0.6),
         on(
             "coffee_table dining_table bedside worktop",
             pose="flat",

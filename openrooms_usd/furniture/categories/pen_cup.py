@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
@@ -80,13 +80,13 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.05, 0.6),
     words="pen_holder pencil_cup pencil_holder",
     schemes=(
-        scheme("glaze", pen="toy_plastic", tip="cavity"),
-        scheme("wood", pen="toy_plastic", tip="cavity"),
-        scheme("black", pen="toy_plastic", tip="cavity"),
+        scheme("glaze", toy_plastic="pen", cavity="tip"),
+        scheme("wood", toy_plastic="pen", cavity="tip"),
+        scheme("black", toy_plastic="pen", cavity="tip"),
     ),
     construction=(row("container", filled(1000), "common"), row(ANY, solid(900), "common")),
     placements=(
         on("desk", weight=0.8, cluster="writing", max_groups=1, pose="flat"),
-        on("shelf window_sill", rooms="office bedroom", weight=0.25, max_groups=1, pose="flat"),
+        on("shelf window_sill", "office bedroom", weight=0.25, max_groups=1, pose="flat"),
     ),
 )

@@ -5,22 +5,14 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Build,
-    Furniture,
-    Parts,
-    Size,
-    Style,
-    profiled,
-    strip,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, profiled, strip
 from openrooms_usd.furniture.joinery.paintings import landscape, skyline
+from openrooms_usd.furniture.joinery.pieces import Build, Furniture, Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.wall_board import framed_as
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import METAL, TONES, scheme
+from openrooms_usd.furniture.schemes import METAL, landscape_print, scheme
 
 _LEAN_DEG: Final = 12.0
 _PORTRAIT: Final = framed_as(landscape, (0.02, 0.1))
@@ -72,13 +64,8 @@ CATEGORY: Final = BuiltCategory(
     words="photo_frames standing_frame framed_photo",
     classes=Classes(nyu40="picture", ade20k="painting"),
     schemes=tuple(
-        scheme(
-            frame,
-            {tone: f"{name}_{tone}" for tone in TONES if tone != "sky"},
-            mat="white_paper",
-            canvas=f"{name}_sky",
-        )
-        for name, frame in (
+        scheme(frame, landscape_print(tones), white_paper="mat")
+        for tones, frame in (
             ("dawn", "wood"),
             ("silver", "black"),
             ("meadow", "white"),

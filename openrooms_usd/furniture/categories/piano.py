@@ -6,7 +6,8 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import joined
@@ -39,43 +40,29 @@ def upright(size: Size, rng: np.random.Generator) -> Furniture:
         board((cheek + 0.01 - x, back - 0.03, 0.1), (x - cheek - 0.01, back, height - 0.025)),
         board((cheek + 0.01 - x, case + 0.02, 0.0), (x - cheek - 0.01, back, 0.1)),
     )
-    made.add("lid", board((-x, case - 0.01, height - 0.025), (x, back, height), 0.006))
+    made.board("lid", (-x, case - 0.01, height - 0.025), (x, back, height), 0.006)
     front = -0.5 * depth
-    made.add(
-        "keybed",
-        board(
-            (0.012 - x, front, _LEVEL_M - 0.09), (x - 0.012, case + 0.02, _LEVEL_M - 0.03), 0.004
-        ),
-    )
+    least, most = (0.012 - x, front, _LEVEL_M - 0.09), (x - 0.012, case + 0.02, _LEVEL_M - 0.03)
+    made.board("keybed", least, most, 0.004)
     for a in (-x + 0.01, x - 0.06 - 0.01):
-        made.add(
-            "arm",
-            board(
-                (a, front + 0.01, _LEVEL_M - 0.03), (a + 0.06, case + 0.03, _LEVEL_M + 0.06), 0.01
-            ),
-        )
+        least, most = (a, front + 0.01, _LEVEL_M - 0.03), (a + 0.06, case + 0.03, _LEVEL_M + 0.06)
+        made.board("arm", least, most, 0.01)
         foot = a + 0.01
-        made.add(
-            "leg",
-            board((foot, front + 0.03, 0.0), (foot + 0.04, front + 0.08, _LEVEL_M - 0.09), 0.006),
+        made.board(
+            "leg", (foot, front + 0.03, 0.0), (foot + 0.04, front + 0.08, _LEVEL_M - 0.09), 0.006
         )
-    made.add(
+    made.board(
         "fallboard",
-        board(
-            (0.075 - x, case + 0.005, _LEVEL_M - 0.02),
-            (x - 0.075, case + 0.022, _LEVEL_M + 0.13),
-            0.004,
-        ),
+        (0.075 - x, case + 0.005, _LEVEL_M - 0.02),
+        (x - 0.075, case + 0.022, _LEVEL_M + 0.13),
+        0.004,
     )
     _keyboard(made, case, min(_KEYS_M, width - 0.16))
-    made.add(
-        "desk",
-        board((-0.35, case - 0.02, _LEVEL_M + 0.16), (0.35, case - 0.008, height - 0.1), 0.003),
+    made.board(
+        "desk", (-0.35, case - 0.02, _LEVEL_M + 0.16), (0.35, case - 0.008, height - 0.1), 0.003
     )
     for a in (-0.07, 0.0, 0.07):
-        made.add(
-            "pedal", board((a - 0.011, case - 0.06, 0.05), (a + 0.011, case + 0.03, 0.062), 0.004)
-        )
+        made.board("pedal", (a - 0.011, case - 0.06, 0.05), (a + 0.011, case + 0.03, 0.062), 0.004)
     return made.furniture()
 
 
@@ -111,8 +98,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="piano", nyu40="otherfurniture"),
     synsets=("03928116",),
     schemes=(
-        scheme("piano_lacquer", keys="ivory", sharps="black_plastic", pedal="brass", weight=2.0),
-        scheme("wood", keys="ivory", sharps="black_plastic", pedal="brass"),
+        scheme("piano_lacquer", ivory="keys", black_plastic="sharps", brass="pedal", weight=2.0),
+        scheme("wood", ivory="keys", black_plastic="sharps", brass="pedal"),
     ),
     construction=(
         row("keys sharps", filled(500), "common"),

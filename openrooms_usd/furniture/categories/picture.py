@@ -3,21 +3,18 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import filled, row
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.paintings import any_of, botanical, landscape, shapes, skyline
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.posters import brushed_circle, line_drawing, poster, street_map
 from openrooms_usd.furniture.joinery.wall_board import canvas, framed, framed_as, triptych
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import METAL, TONES, Scheme, scheme
+from openrooms_usd.furniture.schemes import METAL, Scheme, landscape_print, scheme
 
 
-def _palette(name: str, frame: str) -> Scheme:
+def _palette(tones: str, frame: str) -> Scheme:
     """The scheme of a landscape in tones that fit together."""
-    tones = {tone: f"{name}_{tone}" for tone in TONES if tone != "sky"}
-    return scheme(
-        frame, tones, mat="white_paper", canvas=f"{name}_sky", needs="ground", weight=100.0
-    )
+    return scheme(frame, landscape_print(tones), white_paper="mat", needs="ground", weight=100.0)
 
 
 CATEGORY: Final = BuiltCategory(
@@ -60,22 +57,20 @@ CATEGORY: Final = BuiltCategory(
     "wall_hanging",
     classes=Classes(nyu40="picture", ade20k="painting"),
     schemes=(
-        scheme("wood", mat="white_paper", weight=2.0),
-        scheme("black", mat="white_paper"),
-        scheme("white", mat="white_paper"),
+        scheme("wood", white_paper="mat", weight=2.0),
+        scheme("black", white_paper="mat"),
+        scheme("white", white_paper="mat"),
         _palette("dawn", "wood"),
         _palette("meadow", "white"),
         _palette("silver", "black"),
         _palette("ochre", "wood"),
-        scheme(METAL, mat="white_paper"),
+        scheme(METAL, white_paper="mat"),
         *(
             scheme(
                 frame,
-                mat="white_paper",
-                canvas=ground,
-                ink="picture_ink",
-                street=street,
-                river=river,
+                {"canvas": ground, "street": street, "river": river},
+                white_paper="mat",
+                picture_ink="ink",
                 needs=needs,
                 weight=100.0,
             )
@@ -86,8 +81,8 @@ CATEGORY: Final = BuiltCategory(
             )
             for needs in ("ink", "river")
         ),
-        scheme("wood", mat="white_paper", canvas="paper", needs="stem", weight=100.0),
-        scheme("black", mat="white_paper", canvas="white_paper", needs="stem", weight=100.0),
+        scheme("wood", white_paper="mat", paper="canvas", needs="stem", weight=100.0),
+        scheme("black", white_paper="mat canvas", needs="stem", weight=100.0),
     ),
     construction=(row("canvas", filled(200), "common"),),
     placements=(on("wall", max_groups=5, max_variants=5),),

@@ -4,8 +4,9 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.boards import FRONT
 from openrooms_usd.furniture.joinery.cloth import pillow as filled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -14,7 +15,6 @@ from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
 
 # Lying shapes turned up, so that what was above looks to the front.
-_UP: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 def _stands(size: Size) -> bool:
@@ -27,7 +27,7 @@ def _placed(parts: Parts, size: Size, lean: float = 0.0) -> Parts:
     shear = np.eye(3)
     if _stands(size):
         shear[1, 2] = lean
-        shear = shear @ _UP
+        shear = shear @ FRONT
     return {
         name: mesh.transformed(shear).moved((0.0, 0.0, 0.5 * size[2]))
         for name, mesh in parts.items()

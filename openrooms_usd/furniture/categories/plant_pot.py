@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.foliage import (
     fern,
     grown_over,
@@ -18,6 +17,7 @@ from openrooms_usd.furniture.joinery.foliage import (
     potted,
     succulent,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
@@ -26,6 +26,7 @@ from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
+from openrooms_usd.geometry.vectors import points_at
 
 Array = NDArray[np.float64]
 
@@ -98,13 +99,8 @@ def palm(size: Size, rng: np.random.Generator) -> Parts:
         rise = float(rng.uniform(0.7, 1.0)) * (height - rim) * (1.0 - 0.35 * i / count)
         out = radius * (0.45 + 0.55 * i / count)
         t = np.linspace(0.0, 1.0, 9)
-        arch = np.stack(
-            [
-                0.03 * radius + out * t**1.8,
-                np.zeros(9),
-                rim - 0.02 + rise * (1.55 * t - 0.55 * t**2.6),
-            ],
-            axis=1,
+        arch = points_at(
+            0.03 * radius + out * t**1.8, 0.0, rim - 0.02 + rise * (1.55 * t - 0.55 * t**2.6)
         )
         frond = [tube(arch, np.linspace(0.006, 0.0018, 9).tolist(), segments=6)]
         plant["stem"] += [turned(mesh, "z", heading) for mesh in frond]
@@ -139,7 +135,7 @@ def cactus(size: Size, rng: np.random.Generator) -> Parts:
             (side * (thick + arm), 0.0, z + 1.3 * arm),
         ]
         tall = float(rng.uniform(0.2, 0.3)) * (height - rim)
-        arms.append(tube(path, 0.62 * arm, segments=12))
+        arms.append(tube(path, 0.62 * arm))
         tip = _ribbed(0.72 * arm, tall, 8).moved((side * (thick + arm), 0.0, z + 0.9 * arm))
         arms.append(tip)
     pebbles = [
@@ -159,7 +155,7 @@ def _ribbed(radius: float, height: float, ribs: int) -> Mesh:
     """A round-headed column whose radius follows its ribs."""
     t = np.linspace(0.0, 0.5 * np.pi, 7)
     shape = [(0.9 * radius, 0.0), (radius, 0.5 * height)]
-    head = np.stack([radius * np.cos(t), height - radius + radius * np.sin(t)], axis=1)
+    head = points_at(radius * np.cos(t), height - radius + radius * np.sin(t))
     head[-1, 0] = 0.0
     plain = lathe([(0.0, 0.0), *shape, *head], segments=4 * ribs, crease=60.0)
     around = np.arctan2(plain.points[:, 1], plain.points[:, 0])
@@ -197,7 +193,7 @@ CATEGORY: Final = BuiltCategory(
     words="plant plants flowerpot flower_pot potted_plant houseplant flower flowers tree",
     classes=Classes("flowerpot", "otherprop", "plant", "potted_plant"),
     synsets=("03991062",),
-    schemes=(scheme("glaze", stone="pebble", weight=2.0), scheme("terracotta", stone="pebble")),
+    schemes=(scheme("glaze", pebble="stone", weight=2.0), scheme("terracotta", pebble="stone")),
     construction=(
         row(f"pot {ANY}", filled(900), "weight"),
         row("soil", solid(1200), "common"),

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -91,7 +91,7 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "cupboard shelf",
-            rooms="kitchen dining_room",
+            "kitchen dining_room",
             pose="stacked",
             count=(3, 7),
             weight=1.4,

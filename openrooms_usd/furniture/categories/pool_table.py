@@ -8,17 +8,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled, square_leg
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -232,23 +223,20 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "wood",
-            tabletop="felt",
-            cushion="felt",
-            pocket="black",
-            pocket_rim="black",
-            ball="billiard",
-            cue_ball="sanitary",
-            foot="steel",
+            felt="tabletop cushion",
+            black="pocket pocket_rim",
+            billiard="ball",
+            sanitary="cue_ball",
+            steel="foot",
             weight=2.0,
         ),
         scheme(
             "black",
-            tabletop="felt",
-            cushion="felt",
-            cue="wood",
-            ball="billiard",
-            cue_ball="sanitary",
-            foot="steel",
+            felt="tabletop cushion",
+            wood="cue",
+            billiard="ball",
+            sanitary="cue_ball",
+            steel="foot",
         ),
     ),
     construction=(

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -13,6 +14,7 @@ from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude, tube
+from openrooms_usd.geometry.vectors import points_at
 
 _POWERED: Final = (
     "living_room bedroom office apartment game_room computer_cluster classroom garage hotel "
@@ -25,7 +27,7 @@ def _strip(size: Size, long: float, count: int, plugs: int) -> Parts:
     width, depth, height = size
     tall = height if not plugs else height - 0.026
     left = -0.5 * width
-    outline = rounded_rectangle(long, depth, 0.4 * depth, 4)
+    outline = rounded_rectangle(long, depth, 0.4 * depth)
     body = extrude(outline, tall, bevel=0.004).moved((left + 0.5 * long, 0.0, 0.0))
     pitch = (long - 0.09) / count
     radius = min(0.019, 0.42 * pitch)
@@ -40,13 +42,10 @@ def _strip(size: Size, long: float, count: int, plugs: int) -> Parts:
     switch = board((end - 0.042, -0.009, tall - 0.002), (end - 0.018, 0.009, tall + 0.0008), 0.0008)
     t = np.linspace(0.0, 1.0, 11)
     far = 0.5 * width - 0.004
-    path = np.stack(
-        [
-            end - 0.004 + (far - end + 0.004) * t,
-            (0.5 * depth - 0.004) * np.sin(3.0 * np.pi * t) * t,
-            np.full(11, 0.0045),
-        ],
-        axis=1,
+    path = points_at(
+        end - 0.004 + (far - end + 0.004) * t,
+        (0.5 * depth - 0.004) * np.sin(3.0 * np.pi * t) * t,
+        0.0045,
     )
     parts = {
         "body": body,
@@ -78,13 +77,13 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.2, 1.2),
     words="socket_strip multi_socket extension_lead surge_protector",
     schemes=(
-        scheme("plastic", well="grey", switch="toy_plastic", plug="black_plastic", weight=2.0),
-        scheme("black_plastic", well="cavity", switch="toy_plastic"),
+        scheme("plastic", grey="well", toy_plastic="switch", black_plastic="plug", weight=2.0),
+        scheme("black_plastic", cavity="well", toy_plastic="switch"),
     ),
     construction=(row(ANY, filled(700), "common"),),
     placements=(
         on("floor_under_desk", weight=0.9, styles="used", max_groups=1),
         on("floor_by_media", styles="used", max_groups=1),
-        on("floor_by_wall", rooms=_POWERED, weight=0.25, clutter=2, max_groups=1),
+        on("floor_by_wall", _POWERED, weight=0.25, clutter=2, max_groups=1),
     ),
 )

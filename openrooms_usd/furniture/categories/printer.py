@@ -5,18 +5,8 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Joint,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -30,9 +20,7 @@ _PAPER: Final = 0.21  # metres, the width of a sheet
 def _panel(x: float, width: float, front: float, z: float, keys: int) -> dict[str, Mesh]:
     """A tilted control panel: a display, keys beside it."""
     pivot = (x, front, z)
-    plate = board(
-        (x - 0.5 * width, front, z - 0.004), (x + 0.5 * width, front + 0.05, z + 0.004), 0.002
-    )
+    plate = board((x - 0.5 * width, front, z - 0.004), (x + 0.5 * width, front + 0.05, z + 0.004))
     glass = board(
         (x - 0.42 * width, front + 0.008, z), (x - 0.02 * width, front + 0.042, z + 0.0046), 0.0005
     )
@@ -170,7 +158,7 @@ def laser(size: Size, rng: np.random.Generator) -> Furniture:
         board((-half, front + 0.012, 0.0), (-half + 0.018, rear, tray + 0.004), 0.003),
         board((half - 0.018, front + 0.012, 0.0), (half, rear, tray + 0.004), 0.003),
         board((-half, rear - 0.02, 0.0), (half, rear, tray + 0.004), 0.003),
-        board((-half + 0.01, front + 0.02, 0.0), (half - 0.01, rear, 0.006), 0.002),
+        board((-half + 0.01, front + 0.02, 0.0), (half - 0.01, rear, 0.006)),
     ]
     paper = _paper_drawer(half, (front, rear), tray, wide)
     out = _sheets(
@@ -220,7 +208,6 @@ def _copier_drawer(
     grip = board(
         (-0.4 * half, front, 0.5 * (a + b) - 0.012),
         (0.4 * half, front + 0.006, 0.5 * (a + b) + 0.012),
-        0.002,
     )
     return face, grip, joined(walls)
 
@@ -304,16 +291,13 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "pale_plastic",
-            panel="black_plastic",
-            button="pale_plastic",
-            handle="black_plastic",
-            frame="dark_plastic",
-            tray="dark_plastic",
-            base="black_plastic",
-            paper="white_paper",
+            black_plastic="panel handle base",
+            pale_plastic="button",
+            dark_plastic="frame tray",
+            white_paper="paper",
             weight=2.0,
         ),
-        scheme("dark_plastic", button="pale_plastic", handle="pale_plastic", paper="white_paper"),
+        scheme("dark_plastic", pale_plastic="button handle", white_paper="paper"),
     ),
     construction=(row("paper", solid(750), "common"), row(ANY, filled(330), "weight")),
 )

@@ -5,11 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -28,7 +28,7 @@ def shoe(size: Size, rng: np.random.Generator) -> Parts:
     shelves, ties = [], []
     for z in levels.tolist():
         slats = [
-            board((t - x, b - 0.022, z), (x - t, b + 0.022, z + 0.014), 0.002)
+            board((t - x, b - 0.022, z), (x - t, b + 0.022, z + 0.014))
             for b in np.linspace(0.03 - y, y - 0.03, max(3, round(depth / 0.075)))
         ]
         shelves.append(joined(slats))
@@ -49,9 +49,7 @@ def clothes(size: Size, rng: np.random.Generator) -> Parts:
         (x - 0.03, 0.0, height - r),
         (x - 0.03, 0.0, 0.03),
     ]
-    feet = [
-        tube([(s * (x - 0.03), -y, r), (s * (x - 0.03), y, r)], r, segments=12) for s in (-1.0, 1.0)
-    ]
+    feet = [tube([(s * (x - 0.03), -y, r), (s * (x - 0.03), y, r)], r) for s in (-1.0, 1.0)]
     ends = [
         board((s * x - 0.016 * (s > 0), -0.02, 0.0), (s * x + 0.016 * (s < 0), 0.02, 0.03))
         for s in (-1.0, 1.0)
@@ -62,7 +60,7 @@ def clothes(size: Size, rng: np.random.Generator) -> Parts:
         for s in (-1.0, 1.0)
     ]
     return {
-        "tube": tube(filleted(path, 0.06, segments=6), r, segments=14),
+        "tube": tube(path, r, bend=0.06, bend_segments=6, segments=14),
         **numbered("foot", feet + ends),
         **numbered("rail", across),
         "shelf": shelf,
@@ -120,9 +118,9 @@ CATEGORY: Final = BuiltCategory(
     words="shoe_rack clothes_rack garment_rack wine_rack clothing_rack drying_rack luggage_rack",
     classes=Classes("bookshelf", "shelves", "shelf"),
     schemes=(
-        scheme("wood", bottle="bottle_glass", weight=2.0),
-        scheme(METAL, shelf="wood", bottle="bottle_glass", needs="tube", weight=5.0),
-        scheme("white", bottle="bottle_glass"),
+        scheme("wood", bottle_glass="bottle", weight=2.0),
+        scheme(METAL, wood="shelf", bottle_glass="bottle", needs="tube", weight=5.0),
+        scheme("white", bottle_glass="bottle"),
     ),
     construction=(
         row("bottle", filled(1200), "common"),

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -54,12 +55,12 @@ def panel(size: Size, rng: np.random.Generator) -> Parts:
     back = y - _BEHIND_M
     flutes = max(4, round(2 * x / 0.06))
     pitch = (2 * x - 0.04) / flutes
-    face = [board((-x, -y + 0.006, 0.0), (x, -y + 0.014, height - 0.01), 0.002)]
+    face = [board((-x, -y + 0.006, 0.0), (x, -y + 0.014, height - 0.01))]
     for i in range(flutes):
         left = -x + 0.02 + i * pitch
         low, high = (left + 0.006, -y, 0.04), (left + pitch - 0.006, -y + 0.008, height - 0.05)
         face.append(board(low, high, 0.004))
-    rear = board((-x, back - 0.012, 0.0), (x, back, height - 0.01), 0.002)
+    rear = board((-x, back - 0.012, 0.0), (x, back, height - 0.01))
     sides = [
         board((s * x - 0.002, -y + 0.008, 0.02), (s * x + 0.002, back - 0.002, height), 0.0)
         for s in (-1.0, 1.0)
@@ -136,8 +137,8 @@ CATEGORY: Final = BuiltCategory(
     words="heater heating_radiator convector_heater",
     classes=Classes(nyu40="otherstructure", ade20k="radiator"),
     schemes=(
-        scheme("white", slot="soot", base="soot", pipe="chrome", knob="plastic", weight=4.0),
-        scheme("black", slot="soot", base="soot", pipe="steel", knob="plastic"),
+        scheme("white", soot="slot base", chrome="pipe", plastic="knob", weight=4.0),
+        scheme("black", soot="slot base", steel="pipe", plastic="knob"),
     ),
     construction=(row(ANY, walls(1.0, STEEL), "sheet"),),
 )

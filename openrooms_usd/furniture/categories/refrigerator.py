@@ -7,30 +7,12 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, liner
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
-from openrooms_usd.furniture.joinery.boards import (
-    NOTHING_ORDERED,
-    Furniture,
-    Order,
-    Size,
-    Style,
-    board,
-)
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    HANDLE,
-    SEAT,
-    Cell,
-    Look,
-    columns,
-    drawer,
-    hang_door,
-    ordered_look,
-    reach,
-    rows,
-)
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
+from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door, ordered_look, reach
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
-from openrooms_usd.furniture.schemes import PANELLED, scheme
+from openrooms_usd.furniture.schemes import PANELLED, finished, scheme
 from openrooms_usd.geometry.lofts import vessel
 
 WALL: Final = 0.035
@@ -50,7 +32,7 @@ def _case(size: Size) -> tuple[Assembly, Cell, float]:
     made = Assembly()
     x, face, back = 0.5 * width, -0.5 * depth + HANDLE + _door_depth(size) + SEAT, 0.5 * depth
     body(made, (-x, face + 0.004, FOOT), (x, back, height))
-    made.add("base", board((0.02 - x, face + 0.02, 0.0), (x - 0.02, back - 0.02, FOOT + 0.004)))
+    made.board("base", (0.02 - x, face + 0.02, 0.0), (x - 0.02, back - 0.02, FOOT + 0.004))
     return made, (-x, x, FOOT, height), face
 
 
@@ -75,7 +57,7 @@ def _compartment(made: Assembly, cell: Cell, face: float, size: Size, drawers: i
     for i in range(count if drawers else count - 1):
         z = top + (i + (0 if drawers else 1)) * (inside[3] - top) / count
         low_corner, high_corner = (inside[0], front, z), (inside[1], rear, z + 0.006)
-        made.add("shelf", board(low_corner, high_corner, 0.002))
+        made.board("shelf", low_corner, high_corner)
     return inside
 
 
@@ -152,9 +134,8 @@ def side_by_side(size: Size, rng: np.random.Generator) -> Furniture:
     _cold(made, (middle, right, low, high), face, size, look, "right", 1)
     front = face - _door_depth(size)
     x, z = 0.5 * (left + middle) - 0.01, low + 0.62 * (high - low)
-    panel = made.add(
-        "glass",
-        board((x - 0.09, front - 0.002, z - 0.16), (x + 0.09, front + 0.004, z + 0.16), 0.002),
+    panel = made.board(
+        "glass", (x - 0.09, front - 0.002, z - 0.16), (x + 0.09, front + 0.004, z + 0.16)
     )
     panel += (display(made, x, front - 0.002, z + 0.1, (0.1, 0.04)),)
     _cold(made, (left, middle, low, high), face, size, look, "left", 1)
@@ -216,21 +197,13 @@ def built_in(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERE
     _cold(made, lower, face, size, look, side, 2, thickness=BOARD)
     _cold(made, upper, face, size, look, side, 1, low_handle=True, thickness=BOARD)
     if top < height:
-        made.add(
-            "frame", board((SHEET - x, face + 0.004, top), (x - SHEET, back - SHEET, top + SHEET))
-        )
+        made.board("frame", (SHEET - x, face + 0.004, top), (x - SHEET, back - SHEET, top + SHEET))
         hand = x - 0.045 if side == "left" else 0.045 - x
         hang_door(made, (-x, x, top, height), face, side, look, handle=(hand, top + 0.14))
     return made.furniture()
 
 
-_COLD: Final = {
-    "container": "plastic",
-    "shelf": "plastic",
-    "drawer_box": "plastic",
-    "tray": "plastic",
-    "base": "black",
-}
+_COLD: Final = finished(plastic="container shelf drawer_box tray", black="base")
 
 CATEGORY: Final = BuiltCategory(
     description="a refrigerator, most with a freezer",
@@ -261,8 +234,8 @@ CATEGORY: Final = BuiltCategory(
     words="fridge freezer refridgerator mini_fridge deep_freeze electric_refrigerator icebox",
     classes=Classes(nyu40="refridgerator", ade20k="refrigerator", coco="refrigerator"),
     schemes=(
-        scheme("enamel", _COLD, handle="steel"),
-        scheme("steel", _COLD, frame="grey", handle="steel"),
+        scheme("enamel", _COLD, steel="handle"),
+        scheme("steel", _COLD, grey="frame", steel="handle"),
         *PANELLED,
     ),
     construction=(

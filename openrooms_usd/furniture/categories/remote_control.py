@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.handheld import keyed
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -36,14 +36,14 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(coco="remote"),
     synsets=("04074963",),
     schemes=(
-        scheme("black_plastic", button="dark_plastic", switch="toy_plastic", weight=3.0),
-        scheme("plastic", button="grey", switch="toy_plastic"),
+        scheme("black_plastic", dark_plastic="button", toy_plastic="switch", weight=3.0),
+        scheme("plastic", grey="button", toy_plastic="switch"),
     ),
     construction=(row(ANY, filled(750), "weight"),),
     placements=(
         on(
             "coffee_table media_top",
-            rooms="living_room bedroom",
+            "living_room bedroom",
             pose="flat",
             count=(1, 2),
             cluster="media",

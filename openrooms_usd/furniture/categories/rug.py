@@ -6,7 +6,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import WIDE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.curves import filleted, rectangle
@@ -152,7 +153,7 @@ CATEGORY: Final = BuiltCategory(
     words="carpet floor_mat bathmat bath_mat mat door_mat doormat",
     lies_under=True,
     classes=Classes(ade20k="rug"),
-    schemes=(scheme("carpet", border="carpet_border", trim="carpet_border", fringe="linen"),),
+    schemes=(scheme("carpet", carpet_border="border trim", linen="fringe"),),
     construction=(row(ANY, filled(220), "common"),),
     view_importance=0.0,
 )

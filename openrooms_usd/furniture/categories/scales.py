@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -62,12 +63,12 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.8, 4),
     words="scale bathroom_scale weighing_scale bathroom_scales",
     schemes=(
-        scheme("back_painted_glass", field="dark_plastic", contact="chrome", foot="black_plastic"),
+        scheme("back_painted_glass", dark_plastic="field", chrome="contact", black_plastic="foot"),
         scheme(
             "white",
-            mat="tyre",
-            field="white_paper",
-            foot="black_plastic",
+            tyre="mat",
+            white_paper="field",
+            black_plastic="foot",
             needs="mat",
             weight=100.0,
         ),
@@ -77,6 +78,6 @@ CATEGORY: Final = BuiltCategory(
         row(ANY, filled(500), "common"),
     ),
     placements=(
-        on("floor_by_wall floor_corner", rooms="bathroom", pose="flat", weight=2.5, max_groups=1),
+        on("floor_by_wall floor_corner", "bathroom", pose="flat", weight=2.5, max_groups=1),
     ),
 )

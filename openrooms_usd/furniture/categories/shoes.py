@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -15,6 +15,7 @@ from openrooms_usd.geometry.lofts import loft, ring
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
 from openrooms_usd.geometry.uv import metric
+from openrooms_usd.geometry.vectors import points_at
 
 # The sole of a left shoe: half widths to its inner and outer side by the share of its length.
 _SOLE: Final = (
@@ -34,8 +35,8 @@ def _outline(width: float, long: float) -> NDArray[np.float64]:
     """(N, 2) the outline of a sole, its heel at the back, counter-clockwise."""
     t, inner, outer = np.array(_SOLE).T
     y = 0.5 * long - long * t
-    right = np.stack([width * inner, y], axis=1)
-    left = np.stack([-width * outer, y], axis=1)
+    right = points_at(width * inner, y)
+    left = points_at(-width * outer, y)
     return np.concatenate([left, right[::-1]])
 
 
@@ -58,7 +59,7 @@ def _shoe(size: Size, rows: Sequence[Row], sole: float) -> Parts:
     base = [ring(shape * s, z) for s, z in steps]
     return {
         "shoe": metric(loft(np.array(rings), crease=60.0))[0],
-        "sole": metric(loft(np.array(base), crease=40.0))[0],
+        "sole": metric(loft(np.array(base)))[0],
     }
 
 
@@ -129,14 +130,7 @@ def slippers(size: Size, rng: np.random.Generator) -> Parts:
         half = np.interp(y, shape[len(_SOLE) :, 1], shape[len(_SOLE) :, 0]) * 0.97
         arch = np.sqrt(np.clip(1.0 - u**2, 0.0, 1.0)) ** 0.8
         rise = np.linspace(0.45, 1.0, 7) * 0.72 * height
-        grid = np.stack(
-            [
-                half[:, None] * u,
-                np.broadcast_to(y[:, None], (7, 9)),
-                0.27 * height + rise[:, None] * arch,
-            ],
-            axis=-1,
-        )
+        grid = points_at(half[:, None] * u, y[:, None], 0.27 * height + rise[:, None] * arch)
         upper = sheet(grid, 0.004).transformed(flip)
         at = (side * 0.28 * width, 0.0, 0.0)
         parts[f"sole_{k}"], parts[f"shoe_{k}"] = sole.moved(at), upper.moved(at)
@@ -158,20 +152,16 @@ CATEGORY: Final = BuiltCategory(
     words="shoe pair_of_shoes sneakers slippers boots boot trainers flops",
     classes=Classes(nyu40="clothes", ade20k="apparel"),
     schemes=(
-        scheme("shoe_upper", sole="white_sole", lace="white_sole", weight=2.0),
-        scheme("shoe_leather", sole="membrane", lace="membrane"),
+        scheme("shoe_upper", white_sole="sole lace", weight=2.0),
+        scheme("shoe_leather", membrane="sole lace"),
     ),
     construction=(row("sole", filled(500), "common"), row(ANY, filled(140), "weight")),
     placements=(
         on("floor_by_door", count=(1, 3), cluster="shoes", max_groups=3, styles="trainers boots"),
         on("floor_beside_bed", styles="slippers", weight=0.7, max_groups=1),
-        on("low_shelf", rooms="hallway", pose="row", count=(1, 3), weight=0.8),
+        on("low_shelf", "hallway", pose="row", count=(1, 3), weight=0.8),
         on(
-            "floor_by_wall floor_corner",
-            rooms="bedroom living_room",
-            clutter=3,
-            weight=0.3,
-            max_groups=1,
+            "floor_by_wall floor_corner", "bedroom living_room", clutter=3, weight=0.3, max_groups=1
         ),
         on("wardrobe_shelf", weight=0.4, count=(1, 2), pose="row"),
     ),

@@ -9,10 +9,10 @@ from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
 from openrooms_usd.furniture.joinery.appliance import dial
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import drain
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import vessel
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -44,24 +44,19 @@ def _tray(made: Assembly, size: Size, front: float) -> None:
 def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
     """A bar with two knobs, a riser to a broad head, and a hand shower on its hose."""
     y, top = back - 0.055, height
-    lying = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    bar = cylinder(0.021, 0.22, bevel=0.003, segments=20).transformed(lying)
+    bar = cylinder(0.021, 0.22, bevel=0.003, segments=20).transformed(SIDE)
     made.add("body", bar.moved((x - 0.11, y, _MIXER_M)))
     for side in (-1.0, 1.0):
-        stub = tube(
-            [(x + 0.075 * side, y, _MIXER_M), (x + 0.075 * side, back, _MIXER_M)],
-            0.014,
-            segments=12,
-        )
+        stub = tube([(x + 0.075 * side, y, _MIXER_M), (x + 0.075 * side, back, _MIXER_M)], 0.014)
         made.add("body", stub)
         out = np.array([[0.0, 0.0, side], [side, 0.0, 0.0], [0.0, 1.0, 0.0]])
-        knob = dial(0.021, 0.035).transformed(np.linalg.inv(_AHEAD)).transformed(out)
+        knob = dial(0.021, 0.035).transformed(np.linalg.inv(FRONT)).transformed(out)
         at = (x + 0.111 * side, y, _MIXER_M)
         names = made.add("switch", knob.moved(at))
         made.turn("switch", names, at, (side, 0.0, 0.0), (0.0, 120.0))
     reach = y - 0.3
     riser = [(x, y, _MIXER_M), (x, y, top - 0.011), (x, reach, top - 0.011), (x, reach, top - 0.07)]
-    made.add("spout", tube(filleted(riser, 0.06, segments=6), 0.011, segments=14))
+    made.add("spout", tube(riser, 0.011, bend=0.06, bend_segments=6, segments=14))
     head = lathe(
         [(0.0, 0.0), (0.115, 0.0), (0.118, 0.006), (0.1, 0.012), (0.03, 0.022), (0.0, 0.03)],
         segments=36,
@@ -70,9 +65,9 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
     made.add("bracket", tube([(x, y, top - 0.2), (x, back, top - 0.2)], 0.008, segments=10))
     hang = 1.45
     low, high = (x - 0.014, y - 0.045, hang - 0.015), (x + 0.014, y + 0.012, hang + 0.02)
-    made.add("bracket", board(low, high, 0.004))
+    made.board("bracket", low, high, 0.004)
     grip = [(x, y - 0.03, hang - 0.12), (x, y - 0.03, hang + 0.06), (x, y - 0.075, hang + 0.1)]
-    made.add("spout", tube(filleted(grip, 0.03, segments=4), 0.011, segments=12))
+    made.add("spout", tube(grip, 0.011, bend=0.03))
     spray = lathe(
         [(0.0, 0.0), (0.045, 0.0), (0.048, 0.01), (0.02, 0.026), (0.0, 0.028)], segments=24
     )
@@ -85,10 +80,7 @@ def _fittings(made: Assembly, x: float, back: float, height: float) -> None:
         (x + 0.12, y - 0.01, 0.8),
         (x + 0.06, y, _MIXER_M - 0.02),
     ]
-    made.add("hose", tube(filleted(hose, 0.1, segments=6), 0.006, segments=8))
-
-
-_AHEAD: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+    made.add("hose", tube(hose, 0.006, bend=0.1, bend_segments=6, segments=8))
 
 
 def corner(size: Size, rng: np.random.Generator, *, side: int) -> Furniture:
@@ -108,25 +100,25 @@ def corner(size: Size, rng: np.random.Generator, *, side: int) -> Furniture:
     # The pane on the open side, held in a profile at the wall behind.
     outer = -side * x
     a, b = sorted((outer, outer + side * _PANE_M))
-    made.add("pane", board((a, front, low), (b, y - _PROFILE_M, high), 0.001))
+    made.board("pane", (a, front, low), (b, y - _PROFILE_M, high), 0.001)
     p, q = sorted((outer, outer + side * _PROFILE_M))
-    made.add("frame", board((p, y - _PROFILE_M, low), (q, y, high), 0.001))
+    made.board("frame", (p, y - _PROFILE_M, low), (q, y, high), 0.001)
     # In front: a door at the wall, and what it leaves beside it.
     wide = min(_DOOR_M, 0.75 * width)
     wall = side * x
     inner = wall - side * (_PROFILE_M + 0.002)
     p, q = sorted((wall, wall - side * _PROFILE_M))
-    made.add("frame", board((p, front, low), (q, front + _PROFILE_M, high), 0.001))
+    made.board("frame", (p, front, low), (q, front + _PROFILE_M, high), 0.001)
     end = inner - side * wide
     c, d = sorted((inner, end))
-    names = made.add("pane", board((c, front, low + 0.008), (d, front + _PANE_M, high), 0.001))
+    names = made.board("pane", (c, front, low + 0.008), (d, front + _PANE_M, high), 0.001)
     grip = end + side * 0.05
     bar = [(grip, front - a, z) for z, a in ((0.95, 0.0), (0.95, 0.03), (1.25, 0.03), (1.25, 0.0))]
-    names += made.add("handle", tube(filleted(bar, 0.012), 0.008, segments=10))
+    names += made.add("handle", tube(bar, 0.008, bend=0.012, segments=10))
     made.hinge("door", names, (inner, front, low), "right" if side > 0 else "left", 95.0)
     rest = sorted((end - side * 0.004, outer + side * (_PANE_M + 0.001)))
     if rest[1] - rest[0] > 0.03:
-        made.add("pane", board((rest[0], front, low), (rest[1], front + _PANE_M, high), 0.001))
+        made.board("pane", (rest[0], front, low), (rest[1], front + _PANE_M, high), 0.001)
     return made.furniture()
 
 
@@ -137,11 +129,11 @@ def walk_in(size: Size, rng: np.random.Generator) -> Furniture:
     _tray(made, size, -y)
     _fittings(made, 0.0, y, height)
     high, half = height - 0.03, 0.3 * width
-    made.add("pane", board((-half, -y, _TRAY_M), (half, _PANE_M - y, high), 0.001))
+    made.board("pane", (-half, -y, _TRAY_M), (half, _PANE_M - y, high), 0.001)
     foot = (-half, -y - 0.001, _TRAY_M - 0.002), (half, _PANE_M + 0.001 - y, _TRAY_M + 0.02)
-    made.add("frame", board(*foot, 0.001))
+    made.board("frame", *foot, 0.001)
     stay = [(0.0, 0.5 * _PANE_M - y, high - 0.012), (0.0, y, high - 0.012)]
-    made.add("frame", tube([(0.35 * half, b, c) for _, b, c in stay], 0.009, segments=12))
+    made.add("frame", tube([(0.35 * half, b, c) for _, b, c in stay], 0.009))
     return made.furniture()
 
 
@@ -160,11 +152,9 @@ CATEGORY: Final = BuiltCategory(
     words="shower_cabin shower_cubicle shower_stall shower_enclosure shower_tray walk_in_shower",
     classes=Classes(nyu40="otherstructure", ade20k="shower"),
     schemes=(
-        scheme("chrome", tray="sanitary", weight=3.0),
-        scheme("chrome", tray="sanitary", pane="tinted_glass"),
-        scheme(
-            "black", tray="sanitary", spout="black", switch="black", handle="black", bracket="black"
-        ),
+        scheme("chrome", sanitary="tray", weight=3.0),
+        scheme("chrome", sanitary="tray", tinted_glass="pane"),
+        scheme("black", sanitary="tray", black="spout switch handle bracket"),
     ),
     construction=(
         row("pane", solid(2500), "common"),

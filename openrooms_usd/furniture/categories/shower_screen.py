@@ -6,7 +6,8 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 
@@ -17,12 +18,10 @@ def hung(size: Size, rng: np.random.Generator) -> Furniture:
     """A pane that turns about a profile at the wall, on its left."""
     width, depth, height = size
     made, x, y = Assembly(), 0.5 * width, 0.5 * depth
-    made.add("frame", board((-x, -y, 0.0), (_PROFILE_M - x, y, height), 0.002))
+    made.board("frame", (-x, -y, 0.0), (_PROFILE_M - x, y, height))
     pane = board((_PROFILE_M + 0.002 - x, -0.003, 0.006), (x, 0.003, height), 0.001)
     names = made.add("pane", pane)
-    names += made.add(
-        "seal", board((_PROFILE_M + 0.004 - x, -0.002, 0.0), (x, 0.002, 0.0058), 0.0005)
-    )
+    names += made.board("seal", (_PROFILE_M + 0.004 - x, -0.002, 0.0), (x, 0.002, 0.0058), 0.0005)
     made.hinge("leaf", names, (_PROFILE_M + 0.002 - x, 0.0, 0.0), "left", 90.0)
     return made.furniture()
 
@@ -40,9 +39,9 @@ CATEGORY: Final = BuiltCategory(
     words="bath_screen bathtub_screen shower_door shower_doors glass_partition",
     classes=Classes(nyu40="otherstructure", ade20k="screen_door"),
     schemes=(
-        scheme("chrome", seal="plastic", weight=3.0),
-        scheme("chrome", pane="tinted_glass", seal="plastic"),
-        scheme("black", seal="plastic"),
+        scheme("chrome", plastic="seal", weight=3.0),
+        scheme("chrome", tinted_glass="pane", plastic="seal"),
+        scheme("black", plastic="seal"),
     ),
     construction=(row("pane", solid(2500), "common"), row(ANY, walls(1.5), "common")),
 )

@@ -9,21 +9,13 @@ from openrooms_usd.furniture.construction import ANY, BRASS, CHINA, STEEL, row, 
 from openrooms_usd.furniture.joinery.appliance import pierced, square
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.basin import SEGMENTS, bowl, drain, sunk
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board, corners
+from openrooms_usd.furniture.joinery.boards import corners
 from openrooms_usd.furniture.joinery.carcass import Carcass
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    GAP,
-    HANDLE,
-    SEAT,
-    doors,
-    drawers,
-    drawn_look,
-    leaf,
-    rows,
-)
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, HANDLE, SEAT, rows
+from openrooms_usd.furniture.joinery.fronts import doors, drawers, drawn_look, leaf
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import DARK_TAP, METAL, TAP, scheme
+from openrooms_usd.furniture.schemes import DARK_TAP, TAP, scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube
@@ -124,11 +116,11 @@ def vessel(size: Size, rng: np.random.Generator) -> Furniture:
     made, rim = Assembly(), _rim(height, 0.17, 0.2)
     tall, x, y, r = min(0.13, 0.25 * rim), 0.5 * width, 0.5 * depth, 0.012
     top = rim - tall
-    made.add("countertop", board((-x, -y, top - 0.035), (x, y, top), 0.004))
+    made.board("countertop", (-x, -y, top - 0.035), (x, y, top), 0.004)
     for a, b in corners(x - 0.03, y - 0.03):
-        made.add("leg", tube([(a, b, 0.0), (a, b, top - 0.03)], r, segments=12))
+        made.add("leg", tube([(a, b, 0.0), (a, b, top - 0.03)], r))
     shelf = 0.22 * height
-    made.add("shelf", board((0.02 - x, 0.02 - y, shelf), (x - 0.02, y - 0.02, shelf + 0.02)))
+    made.board("shelf", (0.02 - x, 0.02 - y, shelf), (x - 0.02, y - 0.02, shelf + 0.02))
     across = min(depth - 0.13, 0.4)
     power = float(rng.choice([2.0, 5.0]))
     wide = across if power == 2.0 else min(0.55, width - 0.06)
@@ -248,24 +240,24 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(nyu40="sink", ade20k="sink", coco="sink"),
     schemes=(
         scheme("sanitary", TAP),
-        scheme("wood", TAP, basin="sanitary", needs="frame", weight=100.0),
-        scheme("white", DARK_TAP, basin="sanitary", needs="frame", weight=100.0),
-        scheme("wood", DARK_TAP, leg=METAL, basin="sanitary", needs="countertop", weight=100.0),
+        scheme("wood", TAP, sanitary="basin", needs="frame", weight=100.0),
+        scheme("white", DARK_TAP, sanitary="basin", needs="frame", weight=100.0),
+        scheme("wood", DARK_TAP, metal="leg", sanitary="basin", needs="countertop", weight=100.0),
         scheme(
             "white",
             TAP,
-            bowl="steel",
-            countertop="stone",
-            base="black",
+            steel="bowl",
+            stone="countertop",
+            black="base",
             needs="bowl",
             weight=50000.0,
         ),
         scheme(
             "white",
             TAP,
-            bowl="steel",
-            countertop="wood",
-            base="black",
+            steel="bowl",
+            wood="countertop",
+            black="base",
             needs="bowl",
             weight=10000.0,
         ),

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import lathe
@@ -28,7 +28,7 @@ def disc(size: Size, rng: np.random.Generator) -> Parts:
     ]
     body = np.array(profile) * [radius, height]
     key = [(0.0, 0.0), (0.14 * radius, 0.0005), (0.16 * radius, 0.01), (0.0, 0.01)]
-    return {"body": lathe(body, segments=32), "button": lathe(key, segments=16)}
+    return {"body": lathe(body), "button": lathe(key, segments=16)}
 
 
 CATEGORY: Final = BuiltCategory(

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
@@ -78,8 +79,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.005, 0.4),
     words="soap_dish sponge soap_bar",
     schemes=(
-        scheme("soap", dish="porcelain"),
-        scheme("sponge", pad="scourer", needs="sponge", weight=100.0),
+        scheme("soap", porcelain="dish"),
+        scheme("sponge", scourer="pad", needs="sponge", weight=100.0),
     ),
     construction=(
         row("soap", solid(1000), "common"),

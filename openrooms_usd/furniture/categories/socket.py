@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, wall_plate
+from openrooms_usd.furniture.joinery.boards import board, wall_plate
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -79,6 +80,6 @@ CATEGORY: Final = BuiltCategory(
     mount_height=0.26,
     fixed=True,
     words="outlet power_outlet electrical_outlet wall_socket power_socket receptacle",
-    schemes=(scheme("plastic", hole="dark_plastic"),),
+    schemes=(scheme("plastic", dark_plastic="hole"),),
     construction=(row(ANY, filled(900), "common"),),
 )

@@ -7,22 +7,21 @@ import numpy as np
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     FRONT,
-    Parts,
-    Size,
-    Style,
+    SIDE,
     board,
     corners,
-    numbered,
     profiled,
     round_leg,
     splayed,
     square_leg,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import HIDE, METAL, scheme
+from openrooms_usd.furniture.schemes import HIDE, scheme
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cushion, rounded_box
+from openrooms_usd.geometry.vectors import points_at
 
 SEAT_HEIGHT: Final = 0.44
 CORNER_DEPTH: Final = 1.2
@@ -93,7 +92,7 @@ def modern(size: Size, rng: np.random.Generator) -> Parts:
         for side in (-1, 1)
     ]
     top = height - 0.06
-    spine = cushion((inner + 0.06, rest, top - foot), radius=0.05, crown=(0.0, 0.008, 0.012))
+    spine = cushion((inner + 0.06, rest, top - foot), crown=(0.0, 0.008, 0.012))
     leg = round_leg(0.022, 0.015, foot + 0.02)
     x, y = 0.5 * width - 0.09, 0.5 * depth - 0.08
     legs = [splayed(leg, (1.03 * a, 1.03 * b), (a, b)) for a, b in corners(x, y)]
@@ -124,9 +123,7 @@ def rolled(size: Size, rng: np.random.Generator) -> Parts:
     arm_top = seat + 0.62 * min(0.3, height - seat)
     roll = 0.5 * arm
     angle = np.linspace(-0.35 * np.pi, 1.0 * np.pi, 16)
-    scroll = np.stack(
-        [roll + 0.98 * roll * np.cos(angle), arm_top - roll + roll * np.sin(angle)], axis=1
-    )
+    scroll = points_at(roll + 0.98 * roll * np.cos(angle), arm_top - roll + roll * np.sin(angle))
     outline = np.concatenate([[(0.03, foot), (0.78 * arm, foot)], scroll, [(0.03, arm_top - arm)]])
     arms = [
         profiled(outline * [side, 1.0], depth - 0.05, FRONT, 0.015).moved(
@@ -178,7 +175,7 @@ def wooden(size: Size, rng: np.random.Generator) -> Parts:
                 closed=True,
             ),
             0.065,
-            np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+            SIDE,
             0.005,
         ).moved((side * (0.5 * width - 0.0325), 0.0, 0.0))
         for side in (-1, 1)
@@ -266,10 +263,10 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("sofa", "sofa", "sofa", "couch"),
     synsets=("04256520",),
     schemes=(
-        scheme("upholstery", leg="wood", weight=2.0),
-        scheme("upholstery", leg=METAL),
-        scheme("hide", HIDE, leg="wood", weight=0.7),
-        scheme("hide", HIDE, leg=METAL, weight=0.5),
+        scheme("upholstery", wood="leg", weight=2.0),
+        scheme("upholstery", metal="leg"),
+        scheme("hide", HIDE, wood="leg", weight=0.7),
+        scheme("hide", HIDE, metal="leg", weight=0.5),
         scheme("wood", needs="rail", weight=100.0),
     ),
     construction=SEAT_ROWS,

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -31,7 +32,7 @@ def _cone(radius: float) -> Mesh:
         (0.2 * r, -0.09 * r),
         (0.0, -0.07 * r),
     ]
-    return lathe(profile, segments=32, crease=50.0)
+    return lathe(profile, crease=50.0)
 
 
 def _ring(radius: float) -> Mesh:
@@ -113,7 +114,7 @@ def tower(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     plinth = 0.03
     front = -0.5 * depth + 0.03
-    outline = filleted(rectangle(width - 0.05, depth - 0.04), 0.03, closed=True, segments=4)
+    outline = filleted(rectangle(width - 0.05, depth - 0.04), 0.03, closed=True)
     column = extrude(outline, height - plinth, bevel=0.003, base=plinth).moved((0, 0.01, 0))
     woofer = 0.38 * (width - 0.05)
     count = int(rng.integers(2, 4))
@@ -231,9 +232,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="speaker"),
     synsets=("03691459",),
     schemes=(
-        scheme("black", badge="steel", foot="steel"),
-        scheme("wood", rim="black_plastic", badge="steel", base="black", foot="steel"),
-        scheme("black_plastic", grille="upholstery", needs="grille", weight=100.0),
+        scheme("black", steel="badge foot"),
+        scheme("wood", black_plastic="rim", steel="badge foot", black="base"),
+        scheme("black_plastic", upholstery="grille", needs="grille", weight=100.0),
     ),
     construction=(
         row("grille", filled(350), "weight"),

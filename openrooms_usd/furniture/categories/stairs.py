@@ -4,15 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import cylinder
@@ -135,8 +128,8 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(nyu40="otherstructure", ade20k="stairs"),
     schemes=(
         scheme("wood", weight=3.0),
-        scheme("white", step="wood", handrail="wood", weight=2.0),
-        scheme("black", step="wood"),
+        scheme("white", wood="step handrail", weight=2.0),
+        scheme("black", wood="step"),
     ),
     view_importance=3.0,
 )

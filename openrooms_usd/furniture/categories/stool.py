@@ -5,17 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import SEAT_ROWS, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import (
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    round_leg,
-    splayed,
-    square_leg,
-)
+from openrooms_usd.furniture.joinery.boards import board, corners, round_leg, splayed, square_leg
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import CHAIRS, METAL, scheme
 from openrooms_usd.geometry.mesh import Mesh

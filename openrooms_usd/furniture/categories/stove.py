@@ -3,8 +3,8 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import COOKER_REST_ROWS, COOKER_ROWS, MACHINE_ROWS
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.cooker import gas, glass, guarded, wide
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import COOKERS
 

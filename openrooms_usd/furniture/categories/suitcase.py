@@ -5,11 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, corners, numbered
+from openrooms_usd.furniture.joinery.boards import board, corners
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
 
@@ -41,16 +41,14 @@ def shell(size: Size, rng: np.random.Generator) -> Parts:
         for a, b in corners(x - 0.05, y - 0.06)
     ]
     grip = tube(
-        filleted(
-            [
-                (-0.07, 0.0, high - 0.005),
-                (-0.06, 0.0, height - 0.007),
-                (0.06, 0.0, height - 0.007),
-                (0.07, 0.0, high - 0.005),
-            ],
-            0.01,
-        ),
+        [
+            (-0.07, 0.0, high - 0.005),
+            (-0.06, 0.0, height - 0.007),
+            (0.06, 0.0, height - 0.007),
+            (0.07, 0.0, high - 0.005),
+        ],
         0.007,
+        bend=0.01,
         segments=10,
     )
     zipper = board((0.004 - x, -seam, low + 0.004), (x - 0.004, seam, high - 0.004), 0.02)
@@ -74,11 +72,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(2, 9),
     words="luggage travel_bag trolley_case baggage carry_on",
     classes=Classes("bag", "bag", "bag", "suitcase"),
-    schemes=(
-        scheme(
-            "luggage_shell", bracket="black_plastic", handle="black_plastic", zipper="black_plastic"
-        ),
-    ),
+    schemes=(scheme("luggage_shell", black_plastic="bracket handle zipper"),),
     construction=(
         row("wheel bracket handle", solid(1100), "common"),
         row("rib zipper", filled(150), "common"),

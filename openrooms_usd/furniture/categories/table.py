@@ -8,16 +8,13 @@ from openrooms_usd.furniture.construction import TABLE_ROWS
 from openrooms_usd.furniture.joinery.boards import (
     FRONT,
     SIDE,
-    Parts,
-    Size,
-    Style,
     board,
     corners,
-    numbered,
     profiled,
     splayed,
     square_leg,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle

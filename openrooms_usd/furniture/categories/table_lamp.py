@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import LAMP_ROWS, STEEL, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.lamp_parts import bulb, carrier, holder, radius_of, shade
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED

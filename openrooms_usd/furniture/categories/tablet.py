@@ -5,8 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import SIDE, Parts, Size, Style, board, profiled, strip
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled, strip
 from openrooms_usd.furniture.joinery.handheld import slab
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
@@ -52,8 +53,8 @@ CATEGORY: Final = BuiltCategory(
     words="ipad tablet_computer e_reader",
     classes=Classes(ade20k="computer"),
     schemes=(
-        scheme("aluminium", cover="membrane", weight=2.0),
-        scheme("black_plastic", cover="hide"),
+        scheme("aluminium", membrane="cover", weight=2.0),
+        scheme("black_plastic", hide="cover"),
     ),
     construction=(row("cover", filled(700), "weight"), row(ANY, filled(1400), "weight")),
     placements=(
@@ -65,12 +66,7 @@ CATEGORY: Final = BuiltCategory(
             max_groups=1,
         ),
         on(
-            "worktop dining_table",
-            rooms="kitchen",
-            styles="propped",
-            weight=0.2,
-            clutter=2,
-            max_groups=1,
+            "worktop dining_table", "kitchen", styles="propped", weight=0.2, clutter=2, max_groups=1
         ),
     ),
 )

@@ -5,16 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    corners,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
@@ -212,9 +204,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="telephone"),
     synsets=("02992529", "04401088"),
     schemes=(
-        scheme("dark_plastic", button="pale_plastic", weight=2.0),
+        scheme("dark_plastic", pale_plastic="button", weight=2.0),
         scheme("pale_plastic"),
-        scheme("black_plastic", dial="steel", needs="dial", weight=100.0),
+        scheme("black_plastic", steel="dial", needs="dial", weight=100.0),
     ),
     construction=(row(ANY, filled(400), "weight"),),
     joint_damping=JointDamping(0.01, 0.02),

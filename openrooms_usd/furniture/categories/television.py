@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.screen import (
     deep,
     television_feet,
@@ -32,7 +32,7 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("monitor", "television", "television_receiver", "tv"),
     schemes=(
         *SCREENS,
-        scheme("black_plastic", frame="wood", antenna="steel", needs="antenna", weight=200.0),
+        scheme("black_plastic", wood="frame", steel="antenna", needs="antenna", weight=200.0),
     ),
     construction=(row(ANY, filled(350), "weight"), row("screen", solid(2500), "common")),
     view_importance=1.0,

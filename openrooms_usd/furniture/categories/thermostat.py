@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -51,8 +52,8 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="thermostat_control",
     schemes=(
-        scheme("plastic", screen="screen", button="plastic", weight=2.0),
-        scheme("steel", screen="screen", button="plastic"),
+        scheme("plastic", screen="screen", plastic="button", weight=2.0),
+        scheme("steel", screen="screen", plastic="button"),
     ),
     construction=(row(ANY, filled(900), "common"),),
 )

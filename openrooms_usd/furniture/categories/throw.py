@@ -5,9 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.cloth import ripples
 from openrooms_usd.furniture.joinery.linens import between, folded_pile, over_bar
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -60,13 +60,13 @@ CATEGORY: Final = BuiltCategory(
         on("bed_foot", styles="spread folded", weight=0.6, max_groups=1),
         on(
             "in_basket low_shelf wardrobe_shelf",
-            rooms="living_room bedroom apartment hotel lounge closet",
+            "living_room bedroom apartment hotel lounge closet",
             styles="folded",
             weight=0.4,
         ),
         on(
             "chair_back",
-            rooms="living_room bedroom",
+            "living_room bedroom",
             styles="draped",
             pose="draped",
             clutter=2,

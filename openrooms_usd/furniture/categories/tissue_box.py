@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -64,12 +65,12 @@ CATEGORY: Final = BuiltCategory(
     words="tissue tissues kleenex kleenex_box",
     classes=Classes(nyu40="box", ade20k="box"),
     schemes=(
-        scheme("package_field", paper="tissue", slot="cavity", weight=2.0),
-        scheme("wood", paper="tissue", slot="cavity"),
+        scheme("package_field", tissue="paper", cavity="slot", weight=2.0),
+        scheme("wood", tissue="paper", cavity="slot"),
     ),
     construction=(row("box", filled(130), "weight"), row(ANY, filled(200), "common")),
     placements=(
         on("bedside coffee_table side_table desk", weight=0.45, max_groups=1),
-        on("cistern basin_edge cabinet_top", rooms="bathroom", weight=0.4, max_groups=1),
+        on("cistern basin_edge cabinet_top", "bathroom", weight=0.4, max_groups=1),
     ),
 )

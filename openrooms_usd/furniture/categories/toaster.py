@@ -8,18 +8,11 @@ from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Size,
-    Style,
-    board,
-    corners,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import scheme
+from openrooms_usd.furniture.schemes import finished, scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -178,14 +171,7 @@ def _is_long(size: Size) -> bool:
     return size[0] > 2.3 * size[1]
 
 
-_DARK: Final = {
-    "side": "black_plastic",
-    "base": "black_plastic",
-    "foot": "black_plastic",
-    "guide": "black_plastic",
-    "wire": "steel",
-    "mark": "white",
-}
+_DARK: Final = finished(black_plastic="side base foot guide", steel="wire", white="mark")
 
 CATEGORY: Final = BuiltCategory(
     description="a toaster; its lever slides, its dial turns",
@@ -211,9 +197,9 @@ CATEGORY: Final = BuiltCategory(
     on_worktop_probability=0.2,
     classes=Classes(coco="toaster"),
     schemes=(
-        scheme("steel", _DARK, lever="black_plastic", knob="black_plastic", weight=2.0),
-        scheme("enamel", _DARK, side="enamel", knob="chrome"),
-        scheme("black_plastic", _DARK, knob="steel", lever="steel"),
+        scheme("steel", _DARK, black_plastic="lever knob", weight=2.0),
+        scheme("enamel", _DARK, enamel="side", chrome="knob"),
+        scheme("black_plastic", _DARK, steel="knob lever"),
     ),
     construction=(row(ANY, filled(300), "weight"),),
 )

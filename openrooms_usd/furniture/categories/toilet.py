@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, CHINA, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.boards import FRONT
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
@@ -113,7 +114,7 @@ def _seat(made: Assembly, plan: _Plan) -> None:
     made.hinge("seat", made.add("seat", seat), (0.0, y, z), "top", 82.0)
     made.hinge("lid", made.add("lid", lid), (0.0, y, z), "top", 86.0)
     for x in (-0.075, 0.075):
-        made.add("hinge", tube([(x - 0.02, y, z), (x + 0.02, y, z)], 0.01, segments=12))
+        made.add("hinge", tube([(x - 0.02, y, z), (x + 0.02, y, z)], 0.01))
 
 
 def _tank(made: Assembly, plan: _Plan, low: float, wide: float, lever: bool) -> None:
@@ -195,8 +196,7 @@ def wall_hung(size: Size, rng: np.random.Generator) -> Furniture:
     z = min(height - 0.1, plan.rim + 0.6)
     made.add("button", rounded_box((0.24, 0.016, 0.16), 0.004, center=(0.0, plan.tank, z)))
     ring_ = lathe([(0.0, 0.0), (0.045, 0.0), (0.042, 0.012), (0.0, 0.012)], segments=28)
-    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-    made.add("button", ring_.transformed(forward).moved((-0.04, plan.tank - 0.006, z)))
+    made.add("button", ring_.transformed(FRONT).moved((-0.04, plan.tank - 0.006, z)))
     return made.furniture()
 
 
@@ -218,7 +218,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(25, 50),
     words="lavatory",
     classes=Classes(nyu40="toilet", ade20k="toilet", coco="toilet"),
-    schemes=(scheme("sanitary", button="chrome", panel="white"),),
+    schemes=(scheme("sanitary", chrome="button", white="panel"),),
     construction=(
         row("seat lid", filled(900), "weight"),
         row(ANY, walls(10, CHINA), "china", "specular_stone"),

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import oval
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import METAL, scheme
@@ -35,7 +35,6 @@ def cup(size: Size, rng: np.random.Generator) -> Parts:
     wall = 0.004
     body = lathe(
         [(0.0, 0.0), (r, 0.0), (r, cup_), (r - wall, cup_), (r - wall, 0.006), (0.0, 0.006)],
-        segments=32,
         crease=50.0,
     )
     lid = lathe(
@@ -45,8 +44,7 @@ def cup(size: Size, rng: np.random.Generator) -> Parts:
             (r, cup_ + 0.006),
             (0.3 * r, cup_ + 0.012),
             (0.0, cup_ + 0.012),
-        ],
-        segments=32,
+        ]
     )
     return {
         "container": oval(body, size),
@@ -60,7 +58,7 @@ def open_cup(size: Size, rng: np.random.Generator) -> Parts:
     r, pot, wall = 0.5 * min(size[:2]), 0.3 * size[2], 0.005
     outer = [(0.7 * r, 0.0), (0.95 * r, 0.25 * pot), (r, 0.6 * pot), (0.86 * r, pot)]
     inner = [(a - wall, max(z, 0.008)) for a, z in outer[::-1]]
-    body = lathe([(0.0, 0.0), *outer, *inner, (0.0, 0.008)], segments=32, crease=50.0)
+    body = lathe([(0.0, 0.0), *outer, *inner, (0.0, 0.008)], crease=50.0)
     bristles = sphere(0.62 * r, segments=20, squash=1.25, center=(0.0, 0.0, 0.95 * pot))
     return {
         "container": oval(body, size),
@@ -80,9 +78,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.2, 1.5),
     words="toilet_brushes toilet_brush_holder",
     schemes=(
-        scheme(METAL, bristle="pale_plastic", weight=2.0),
-        scheme("porcelain", handle=METAL, lid=METAL, bristle="pale_plastic"),
-        scheme("pale_plastic", bristle="pale_plastic", handle="pale_plastic"),
+        scheme(METAL, pale_plastic="bristle", weight=2.0),
+        scheme("porcelain", metal="handle lid", pale_plastic="bristle"),
+        scheme("pale_plastic", pale_plastic="bristle handle"),
     ),
     construction=(
         row("container", walls(2.0), "common", "specular_stone"),

@@ -5,10 +5,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe, sphere
 
@@ -17,18 +18,9 @@ def _roll(r: float, h: float, core: float = 0.021) -> dict[str, Mesh]:
     """An upright roll about the origin, and the tube of card in it."""
     paper = lathe(
         [(core, 0.0), (r - 0.002, 0.0), (r, 0.002), (r, h - 0.002), (r - 0.002, h), (core, h)],
-        segments=32,
         crease=50.0,
     )
-    card = lathe(
-        [
-            (core - 0.0015, 0.0004),
-            (core + 0.0002, 0.0004),
-            (core + 0.0002, h - 0.0004),
-            (core - 0.0015, h - 0.0004),
-        ],
-        segments=20,
-    )
+    card = band(core - 0.0015, core + 0.0002, 0.0004, h - 0.0004, 20)
     return {"paper": paper, "core": card}
 
 
@@ -70,8 +62,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.06, 1.6),
     words="toilet_paper_roll paper_towel paper_towel_roll paper_roll kitchen_roll toilet_roll",
     schemes=(
-        scheme("tissue", core="cardboard", stand=METAL, weight=2.0),
-        scheme("tissue", core="cardboard", stand="wood"),
+        scheme("tissue", cardboard="core", metal="stand", weight=2.0),
+        scheme("tissue", cardboard="core", wood="stand"),
     ),
     construction=(
         row("paper", filled(160), "weight"),
@@ -82,13 +74,13 @@ CATEGORY: Final = BuiltCategory(
         on("cistern beside_toilet", styles="roll", pose="flat", count=(1, 2), max_groups=1),
         on(
             "shelf low_shelf in_basket cupboard",
-            rooms="bathroom",
+            "bathroom",
             styles="roll",
             pose="stacked",
             count=(2, 3),
             weight=0.8,
             max_groups=1,
         ),
-        on("worktop", rooms="kitchen", styles="kitchen", weight=0.7, max_groups=1),
+        on("worktop", "kitchen", styles="kitchen", weight=0.7, max_groups=1),
     ),
 )

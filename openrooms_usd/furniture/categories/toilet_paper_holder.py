@@ -5,7 +5,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE, board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.curves import filleted
@@ -13,7 +15,6 @@ from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
 
 # Z of a lathe becomes X.
-_LYING: Final = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 def hook(size: Size, rng: np.random.Generator) -> Parts:
@@ -23,7 +24,7 @@ def hook(size: Size, rng: np.random.Generator) -> Parts:
     back, z = 0.5 * depth, height - radius
     y = radius - back + 0.002
     inner, half = 0.35 * radius, 0.048
-    roll = lathe([(inner, -half), (radius, -half), (radius, half), (inner, half)], segments=32)
+    roll = band(inner, radius, -half, half)
     middle = 0.5 * width - half - 0.002
     rod = filleted(
         [(-0.5 * width + 0.022, back, z), (-0.5 * width + 0.022, y, z), (0.5 * width, y, z)],
@@ -33,9 +34,9 @@ def hook(size: Size, rng: np.random.Generator) -> Parts:
     rose = lathe([(0.0, 0.0), (0.022, 0.0), (0.02, 0.008), (0.0, 0.009)], segments=24)
     sheet = board((middle - half, y - radius - 0.0012, 0.0), (middle + half, y - radius, z), 0.0003)
     return {
-        "roll": roll.transformed(_LYING).moved((middle, y, z)),
+        "roll": roll.transformed(SIDE).moved((middle, y, z)),
         "sheet": sheet,
-        "rail": tube(rod, 0.006, segments=12),
+        "rail": tube(rod, 0.006),
         "bracket": rose.transformed(FRONT).moved((-0.5 * width + 0.022, back, z)),
     }
 
@@ -53,8 +54,8 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.15, 1.5),
     words="toilet_paper_dispenser toilet_roll_holder paper_holder",
     schemes=(
-        scheme("chrome", bracket="chrome", roll="white_paper", sheet="white_paper"),
-        scheme(METAL, roll="white_paper", sheet="white_paper"),
+        scheme("chrome", chrome="bracket", white_paper="roll sheet"),
+        scheme(METAL, white_paper="roll sheet"),
     ),
     construction=(
         row("roll", filled(200), "common"),

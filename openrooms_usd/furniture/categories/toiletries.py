@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
-from openrooms_usd.furniture.joinery.posing import oval
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band, oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -79,11 +79,8 @@ def cream(size: Size, rng: np.random.Generator) -> Parts:
     """A low jar with a broad lid."""
     r, h = 0.5 * min(size[:2]), size[2]
     split = 0.55 * h
-    jar = lathe(
-        [(0.0, 0.0), (0.88 * r, 0.0), (0.94 * r, 0.003), (0.94 * r, split), (0.0, split)],
-        segments=32,
-    )
-    lid = lathe([(0.0, split), (r, split), (r, h - 0.002), (0.97 * r, h), (0.0, h)], segments=32)
+    jar = lathe([(0.0, 0.0), (0.88 * r, 0.0), (0.94 * r, 0.003), (0.94 * r, split), (0.0, split)])
+    lid = lathe([(0.0, split), (r, split), (r, h - 0.002), (0.97 * r, h), (0.0, h)])
     return {"bottle": oval(jar, size), "cap": oval(lid, size)}
 
 
@@ -106,15 +103,7 @@ def spray(size: Size, rng: np.random.Generator) -> Parts:
     cap = cylinder(
         0.92 * r, h - split + 0.003, bevel=0.002, segments=28, base=(0.0, 0.0, split - 0.003)
     )
-    label = lathe(
-        [
-            (r - 0.001, 0.12 * h),
-            (r + _LABEL_M, 0.12 * h),
-            (r + _LABEL_M, 0.5 * h),
-            (r - 0.001, 0.5 * h),
-        ],
-        segments=30,
-    )
+    label = band(r - 0.001, r + _LABEL_M, 0.12 * h, 0.5 * h, 30)
     return {"bottle": oval(can, size), "cap": oval(cap, size), "label": oval(label, size)}
 
 
@@ -133,7 +122,7 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.02, 0.8),
     words="toiletry shampoo shampoo_bottle lotion cosmetics deodorant toothpaste hair_spray",
-    schemes=(scheme("toiletry", cap="toiletry_cap", label="package_field"),),
+    schemes=(scheme("toiletry", toiletry_cap="cap", package_field="label"),),
     construction=(row(ANY, filled(900), "common"),),
     placements=(
         on(
@@ -146,21 +135,8 @@ CATEGORY: Final = BuiltCategory(
             max_variants=4,
         ),
         on("bath_rim", styles="shampoo", count=(1, 2), weight=1.4, max_groups=3, max_variants=4),
-        on(
-            "shelf low_shelf",
-            rooms="bathroom",
-            count=(1, 3),
-            weight=2.5,
-            max_groups=9,
-            max_variants=5,
-        ),
-        on(
-            "cupboard window_sill cistern",
-            rooms="bathroom",
-            weight=0.7,
-            max_groups=4,
-            max_variants=4,
-        ),
+        on("shelf low_shelf", "bathroom", count=(1, 3), weight=2.5, max_groups=9, max_variants=5),
+        on("cupboard window_sill cistern", "bathroom", weight=0.7, max_groups=4, max_variants=4),
         on("dresser_top bedside", styles="cream tube spray", pose="flat", clutter=2, weight=0.25),
     ),
 )

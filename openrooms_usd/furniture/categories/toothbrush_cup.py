@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
@@ -89,15 +90,13 @@ CATEGORY: Final = BuiltCategory(
     support="surface",
     mass_range=(0.08, 0.6),
     words="toothbrush toothbrush_holder toothbrushes",
-    schemes=(
-        scheme("porcelain", brush="toy_plastic", bristle="plastic", tube="package", cap="plastic"),
-    ),
+    schemes=(scheme("porcelain", toy_plastic="brush", plastic="bristle cap", package="tube"),),
     construction=(
         row("container", solid(), "common", "specular_stone"),
         row(ANY, filled(900), "common"),
     ),
     placements=(
-        on("basin_edge", rooms="bathroom", cluster="teeth", max_groups=1),
-        on("shelf", rooms="bathroom", weight=0.3, max_groups=1),
+        on("basin_edge", "bathroom", cluster="teeth", max_groups=1),
+        on("shelf", "bathroom", weight=0.3, max_groups=1),
     ),
 )

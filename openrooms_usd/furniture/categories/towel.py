@@ -5,7 +5,6 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.linens import (
     folded_pile,
     hung_cloth,
@@ -13,6 +12,7 @@ from openrooms_usd.furniture.joinery.linens import (
     rolled,
     with_loop,
 )
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -63,7 +63,7 @@ CATEGORY: Final = BuiltCategory(
         on("towel_rail", styles="draped", pose="draped"),
         on(
             "hook",
-            rooms="bathroom kitchen laundry_room",
+            "bathroom kitchen laundry_room",
             styles="hung",
             pose="hung",
             weight=1.2,
@@ -71,14 +71,14 @@ CATEGORY: Final = BuiltCategory(
         ),
         on(
             "shelf low_shelf cupboard wardrobe_shelf",
-            rooms="bathroom bedroom laundry_room",
+            "bathroom bedroom laundry_room",
             styles="folded",
             pose="stacked",
             count=(2, 5),
         ),
         on(
             "shelf low_shelf in_basket",
-            rooms="bathroom",
+            "bathroom",
             styles="rolled",
             pose="row",
             count=(2, 4),
@@ -86,23 +86,16 @@ CATEGORY: Final = BuiltCategory(
         ),
         on(
             "bath_rim cabinet_top basin_edge appliance_top",
-            rooms="bathroom",
+            "bathroom",
             styles="folded",
             pose="stacked",
             count=(1, 3),
             weight=0.5,
         ),
-        on(
-            "bed_foot chair_seat",
-            rooms="bedroom",
-            styles="folded",
-            clutter=3,
-            weight=0.2,
-            max_groups=1,
-        ),
+        on("bed_foot chair_seat", "bedroom", styles="folded", clutter=3, weight=0.2, max_groups=1),
         on(
             "chair_back",
-            rooms="bathroom bedroom",
+            "bathroom bedroom",
             styles="draped",
             pose="draped",
             clutter=3,

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, row, walls
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.boards import FRONT
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory
 from openrooms_usd.furniture.schemes import METAL, scheme
 from openrooms_usd.geometry.solids import lathe
@@ -64,9 +65,9 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 3),
     words="towel_rack towel_bar towel_holder towel_warmer heated_towel_rail towel_hanger",
     schemes=(
-        scheme("chrome", bracket="chrome", weight=2.0),
+        scheme("chrome", chrome="bracket", weight=2.0),
         scheme(METAL),
-        scheme("white", bracket="white", needs="pipe", weight=2.0),
+        scheme("white", white="bracket", needs="pipe", weight=2.0),
     ),
     construction=(row(ANY, walls(1.2, STEEL), "sheet"),),
     offers_surfaces=("towel_rail",),

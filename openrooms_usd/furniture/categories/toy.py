@@ -5,15 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import (
-    FRONT,
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -137,8 +130,8 @@ CATEGORY: Final = BuiltCategory(
     words="toys teddy_bear teddy stuffed_animal doll ball toy_car lego plush blocks",
     classes=Classes(ade20k="plaything"),
     schemes=(
-        scheme("toy_plastic", wheel="membrane", window="cavity"),
-        scheme("plush", pad="plush_pad", eye="cavity", needs="eye", weight=100.0),
+        scheme("toy_plastic", membrane="wheel", cavity="window"),
+        scheme("plush", plush_pad="pad", cavity="eye", needs="eye", weight=100.0),
     ),
     construction=(
         row("block car", filled(500), "common"),
@@ -148,7 +141,7 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "floor_open floor_corner",
-            rooms="living_room bedroom",
+            "living_room bedroom",
             weight=0.4,
             count=(1, 3),
             cluster="toys",
@@ -156,14 +149,14 @@ CATEGORY: Final = BuiltCategory(
             max_groups=3,
             pose="flat",
         ),
-        on("in_basket", rooms="living_room bedroom apartment game_room", weight=0.6, count=(1, 3)),
+        on("in_basket", "living_room bedroom apartment game_room", weight=0.6, count=(1, 3)),
         on(
             "bed_head bed_foot armchair_seat",
-            rooms="living_room bedroom apartment",
+            "living_room bedroom apartment",
             styles="teddy",
             weight=0.1,
             max_groups=1,
         ),
-        on("shelf low_shelf", rooms="bedroom", weight=0.4, max_groups=3),
+        on("shelf low_shelf", "bedroom", weight=0.4, max_groups=3),
     ),
 )

@@ -6,18 +6,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, row, walls
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Joint,
-    Parts,
-    Size,
-    Style,
-    board,
-    profiled,
-    strip,
-)
-from openrooms_usd.furniture.joinery.posing import hoop, oval, tapered
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled, strip
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts, Size, Style
+from openrooms_usd.furniture.joinery.posing import band, hoop, oval, tapered
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -81,7 +72,7 @@ def bin_pedal(size: Size, rng: np.random.Generator) -> Furniture:
     r = 0.5 * min(width, depth - reach)
     back = 0.5 * reach
     split = h - min(0.05, 0.16 * h)
-    shell = lathe([(r - 0.004, 0.012), (r, 0.012), (r, split), (r - 0.004, split)], segments=48)
+    shell = band(r - 0.004, r, 0.012, split, 48)
     floor = cylinder(r - 0.003, 0.012, segments=40, base=(0.0, 0.0, 0.012))
     foot = lathe([(0.0, 0.0), (r - 0.006, 0.0), (r - 0.003, 0.014), (0.0, 0.014)], segments=44)
     bucket = _bucket(0.84 * r, 0.9 * r - 0.004, (0.026, split - 0.004), 0.003, 0.004)
@@ -134,7 +125,7 @@ def bin_wire(size: Size, rng: np.random.Generator) -> Parts:
         hoop(low, 0.004, 0.004),
         hoop(0.5 * (top + low), 0.5 * h, 0.002),
     ]
-    floor = cylinder(low, 0.003, segments=32, base=(0.0, 0.0, 0.002))
+    floor = cylinder(low, 0.003, base=(0.0, 0.0, 0.002))
     return {
         "frame": oval(joined(rings), size),
         "container": oval(joined(wires), size),
@@ -187,7 +178,6 @@ def bin_swing(size: Size, rng: np.random.Generator) -> Furniture:
 CATEGORY: Final = BuiltCategory(
     description="a bin for waste",
     size=(0.28, 0.28, 0.32),
-    min_size=(0.14, 0.14, 0.16),
     max_size=(0.8, 0.8, 1.2),
     styles={
         "open": Style(bin_open),
@@ -203,16 +193,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("trash_bin", "otherfurniture", "ashcan"),
     synsets=("02747177",),
     schemes=(
-        scheme("steel", bag="black_plastic", base="black_plastic"),
-        scheme("tinted_plastic", bag="pale_plastic", lid="pale_plastic", weight=2.0),
-        scheme(
-            "steel",
-            container="black_plastic",
-            base="black_plastic",
-            hinge="black_plastic",
-            needs="pedal",
-            weight=100.0,
-        ),
+        scheme("steel", black_plastic="bag base"),
+        scheme("tinted_plastic", pale_plastic="bag lid", weight=2.0),
+        scheme("steel", black_plastic="container base hinge", needs="pedal", weight=100.0),
     ),
     construction=(
         row("bag", walls(0.05, 950), "common"),

@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import METAL, scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.sweeps import tube
@@ -37,7 +36,7 @@ def rectangular(size: Size, rng: np.random.Generator) -> Parts:
     """A rectangular tray with two handles."""
     width, depth, height = size
     rim = 0.62 * height
-    base = _rimmed(rounded_rectangle(width, depth, 0.02, 4), rim, 0.009, 0.007)
+    base = _rimmed(rounded_rectangle(width, depth, 0.02), rim, 0.009, 0.007)
     grips = []
     for side in (-1.0, 1.0):
         x = side * (0.5 * width - 0.006)
@@ -47,14 +46,14 @@ def rectangular(size: Size, rng: np.random.Generator) -> Parts:
             (x, 0.07, height - 0.004),
             (x, 0.07, 0.8 * rim),
         ]
-        grips.append(tube(filleted(path, 0.015, segments=3), 0.004, segments=8))
+        grips.append(tube(path, 0.004, bend=0.015, bend_segments=3, segments=8))
     return {"tray": base, **numbered("handle", grips)}
 
 
 def round_(size: Size, rng: np.random.Generator) -> Parts:
     """A round tray."""
     width, depth, height = size
-    return {"tray": _rimmed(superellipse(width, depth, 2.0, 40), height, 0.006, 0.005)}
+    return {"tray": _rimmed(superellipse(width, depth), height, 0.006, 0.005)}
 
 
 CATEGORY: Final = BuiltCategory(
@@ -71,9 +70,9 @@ CATEGORY: Final = BuiltCategory(
     words="trays serving_tray",
     classes=Classes(ade20k="tray"),
     schemes=(
-        scheme("wood", handle=METAL, weight=2.0),
-        scheme(METAL, handle=METAL, weight=0.7),
-        scheme("lacquer", handle=METAL),
+        scheme("wood", metal="handle", weight=2.0),
+        scheme(METAL, metal="handle", weight=0.7),
+        scheme("lacquer", metal="handle"),
     ),
     construction=(
         row(ANY, solid(1400), "weight", "metal", "paint"),

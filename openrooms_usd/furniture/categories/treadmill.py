@@ -5,18 +5,10 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Parts,
-    Size,
-    Style,
-    board,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.sweeps import tube
 
 
@@ -62,7 +54,7 @@ def running(size: Size, rng: np.random.Generator) -> Parts:
             (s * (x - 0.03), y - 0.06, top),
             (s * (x - 0.03), y - 0.45, top - 0.1),
         ]
-        posts.append(tube(filleted(path, 0.12, segments=6), 0.028, segments=14))
+        posts.append(tube(path, 0.028, bend=0.12, bend_segments=6, segments=14))
     console = profiled(
         [(y - 0.12, top - 0.04), (y + 0.02, top - 0.02), (y + 0.08, height), (y + 0.03, height)],
         width - 0.06,
@@ -103,8 +95,8 @@ CATEGORY: Final = BuiltCategory(
     words="running_machine exercise_machine elliptical",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        scheme("dark_plastic", frame="grey", belt="tyre", rail="grey"),
-        scheme("dark_plastic", frame="black", belt="tyre"),
+        scheme("dark_plastic", grey="frame rail", tyre="belt"),
+        scheme("dark_plastic", black="frame", tyre="belt"),
     ),
     construction=(
         row("base", filled(700), "weight"),

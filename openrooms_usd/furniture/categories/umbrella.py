@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -14,6 +14,7 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
+from openrooms_usd.geometry.vectors import points_at
 
 
 def _canopy(r: float, low: float, high: float, rng: np.random.Generator) -> Mesh:
@@ -30,17 +31,12 @@ def _canopy(r: float, low: float, high: float, rng: np.random.Generator) -> Mesh
         )
         fold = wide * (1.0 + 0.16 * np.cos(8.0 * angle + 2.4 * t))
         rings.append(
-            np.stack(
-                [
-                    fold * np.cos(angle) / 1.16,
-                    fold * np.sin(angle) / 1.16,
-                    np.full(count, low + (high - low) * t),
-                ],
-                axis=1,
+            points_at(
+                fold * np.cos(angle) / 1.16, fold * np.sin(angle) / 1.16, low + (high - low) * t
             )
         )
     tip = np.full(count, high + 0.004)
-    rings.append(np.stack([0.006 * np.cos(angle), 0.006 * np.sin(angle), tip], axis=1))
+    rings.append(points_at(0.006 * np.cos(angle), 0.006 * np.sin(angle), tip))
     return metric(loft(np.array(rings), crease=60.0))[0]
 
 
@@ -52,7 +48,7 @@ def rolled_up(size: Size, rng: np.random.Generator) -> Parts:
     x = 0.5 * width - r
     top = height - crook - 0.009
     t = np.radians(np.linspace(0.0, 200.0, 9))
-    hook = np.stack([-crook + crook * np.cos(t), np.zeros(9), top + crook * np.sin(t)], axis=1)
+    hook = points_at(-crook + crook * np.cos(t), 0.0, top + crook * np.sin(t))
     grip = tube(np.concatenate([[(0.0, 0.0, top - 0.1)], hook]), 0.009, segments=8)
     stick = cylinder(0.0045, top - 0.05, segments=10)
     body = _canopy(r, 0.06, top - 0.16, rng)
@@ -70,7 +66,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.3, 1.2),
     words="umbrellas parasol",
     classes=Classes(coco="umbrella"),
-    schemes=(scheme("coat_cloth", stick="steel", handle="wood"),),
+    schemes=(scheme("coat_cloth", steel="stick", wood="handle"),),
     construction=(
         row("canopy", filled(160), "weight"),
         row("stick", walls(1.0), "sheet", "metal"),
@@ -79,7 +75,7 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "floor_by_door floor_corner",
-            rooms="hallway living_room",
+            "hallway living_room",
             pose="leaning",
             weight=0.4,
             max_groups=1,

@@ -5,12 +5,12 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cushion, cylinder
 from openrooms_usd.geometry.sweeps import tube
@@ -55,16 +55,14 @@ def canister(size: Size, rng: np.random.Generator) -> Parts:
         0.032, 0.012, bevel=0.003, segments=20, base=(0.0, middle + 0.2 * deep, tall + 0.008)
     )
     strap = tube(
-        filleted(
-            [
-                (0.0, middle - 0.14 * deep, tall - 0.01),
-                (0.0, middle - 0.12 * deep, tall + 0.035),
-                (0.0, middle + 0.08 * deep, tall + 0.035),
-                (0.0, middle + 0.1 * deep, tall - 0.01),
-            ],
-            0.02,
-        ),
+        [
+            (0.0, middle - 0.14 * deep, tall - 0.01),
+            (0.0, middle - 0.12 * deep, tall + 0.035),
+            (0.0, middle + 0.08 * deep, tall + 0.035),
+            (0.0, middle + 0.1 * deep, tall - 0.01),
+        ],
         0.01,
+        bend=0.02,
         segments=10,
     )
     return {
@@ -72,8 +70,8 @@ def canister(size: Size, rng: np.random.Generator) -> Parts:
         **numbered("wheel", [*wheels, caster]),
         "base": head,
         "pipe": pipe,
-        "hose": tube(filleted(hose, 0.12, segments=5), 0.0175, segments=14),
-        "grip": joined([tube(filleted(grip, 0.05, segments=4), 0.021, segments=14), strap]),
+        "hose": tube(hose, 0.0175, bend=0.12, bend_segments=5, segments=14),
+        "grip": joined([tube(grip, 0.021, bend=0.05, segments=14), strap]),
         "button": knob,
     }
 
@@ -89,11 +87,11 @@ CATEGORY: Final = BuiltCategory(
     schemes=(
         scheme(
             "black_plastic",
-            body="toiletry",
-            pipe="chrome",
-            wheel="tyre",
-            button="dark_plastic",
-            grip="black_plastic",
+            toiletry="body",
+            chrome="pipe",
+            tyre="wheel",
+            dark_plastic="button",
+            black_plastic="grip",
         ),
     ),
     construction=(
@@ -104,10 +102,10 @@ CATEGORY: Final = BuiltCategory(
     placements=(
         on(
             "floor_by_wall floor_corner",
-            rooms="hallway closet laundry_room storage basement apartment",
+            "hallway closet laundry_room storage basement apartment",
             weight=0.8,
             max_groups=1,
         ),
-        on("floor_corner", rooms="living_room bedroom", clutter=2, weight=0.15, max_groups=1),
+        on("floor_corner", "living_room bedroom", clutter=2, weight=0.15, max_groups=1),
     ),
 )

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style
 from openrooms_usd.furniture.joinery.foliage import held, pointed_leaf
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.joinery.vessel import hollow, smooth_line
 from openrooms_usd.furniture.placements import on
@@ -153,8 +153,8 @@ CATEGORY: Final = BuiltCategory(
     words="vases flower_vase bouquet flower_arrangement",
     classes=Classes("jar", "otherprop", "vase", "vase"),
     schemes=(
-        scheme("glaze", petal="petal", stalk="dried_grass", plume="dried_grass", weight=2.0),
-        scheme("terracotta", petal="petal", stalk="dried_grass", plume="dried_grass"),
+        scheme("glaze", petal="petal", dried_grass="stalk plume", weight=2.0),
+        scheme("terracotta", petal="petal", dried_grass="stalk plume"),
     ),
     construction=(
         row("vase", walls(3.5), "common", "specular_stone", "rough_stone"),

@@ -5,15 +5,16 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import LAMP_ROWS
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.lamp_parts import bulb, carrier, holder, shade
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import LAMPS, SOCKETED
-from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, sphere
 from openrooms_usd.geometry.sweeps import sheet, tube
+from openrooms_usd.geometry.vectors import points_at
 
 
 def _plate(radius: float, back: float, z: float) -> Mesh:
@@ -29,13 +30,10 @@ def sconce(size: Size, rng: np.random.Generator) -> Parts:
     flare = float(rng.uniform(0.0, 0.2))
     rows = np.linspace(0.0, 1.0, 7)
     scale = 1.0 - flare * (1.0 - rows)
-    grid = np.stack(
-        [
-            scale[:, None] * half * np.cos(angle),
-            back - 0.008 + scale[:, None] * (depth - 0.008) * np.sin(angle),
-            np.broadcast_to((height * rows)[:, None], (7, 25)),
-        ],
-        axis=-1,
+    grid = points_at(
+        scale[:, None] * half * np.cos(angle),
+        back - 0.008 + scale[:, None] * (depth - 0.008) * np.sin(angle),
+        (height * rows)[:, None],
     )
     tall = 0.22 * height
     middle = 0.5 * height
@@ -65,9 +63,9 @@ def globe(size: Size, rng: np.random.Generator) -> Parts:
     cup = cylinder(0.42 * ball, 0.03, bevel=0.005, segments=28, base=(0.0, y, top - ball - 0.012))
     return {
         "base": _plate(max(plate, low), back, low),
-        "lamp_pole": tube(filleted(path, 0.3 * (back - y)), 0.0075, segments=12),
+        "lamp_pole": tube(path, 0.0075, bend=0.3 * (back - y)),
         "frame": cup,
-        "light_bulb": sphere(ball, segments=32, center=(0.0, y, top)),
+        "light_bulb": sphere(ball, center=(0.0, y, top)),
     }
 
 
@@ -85,7 +83,7 @@ def swing(size: Size, rng: np.random.Generator) -> Parts:
         (0.0, y, level),
         (0.0, y, low + 0.35 * tall),
     ]
-    arms = tube(filleted(path, 0.012), 0.006, segments=10)
+    arms = tube(path, 0.006, bend=0.012, segments=10)
     plate = board((-0.028, back - 0.014, 0.0), (0.028, back, 0.55 * height), 0.005)
     socket = low + 0.34 * tall
     top = float(rng.uniform(0.78, 0.94)) * radius

@@ -5,9 +5,10 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, solid, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
-from openrooms_usd.furniture.schemes import METAL, scheme
+from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import tube
 
@@ -36,7 +37,7 @@ def on_brackets(size: Size, rng: np.random.Generator) -> Parts:
     brackets = [
         _bracket(depth, y, top).moved((s * (x - 0.16 * width), 0.0, 0.0)) for s in (-1.0, 1.0)
     ]
-    return {"shelf": board((-x, -y, top), (x, y, height), 0.002), **numbered("bracket", brackets)}
+    return {"shelf": board((-x, -y, top), (x, y, height)), **numbered("bracket", brackets)}
 
 
 def glass(size: Size, rng: np.random.Generator) -> Parts:
@@ -107,7 +108,7 @@ CATEGORY: Final = BuiltCategory(
     mass_range=(0.8, 12),
     words="wall_shelves floating_shelf ledge bathroom_shelf hanging_shelf",
     classes=Classes("bookshelf", "shelves", "shelf"),
-    schemes=(scheme("wood", bracket=METAL, weight=3.0), scheme("white", bracket=METAL)),
+    schemes=(scheme("wood", metal="bracket", weight=3.0), scheme("white", metal="bracket")),
     construction=(
         row("bracket", walls(2.0, STEEL), "sheet", "metal"),
         row("pane", solid(2500), "common"),

@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, walls
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -53,6 +54,6 @@ CATEGORY: Final = BuiltCategory(
     fixed=True,
     words="vent air_vent air_register ventilation_grille duct_vent",
     classes=Classes(nyu40="otherstructure"),
-    schemes=(scheme("white", cavity="soot", weight=3.0), scheme("steel", cavity="soot")),
+    schemes=(scheme("white", soot="cavity", weight=3.0), scheme("steel", soot="cavity")),
     construction=(row(ANY, walls(1.0), "sheet"),),
 )

@@ -7,21 +7,11 @@ import numpy as np
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, Style, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.carcass import SETBACK, Carcass, closed
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    GAP,
-    Cell,
-    Look,
-    columns,
-    doors,
-    drawer,
-    drawn_look,
-    hang_door,
-    leaf,
-    rows,
-)
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, Cell, columns, rows
+from openrooms_usd.furniture.joinery.fronts import Look, doors, drawer, drawn_look, hang_door, leaf
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import STORAGE, scheme
 from openrooms_usd.geometry.sweeps import tube
@@ -37,7 +27,7 @@ _LEAF_M, _TOP_DOORS_FROM_M, _TOP_DOORS_AT_M = 0.5, 2.45, 2.15
 def _clothes_rail(made: Assembly, cell: Cell, y: float, drop: float = 0.06) -> None:
     """A tube to hang clothes on, below the top of an opening."""
     z = cell[3] - drop
-    made.add("tube", tube([(cell[0], y, z), (cell[1], y, z)], 0.0125, segments=12))
+    made.add("tube", tube([(cell[0], y, z), (cell[1], y, z)], 0.0125))
 
 
 def _interior(cabinet: Carcass, bay: Cell, shelved: bool) -> None:
@@ -80,8 +70,8 @@ def built_in(size: Size, rng: np.random.Generator) -> Furniture:
     """Equal doors from wall to wall, a second row of them below a high ceiling; one is a mirror."""
     cabinet = closed(size, PLINTH)
     half = 0.5 * size[0]
-    cabinet.made.add(
-        "kickboard", board((-half, cabinet.front + 0.035, 0.0), (half, cabinet.back, PLINTH))
+    cabinet.made.board(
+        "kickboard", (-half, cabinet.front + 0.035, 0.0), (half, cabinet.back, PLINTH)
     )
     left, right, low, high = cabinet.overlay
     look = Look("bar", 0.06 if rng.uniform() < 0.4 else 0.0)
@@ -95,17 +85,15 @@ def built_in(size: Size, rng: np.random.Generator) -> Furniture:
             glass: tuple[str, ...] = ()
             if i == mirrored and not j:
                 front, inset = cabinet.face - BOARD, 0.075
-                glass = cabinet.made.add(
+                glass = cabinet.made.board(
                     "mirror",
-                    board(
-                        (cell[0] + 0.005, front - 0.004, a + 0.005),
-                        (
-                            cell[1] - inset if side == "left" else cell[1] - 0.005,
-                            front + 0.001,
-                            b - 0.005,
-                        ),
-                        0.001,
+                    (cell[0] + 0.005, front - 0.004, a + 0.005),
+                    (
+                        cell[1] - inset if side == "left" else cell[1] - 0.005,
+                        front + 0.001,
+                        b - 0.005,
                     ),
+                    0.001,
                 )
             hang_door(
                 cabinet.made,
@@ -114,7 +102,6 @@ def built_in(size: Size, rng: np.random.Generator) -> Furniture:
                 side,
                 look,
                 handle=(x, a + 0.14 if j else 1.05),
-                length=0.16,
                 riders=glass,
             )
         if j:
@@ -214,7 +201,7 @@ CATEGORY: Final = BuiltCategory(
         *STORAGE,
         # Built in, most are painted.
         scheme("white", needs="kickboard", weight=300.0),
-        scheme("kitchen_lacquer", shelf="white", needs="kickboard", weight=100.0),
+        scheme("kitchen_lacquer", white="shelf", needs="kickboard", weight=100.0),
         scheme("wood", needs="kickboard", weight=60.0),
     ),
     construction=STORAGE_ROWS,

@@ -4,8 +4,8 @@ from functools import partial
 from typing import Final
 
 from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row
-from openrooms_usd.furniture.joinery.boards import Style
 from openrooms_usd.furniture.joinery.laundry import front_loader, stacked, top_loader
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 
@@ -35,9 +35,9 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes("washing_machine", "otherfurniture", "washer"),
     synsets=("04554684",),
     schemes=(
-        scheme("enamel", handle="chrome", base="black", weight=2.0),
-        scheme("enamel", handle="chrome", base="black", door="chrome", panel="grey"),
-        scheme("grey", handle="chrome", base="black", knob="chrome"),
+        scheme("enamel", chrome="handle", black="base", weight=2.0),
+        scheme("enamel", chrome="handle door", black="base", grey="panel"),
+        scheme("grey", chrome="handle knob", black="base"),
     ),
     construction=(
         row("drum", filled(8000), "weight"),

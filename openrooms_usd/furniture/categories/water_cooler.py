@@ -5,7 +5,8 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import Parts, Size, Style, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.solids import lathe
@@ -81,7 +82,7 @@ CATEGORY: Final = BuiltCategory(
     words="water_dispenser water_fountain",
     classes=Classes(nyu40="otherfurniture"),
     schemes=(
-        scheme("plastic", tray="dark_plastic", spout="tinted_plastic", bottle="water_bottle"),
+        scheme("plastic", dark_plastic="tray", tinted_plastic="spout", water_bottle="bottle"),
     ),
     construction=(row("bottle", filled(900), "common"), row(ANY, filled(180), "weight")),
 )

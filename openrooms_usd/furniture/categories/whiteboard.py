@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrooms_usd.furniture.construction import ALUMINIUM, ANY, STEEL, filled, row, walls
-from openrooms_usd.furniture.joinery.boards import Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.joinery.wall_board import glass, mobile, wall
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -26,7 +26,7 @@ CATEGORY: Final = BuiltCategory(
     classes=Classes(openrooms45="whiteboard", nyu40="whiteboard"),
     schemes=(
         scheme(
-            "aluminium", board="enamel", corner="black_plastic", pen="felt_pen", eraser="membrane"
+            "aluminium", enamel="board", black_plastic="corner", felt_pen="pen", membrane="eraser"
         ),
     ),
     construction=(

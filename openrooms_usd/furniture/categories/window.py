@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.building import windows
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Joint, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, row, solid
-from openrooms_usd.furniture.joinery.boards import (
+from openrooms_usd.furniture.joinery.pieces import (
     NOTHING_ORDERED,
     Cutout,
     Order,

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import FRONT, Size, board
-from openrooms_usd.furniture.joinery.fronts import Cell
+from openrooms_usd.furniture.joinery.boards import FRONT, board
+from openrooms_usd.furniture.joinery.cells import Cell
+from openrooms_usd.furniture.joinery.pieces import Size
 from openrooms_usd.geometry.lofts import loft, ring, superellipse, vessel
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
@@ -30,11 +31,11 @@ def body(made: Assembly, low: Size, high: Size, *, top: bool = True) -> None:
         "frame",
         board((x0, y0, z0), (x0 + t, y1, z1), 0.004),
         board((x1 - t, y0, z0), (x1, y1, z1), 0.004),
-        board((x0 + t, y1 - t, z0), (x1 - t, y1, z1), 0.002),
-        board((x0 + t, y0, z0), (x1 - t, y1 - t, z0 + t), 0.002),
+        board((x0 + t, y1 - t, z0), (x1 - t, y1, z1)),
+        board((x0 + t, y0, z0), (x1 - t, y1 - t, z0 + t)),
     )
     if top:
-        made.add("frame", board((x0 + t, y0, z1 - t), (x1 - t, y1 - t, z1), 0.002))
+        made.board("frame", (x0 + t, y0, z1 - t), (x1 - t, y1 - t, z1))
 
 
 def liner(made: Assembly, cell: Cell, front: float, back: float, wall: float) -> Cell:
@@ -54,7 +55,6 @@ def liner(made: Assembly, cell: Cell, front: float, back: float, wall: float) ->
     mesh = vessel(
         (left, low, -back, right, high, -front),
         (left + wall, low + wall, wall - back, right - wall, high - wall),
-        wall_edge=0.002,
         inner_corner=min(0.02, 0.1 * (high - low)),
     )
     made.add("container", mesh.transformed(FRONT))
@@ -156,7 +156,5 @@ def display(made: Assembly, x: float, y: float, z: float, size: tuple[float, flo
         Its name.
     """
     a, b = 0.5 * size[0], 0.5 * size[1]
-    (name,) = made.add(
-        "screen", board((x - a, y - 0.0015, z - b), (x + a, y + 0.004, z + b), 0.001)
-    )
+    (name,) = made.board("screen", (x - a, y - 0.0015, z - b), (x + a, y + 0.004, z + b), 0.001)
     return name

@@ -5,7 +5,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, Literal
 
-from openrooms_usd.furniture.joinery.boards import Furniture, Joint, Parts
+from numpy.typing import ArrayLike
+
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts
 from openrooms_usd.geometry.mesh import Mesh
 
 # Doors open this far, degrees.
@@ -44,6 +47,12 @@ class Assembly:
         names = tuple(_numbered(self._parts, part) for _ in meshes)
         self.parts.update(zip(names, meshes, strict=True))
         return names
+
+    def board(
+        self, part: str, low: ArrayLike, high: ArrayLike, edge: float = 0.002
+    ) -> tuple[str, ...]:
+        """Add a board between two opposite corners, and give its name."""
+        return self.add(part, board(low, high, edge))
 
     def hinge(
         self,

@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Size, board, corners, round_leg, splayed
-from openrooms_usd.furniture.joinery.fronts import BOARD, HANDLE, SEAT, Cell, columns, rows
+from openrooms_usd.furniture.joinery.boards import board, corners, round_leg, splayed
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
+from openrooms_usd.furniture.joinery.pieces import Size
 
 # The back panel: how far it lies before the rear edges, metres.
 BACK: Final = 0.014
@@ -71,7 +72,7 @@ class Carcass:
         """A base below, its front set back by ``recess`` metres for the toes."""
         half = 0.5 * self.width
         low, high = (0.012 - half, self.front + recess, 0.0), (half - 0.012, self.back, self.low)
-        self.made.add("base", board(low, high))
+        self.made.board("base", low, high)
 
     def legs(self) -> None:
         """Four turned legs that splay outwards."""
@@ -84,19 +85,16 @@ class Carcass:
 
     def divider(self, x: float, low: float, high: float) -> None:
         """An upright board in the middle of ``x``, metres."""
-        self.made.add(
-            "frame",
-            board((x - 0.5 * BOARD, self.front, low), (x + 0.5 * BOARD, self.back - BACK, high)),
+        self.made.board(
+            "frame", (x - 0.5 * BOARD, self.front, low), (x + 0.5 * BOARD, self.back - BACK, high)
         )
 
     def shelf(self, cell: Cell, z: float, setback: float = SETBACK) -> None:
         """A shelf with its middle at the height ``z``, metres."""
-        self.made.add(
+        self.made.board(
             "shelf",
-            board(
-                (cell[0], self.front + setback, z - 0.5 * BOARD),
-                (cell[1], self.back - BACK, z + 0.5 * BOARD),
-            ),
+            (cell[0], self.front + setback, z - 0.5 * BOARD),
+            (cell[1], self.back - BACK, z + 0.5 * BOARD),
         )
 
     def shelves(self, cell: Cell, pitch: float = 0.33, setback: float = 0.006) -> list[Cell]:

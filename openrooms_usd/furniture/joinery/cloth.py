@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.sweeps import sheet
+from openrooms_usd.geometry.vectors import points_at
 
 Array = NDArray[np.float64]
 
@@ -64,10 +65,7 @@ def _case(x: Array, y: Array, top: Array, bottom: Array) -> Mesh:
     inner = (slice(1, rows - 1), slice(1, columns - 1))
     lower[inner] = x.size + np.arange((rows - 2) * (columns - 2)).reshape(rows - 2, columns - 2)
     points = np.concatenate(
-        [
-            np.stack([x, y, top], axis=-1).reshape(-1, 3),
-            np.stack([x, y, bottom], axis=-1)[inner].reshape(-1, 3),
-        ]
+        [points_at(x, y, top).reshape(-1, 3), points_at(x, y, bottom)[inner].reshape(-1, 3)]
     )
     above, below = (
         np.stack([n[:-1, :-1], n[:-1, 1:], n[1:, 1:], n[1:, :-1]], axis=-1).reshape(-1, 4)
@@ -127,7 +125,7 @@ def cover(
     out = radius * np.sin(turn) + hanging * (0.06 + 0.05 * waves)
     z = level - radius * (1.0 - np.cos(turn)) - hanging
     z = z + puff * ripples(x, y, 0.3, rng) * np.cos(turn) * (hanging == 0.0)
-    grid = np.stack([x + out * beyond_x / fall, y + out * beyond_y / fall, z], axis=-1)
+    grid = points_at(x + out * beyond_x / fall, y + out * beyond_y / fall, z)
     return sheet(grid, thick)
 
 
@@ -180,4 +178,4 @@ def folded(
     # Cloth that is pushed together bulges sideways at its crests.
     x = span[0] + width * u + 0.1 * (width / count) * np.sin(2.0 * phase)
     rise = np.broadcast_to((z[0] + (z[1] - z[0]) * v)[:, None], x.shape)
-    return sheet(np.stack([x, y + ahead, rise], axis=-1), thick)
+    return sheet(points_at(x, y + ahead, rise), thick)

@@ -5,16 +5,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import (
-    SIDE,
-    Furniture,
-    Joint,
-    Parts,
-    Size,
-    board,
-    numbered,
-    profiled,
-)
+from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
+from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, Parts, Size, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
@@ -119,7 +111,7 @@ def _clamshell(
             )
         ]
     closed = {
-        "lid": board((-half, front, thickness), (half, hinge, thickness + lid), 0.002),
+        "lid": board((-half, front, thickness), (half, hinge, thickness + lid)),
         "screen": board(
             (-half + bezel, front + bezel, thickness - 0.0004),
             (half - bezel, hinge - 1.8 * bezel, thickness + 0.002),
@@ -154,7 +146,7 @@ def laptop_tablet(size: Size, rng: np.random.Generator) -> Furniture:
     tall = (height - slab * np.sin(np.radians(lean))) / np.cos(np.radians(lean))
     board_depth = min(0.66 * tall, 0.6 * depth)
     foot = -0.5 * depth + board_depth
-    shell = board((-half, 0.0, 0.0), (half, slab, tall), 0.002)
+    shell = board((-half, 0.0, 0.0), (half, slab, tall))
     glass = board((-half + 0.008, -0.0005, 0.008), (half - 0.008, 0.003, tall - 0.008), 0.0004)
     # Rests with its lower edge on the table, the stand's foot at the back of the box.
     upper = 0.46 * tall
@@ -222,9 +214,7 @@ def keyboard_slim(size: Size, rng: np.random.Generator) -> Parts:
     )
     back = board((-half, 0.5 * depth - rail, 0.0), (half, 0.5 * depth, height), 0.3 * rail)
     return {
-        "frame": joined(
-            [board((-half, -0.5 * depth, 0.0), (half, 0.5 * depth, plate), 0.002), back]
-        ),
+        "frame": joined([board((-half, -0.5 * depth, 0.0), (half, 0.5 * depth, plate)), back]),
         **numbered("key", [row.moved((0.0, 0.0, plate - 0.0004)) for row in keys]),
     }
 

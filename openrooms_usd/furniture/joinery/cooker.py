@@ -6,17 +6,10 @@ import numpy as np
 
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, knob, liner, rack
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import Furniture, Size, board
-from openrooms_usd.furniture.joinery.fronts import (
-    HANDLE,
-    SEAT,
-    Cell,
-    Look,
-    columns,
-    drawer,
-    hang_door,
-    rows,
-)
+from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell, columns, rows
+from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door
+from openrooms_usd.furniture.joinery.pieces import Furniture, Size
+from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, lathe
 
@@ -39,13 +32,11 @@ def _oven(made: Assembly, cell: Cell, face: float, back: float, side: bool = Fal
     front = face - DOOR
     wide, tall = right - left, high - low
     inset = 0.12 * wide
-    riders = made.add(
+    riders = made.board(
         "glass",
-        board(
-            (left + inset, front - 0.0015, low + 0.16 * tall),
-            (right - inset, front + 0.004, high - 0.27 * tall),
-            0.001,
-        ),
+        (left + inset, front - 0.0015, low + 0.16 * tall),
+        (right - inset, front + 0.004, high - 0.27 * tall),
+        0.001,
     )
     if side:
         handle, length = (right - 0.035, 0.5 * (low + high)), 0.7 * tall
@@ -68,7 +59,7 @@ def _oven(made: Assembly, cell: Cell, face: float, back: float, side: bool = Fal
 def _controls(made: Assembly, cell: Cell, face: float, knobs: int, screen: bool) -> None:
     """A strip with knobs, a clock in its middle where there is one."""
     left, right, low, high = cell
-    made.add("panel", board((left, face - DOOR, low + 0.0015), (right, face, high), 0.004))
+    made.board("panel", (left, face - DOOR, low + 0.0015), (right, face, high), 0.004)
     z, y = 0.5 * (low + high), face - DOOR
     radius = min(0.021, 0.32 * (high - low))
     places = np.linspace(-0.42, 0.42, knobs) * (right - left)
@@ -148,10 +139,10 @@ def gas_hob(made: Assembly, width: float, middle: float, depth: float, top: floa
 def glass_hob(made: Assembly, width: float, middle: float, depth: float, top: float) -> None:
     """A sheet of black glass with printed rings."""
     x, y = 0.5 * width - 0.008, 0.5 * depth - 0.008
-    made.add("glass", board((-x, middle - y, top - 0.006), (x, middle + y, top - 0.0006), 0.002))
+    made.board("glass", (-x, middle - y, top - 0.006), (x, middle + y, top - 0.0006))
     for a, b, radius in _spots(width - 0.04, depth - 0.06, max(2, round(width / 0.32))):
         r = 2.0 * radius
-        circle = lathe([(r - 0.004, 0.0), (r, 0.0), (r, 0.002), (r - 0.004, 0.002)], segments=40)
+        circle = band(r - 0.004, r, 0.0, 0.002, 40)
         made.add("mark", circle.moved((a, middle + b, top - 0.002)))
 
 
@@ -164,10 +155,9 @@ def _range(size: Size, gas: bool, ovens: int, guard: float = 0.0) -> Furniture:
     level = top - (0.036 if gas else 0.0)
     low, deck = 0.07, level - HOB
     body(made, (-x, face, low), (x, back, deck))
-    made.add("base", board((0.02 - x, face + 0.03, 0.0), (x - 0.02, back - 0.02, low + 0.005)))
-    made.add(
-        "cooktop",
-        board((-x, face - DOOR, deck), (x, back, level - (0.003 if not gas else 0)), 0.006),
+    made.board("base", (0.02 - x, face + 0.03, 0.0), (x - 0.02, back - 0.02, low + 0.005))
+    made.board(
+        "cooktop", (-x, face - DOOR, deck), (x, back, level - (0.003 if not gas else 0)), 0.006
     )
     middle, deep = 0.5 * (face - DOOR + back), back - face + DOOR
     if gas:
@@ -180,7 +170,7 @@ def _range(size: Size, gas: bool, ovens: int, guard: float = 0.0) -> Furniture:
     for cell in columns((SHEET - x, x - SHEET, oven[2], oven[3]), ovens):
         _oven(made, cell, face, back - 0.03)
     if guard:
-        made.add("panel", board((-x, back - 0.06, level - 0.01), (x, back, height), 0.006))
+        made.board("panel", (-x, back - 0.06, level - 0.01), (x, back, height), 0.006)
         display(made, 0.0, back - 0.06, level + 0.6 * guard, (0.16, 0.35 * guard))
     return made.furniture()
 

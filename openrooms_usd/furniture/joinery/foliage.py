@@ -6,12 +6,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size
+from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import sheet, tube
+from openrooms_usd.geometry.vectors import points_at
 
 Array = NDArray[np.float64]
 
@@ -76,14 +77,7 @@ def pointed_leaf(
     bend = np.radians(droop) * t
     x, z = _spine(long, bend)
     u = np.array([-1.0, 0.0, 1.0])
-    grid = np.stack(
-        [
-            np.broadcast_to(x[:, None], (rows, 3)),
-            -half[:, None] * u,
-            z[:, None] + fold * half[:, None] * np.abs(u),
-        ],
-        axis=-1,
-    )
+    grid = points_at(x[:, None], -half[:, None] * u, z[:, None] + fold * half[:, None] * np.abs(u))
     return sheet(grid[:, ::-1].transpose(1, 0, 2), _THICK)
 
 
@@ -151,9 +145,8 @@ def _split_leaf(long: float, wide: float, droop: float) -> Mesh:
     u = np.array([-1.0, 0.0, 1.0])
     # Lobes sweep forward, towards the tip.
     ahead = 0.22 * half[:, None] * np.abs(u)
-    grid = np.stack(
-        [x[:, None] + ahead, -half[:, None] * u, z[:, None] + 0.12 * half[:, None] * np.abs(u)],
-        axis=-1,
+    grid = points_at(
+        x[:, None] + ahead, -half[:, None] * u, z[:, None] + 0.12 * half[:, None] * np.abs(u)
     )
     return sheet(grid[:, ::-1].transpose(1, 0, 2), _LEAF_M)
 
@@ -173,9 +166,7 @@ def monstera(size: Size, rng: np.random.Generator) -> Parts:
         t = np.linspace(0.0, 1.0, 6)
         a = np.radians(heading)
         away = 0.06 * radius + out * t**1.6
-        path = np.stack(
-            [away * np.cos(a), away * np.sin(a), rim - 0.02 + (rise + 0.02) * t**0.85], axis=1
-        )
+        path = points_at(away * np.cos(a), away * np.sin(a), rim - 0.02 + (rise + 0.02) * t**0.85)
         plant["stem"].append(tube(path, np.linspace(0.0055, 0.0032, 6).tolist(), segments=6))
         long = radius * float(rng.uniform(0.5, 0.7))
         leaf = _split_leaf(long, 0.85 * long, float(rng.uniform(35, 65)))
@@ -194,9 +185,8 @@ def _frond(long: float, wide: float, droop: float) -> Mesh:
     x, z = _spine(long, bend)
     u = np.array([-1.0, 0.0, 1.0])
     ahead = 0.5 * long / (rows - 1) * np.abs(u) * np.ones((rows, 1))
-    grid = np.stack(
-        [x[:, None] + ahead, -half[:, None] * u, z[:, None] + 0.15 * half[:, None] * np.abs(u)],
-        axis=-1,
+    grid = points_at(
+        x[:, None] + ahead, -half[:, None] * u, z[:, None] + 0.15 * half[:, None] * np.abs(u)
     )
     return sheet(grid[:, ::-1].transpose(1, 0, 2), _LEAF_M)
 
@@ -244,8 +234,8 @@ def ivy(size: Size, rng: np.random.Generator) -> Parts:
         t = np.linspace(0.0, 4.0, 10)
         away, z = (np.interp(t, np.arange(5), line[:, j]) for j in (0, 1))
         sway = 0.05 * radius * np.sin(2.0 * t + k)
-        path = np.stack(
-            [away * np.cos(a) - sway * np.sin(a), away * np.sin(a) + sway * np.cos(a), z], axis=1
+        path = points_at(
+            away * np.cos(a) - sway * np.sin(a), away * np.sin(a) + sway * np.cos(a), z
         )
         plant["stem"].append(tube(path, 0.0012, segments=5))
         for i, at in enumerate(path[1:]):

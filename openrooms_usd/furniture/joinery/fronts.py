@@ -1,58 +1,32 @@
 """The fronts of carcass furniture: doors on hinges, drawers with boxes on rails, handles."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
-from openrooms_usd.furniture.joinery.boards import FRONT, Fronts, Order, board
-from openrooms_usd.geometry.curves import filleted
+from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
+from openrooms_usd.furniture.joinery.cells import BOARD, GAP, HANDLE, Cell, columns, rows
+from openrooms_usd.furniture.joinery.pieces import Fronts, Order
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, vessel
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import extrude, tube
 
-BOARD: Final = 0.018
-GAP: Final = 0.003
-# Between the back of a front and the carcass that it covers, metres.
-SEAT: Final = 0.001
-# How far handles stand out, metres.
-HANDLE: Final = 0.028
 # Side of the steel or wooden box of a drawer, and what its runner takes on either side, metres.
 WALL: Final = 0.012
 RUNNER: Final = 0.013
-
-Cell = tuple[float, float, float, float]
-"""Left, right, lower and upper edge of an opening in the front, metres."""
-
 _UPRIGHT: Final = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
-def split(low: float, high: float, shares: Sequence[float]) -> list[tuple[float, float]]:
-    """Cut a length into neighbouring pieces of the given shares."""
-    edges = low + (high - low) * np.concatenate([[0.0], np.cumsum(shares) / np.sum(shares)])
-    return [(float(a), float(b)) for a, b in pairwise(edges)]
-
-
-def columns(cell: Cell, count: int) -> list[Cell]:
-    """A cell cut into equal cells side by side."""
-    return [(a, b, cell[2], cell[3]) for a, b in split(cell[0], cell[1], [1.0] * count)]
-
-
-def rows(cell: Cell, shares: Sequence[float]) -> list[Cell]:
-    """A cell cut into cells above each other, from below."""
-    return [(cell[0], cell[1], a, b) for a, b in split(cell[2], cell[3], shares)]
-
-
 def bar(length: float) -> Mesh:
-    """A bent bar handle along X, 28 mm before the front at y = 0."""
+    """A bent bar handle SIDE X, 28 mm before the front at y = 0."""
     half = 0.5 * length
     path = [(-half, 0.0, 0.0), (-half, -0.0235, 0.0), (half, -0.0235, 0.0), (half, 0.0, 0.0)]
-    return tube(filleted(path, 0.01, segments=4), 0.0045, segments=10)
+    return tube(path, 0.0045, bend=0.01, segments=10)
 
 
 def knob(length: float = 0.0) -> Mesh:
@@ -71,7 +45,7 @@ def knob(length: float = 0.0) -> Mesh:
 
 
 def rod(length: float) -> Mesh:
-    """A straight rod along X on two posts, 28 mm before the front at y = 0."""
+    """A straight rod SIDE X on two posts, 28 mm before the front at y = 0."""
     half, inset = 0.5 * length, 0.36 * length
     posts = [tube([(x, 0.0, 0.0), (x, -0.022, 0.0)], 0.004, segments=8) for x in (-inset, inset)]
     grip = tube([(-half, -0.022, 0.0), (half, -0.022, 0.0)], 0.006, segments=10)
@@ -79,7 +53,7 @@ def rod(length: float) -> Mesh:
 
 
 def grip(length: float) -> Mesh:
-    """A flat strip along X bent to a hook in its section, 28 mm before the front at y = 0."""
+    """A flat strip SIDE X bent to a hook in its section, 28 mm before the front at y = 0."""
     section = [
         (0.0, -0.01),
         (0.0, 0.01),
@@ -90,8 +64,7 @@ def grip(length: float) -> Mesh:
         (-0.003, 0.007),
         (-0.003, -0.01),
     ]
-    along = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    return extrude(section, length, base=-0.5 * length).transformed(along)
+    return extrude(section, length, base=-0.5 * length).transformed(SIDE)
 
 
 HANDLES: Final[dict[str, Callable[[float], Mesh]]] = {
@@ -213,13 +186,11 @@ def hang_door(
     if look.glass:
         names = made.add("door", _sash(width, height, thickness).moved(at))
         inset = 0.055
-        names += made.add(
+        names += made.board(
             "pane",
-            board(
-                (left + inset, y - 0.7 * thickness, low + inset),
-                (right - inset, y - 0.4 * thickness, high - inset),
-                0.001,
-            ),
+            (left + inset, y - 0.7 * thickness, low + inset),
+            (right - inset, y - 0.4 * thickness, high - inset),
+            0.001,
         )
     else:
         names = made.add("door", leaf(width, height, thickness, frame=look.frame).moved(at))

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size
+from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.geometry.lofts import rounded_rectangle
 from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import box, cylinder
@@ -23,10 +23,10 @@ def slab(size: Size, corner: float, rim: float, camera: bool) -> Parts:
     body = extrude(rounded_rectangle(width, depth, corner, 5), height - proud, bevel=0.0012)
     z = height - proud
     if not camera:
-        inner = rounded_rectangle(width - 2 * rim, depth - 2 * rim, max(corner - rim, 0.001), 4)
+        inner = rounded_rectangle(width - 2 * rim, depth - 2 * rim, max(corner - rim, 0.001))
         return {"body": body, "screen": extrude(inner, proud + 0.0005, base=z - 0.0005)}
     at = (-0.5 * width + 0.017, 0.5 * depth - 0.019)
-    island = extrude(rounded_rectangle(0.026, 0.03, 0.006, 4) + at, 0.0013, base=z - 0.0007)
+    island = extrude(rounded_rectangle(0.026, 0.03, 0.006) + at, 0.0013, base=z - 0.0007)
     lenses = [
         cylinder(0.0052, 0.0017, segments=16, base=(at[0], at[1] + y, z - 0.0005))
         for y in (-0.0068, 0.0068)

@@ -6,15 +6,11 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import NOTHING_ORDERED, Furniture, Order, Size, board
+from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.carcass import Carcass
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    HANDLE,
-    SEAT,
-    Cell,
     Look,
-    columns,
     doors,
     drawer,
     drawers,
@@ -23,8 +19,8 @@ from openrooms_usd.furniture.joinery.fronts import (
     leaf,
     ordered_look,
     reach,
-    rows,
 )
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size
 
 TOE: Final = 0.1
 WORKTOP: Final = 0.038
@@ -43,7 +39,7 @@ def kickboard(made: Assembly, width: float, front: float, back: float) -> None:
         back: Y of its back, metres.
     """
     half = 0.5 * width
-    made.add("kickboard", board((-half, front + RECESS, 0.0), (half, back, TOE), 0.0005))
+    made.board("kickboard", (-half, front + RECESS, 0.0), (half, back, TOE), 0.0005)
 
 
 def base_unit(size: Size, overhang: float = 0.0) -> Carcass:
@@ -94,13 +90,7 @@ def counter_doors(size: Size, rng: np.random.Generator) -> Furniture:
 def _single(unit: Carcass, cell: Cell, look: Look, right: bool) -> None:
     x = cell[0] + 0.04 if right else cell[1] - 0.04
     hang_door(
-        unit.made,
-        cell,
-        unit.face,
-        "right" if right else "left",
-        look,
-        handle=(x, cell[3] - 0.12),
-        length=0.16,
+        unit.made, cell, unit.face, "right" if right else "left", look, handle=(x, cell[3] - 0.12)
     )
 
 

@@ -6,7 +6,7 @@ emitting part themselves. So light leaves every lamp without any translucent mat
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Size
+from openrooms_usd.furniture.joinery.pieces import Size
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
@@ -68,7 +68,7 @@ def foot_disc(radius: float) -> Mesh:
 
 def rose(height: float, radius: float = 0.055) -> Mesh:
     """The canopy at the ceiling."""
-    return cylinder(radius, 0.028, bevel=0.006, segments=32, base=(0.0, 0.0, height - 0.028))
+    return cylinder(radius, 0.028, bevel=0.006, base=(0.0, 0.0, height - 0.028))
 
 
 def cord(low: float, high: float, radius: float = 0.0035) -> Mesh:

@@ -15,27 +15,11 @@ from openrooms_usd.furniture.joinery.appliance import (
     square,
 )
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    FRONT,
-    NOTHING_ORDERED,
-    Furniture,
-    Order,
-    Size,
-    board,
-)
-from openrooms_usd.furniture.joinery.fronts import (
-    BOARD,
-    HANDLE,
-    SEAT,
-    Cell,
-    Look,
-    drawer,
-    hang_door,
-    ordered_look,
-    reach,
-    rows,
-)
+from openrooms_usd.furniture.joinery.boards import FRONT, board
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, rows
+from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door, ordered_look, reach
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size
 from openrooms_usd.geometry.lofts import superellipse
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_z
@@ -50,7 +34,7 @@ def _machine(size: Size, reach: float, low: float) -> tuple[Assembly, Cell, floa
     made = Assembly()
     x, face, back = 0.5 * width, -0.5 * depth + reach + DOOR + SEAT, 0.5 * depth
     body(made, (-x, face, low), (x, back, height))
-    made.add("base", board((0.015 - x, face + 0.04, 0.0), (x - 0.015, back - 0.02, low + 0.004)))
+    made.board("base", (0.015 - x, face + 0.04, 0.0), (x - 0.015, back - 0.02, low + 0.004))
     return made, (-x, x, low, height), face
 
 
@@ -69,16 +53,12 @@ def console(size: Size, rng: np.random.Generator) -> Furniture:
     made, (left, right, low, high), face = _machine(size, HANDLE, TOE)
     lower, strip = rows((left, right, low, high), [high - low - 0.12, 0.12])
     _tub(made, (left + SHEET, right - SHEET, low + SHEET, high - SHEET), face, 0.5 * size[1])
-    made.add("panel", board((left, face - DOOR, strip[2] + 0.0015), (right, face, high), 0.004))
+    made.board("panel", (left, face - DOOR, strip[2] + 0.0015), (right, face, high), 0.004)
     z, front = 0.5 * (strip[2] + strip[3]), face - DOOR
     display(made, 0.0, front, z, (0.1, 0.035))
     for x in np.linspace(0.14, 0.38, 4) * size[0]:
-        made.add(
-            "button",
-            board(
-                (x - 0.011, front - 0.002, z - 0.006), (x + 0.011, front + 0.002, z + 0.006), 0.001
-            ),
-        )
+        least, most = (x - 0.011, front - 0.002, z - 0.006), (x + 0.011, front + 0.002, z + 0.006)
+        made.board("button", least, most, 0.001)
     hang_door(
         made,
         lower,
@@ -152,7 +132,6 @@ def _porthole(radius: float) -> tuple[Mesh, Mesh]:
             (0.0, 0.03),
         ],
         segments=48,
-        crease=40.0,
     )
     return frame.transformed(FRONT), bowl.transformed(FRONT)
 
@@ -209,9 +188,8 @@ def _front_loader(
     made.hinge("door", names, (-radius, face - 0.036, z), "left")
     strip = (left, right, high - 0.13, high)
     middle = left + 0.32 * (right - left)
-    made.add(
-        "panel",
-        board((middle + 0.001, face - 0.012, strip[2] + 0.001), (x, face + 0.02, high), 0.004),
+    made.board(
+        "panel", (middle + 0.001, face - 0.012, strip[2] + 0.001), (x, face + 0.02, high), 0.004
     )
     tray = (left, middle, strip[2], strip[3])
     drawer(made, tray, face + 0.02, face + 0.02 + 0.22, Look("grip"), margin=SHEET, thickness=0.026)
@@ -261,7 +239,7 @@ def top_loader(size: Size, rng: np.random.Generator) -> Furniture:
     guard = min(0.14, 0.14 * height)
     deck = height - guard
     body(made, (-x, -y, low), (x, y, deck - 0.02), top=False)
-    made.add("frame", board((SHEET - x, -y, low), (x - SHEET, SHEET - y, deck - 0.02), 0.004))
+    made.board("frame", (SHEET - x, -y, low), (x - SHEET, SHEET - y, deck - 0.02), 0.004)
     _feet(made, size)
     rear = y - 0.13
     middle, wide, deep = 0.5 * (rear - y), width - 0.12, rear + y - 0.08
@@ -276,7 +254,7 @@ def top_loader(size: Size, rng: np.random.Generator) -> Furniture:
     )
     made.add("agitator", post.moved((0.0, middle, 0.115)))
     _lid(made, (wide + 0.04, deep + 0.04), middle, deck + 0.001)
-    made.add("panel", board((-x, rear + 0.03, deck - 0.004), (x, y, height), 0.012))
+    made.board("panel", (-x, rear + 0.03, deck - 0.004), (x, y, height), 0.012)
     z, front = deck + 0.5 * guard, rear + 0.03
     for a in (-0.28, 0.28):
         knob(made, (a * width, front, z), 0.028, 0.022)
@@ -287,11 +265,7 @@ def top_loader(size: Size, rng: np.random.Generator) -> Furniture:
 def _lid(made: Assembly, size: tuple[float, float], middle: float, low: float) -> None:
     """A lid hung on its back edge, with a grip at its front."""
     x, y, high = 0.5 * size[0], 0.5 * size[1], low + 0.018
-    names = made.add("lid", board((-x, middle - y, low), (x, middle + y, high), 0.006))
-    names += made.add(
-        "handle",
-        board(
-            (-0.06, middle - y - 0.012, low + 0.003), (0.06, middle - y + 0.01, high - 0.003), 0.003
-        ),
-    )
+    names = made.board("lid", (-x, middle - y, low), (x, middle + y, high), 0.006)
+    least, most = (-0.06, middle - y - 0.012, low + 0.003), (0.06, middle - y + 0.01, high - 0.003)
+    names += made.board("handle", least, most, 0.003)
     made.hinge("lid", names, (0.0, middle + y, high), "top", 85.0)

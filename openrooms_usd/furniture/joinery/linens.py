@@ -7,15 +7,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.furniture.joinery.boards import Size
 from openrooms_usd.furniture.joinery.cloth import ripples
+from openrooms_usd.furniture.joinery.pieces import Size
 from openrooms_usd.furniture.placements import DRAPED_WALL_M, LOOP_BACK_M, LOOP_M, LOOP_RISE_M
 from openrooms_usd.geometry.lofts import loft
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.sweeps import sheet, tube
 from openrooms_usd.geometry.uv import metric
-from openrooms_usd.geometry.vectors import unit
+from openrooms_usd.geometry.vectors import points_at, unit
 
 Array = NDArray[np.float64]
 
@@ -42,19 +42,9 @@ def boxed(mesh: Mesh, size: Size) -> Mesh:
 def _along(line: Array, thick: float, x: Array) -> tuple[Array, Array]:
     """Two grids, a sheet's thickness apart, about a line (R, 2) in Y and Z, drawn out along X."""
     side = np.gradient(line, axis=0)
-    normal = unit(np.stack([-side[:, 1], side[:, 0]], axis=1))
+    normal = unit(points_at(-side[:, 1], side[:, 0]))
     left, right = line + 0.5 * thick * normal, line - 0.5 * thick * normal
-    grids = [
-        np.stack(
-            [
-                np.broadcast_to(x, (len(line), len(x))),
-                np.broadcast_to(edge[:, :1], (len(line), len(x))),
-                np.broadcast_to(edge[:, 1:], (len(line), len(x))),
-            ],
-            axis=-1,
-        )
-        for edge in (left, right)
-    ]
+    grids = [points_at(x, edge[:, :1], edge[:, 1:]) for edge in (left, right)]
     return grids[0], grids[1]
 
 
@@ -81,8 +71,7 @@ def folded_pile(size: Size, layers: int, rng: np.random.Generator) -> Mesh:
     sag = 1.0 - 0.07 * (0.5 + 0.5 * ripples(front[..., 0], front[..., 1], 0.3, rng))
     bow = 1.0 + 0.01 * ripples(front[..., 0], front[..., 2], 0.2, rng)
     made = [
-        np.stack([grid[..., 0], grid[..., 1] * bow, grid[..., 2] * sag], axis=-1)
-        for grid in (front, back)
+        points_at(grid[..., 0], grid[..., 1] * bow, grid[..., 2] * sag) for grid in (front, back)
     ]
     return boxed(between(made[1][:, ::-1], made[0][:, ::-1]), size)
 
@@ -97,7 +86,7 @@ def rolled(size: Size, rng: np.random.Generator, columns: int = 3) -> Mesh:
     start = float(rng.uniform(0.0, 2.0 * np.pi))
     # The loose end lies at the back, below the middle.
     a = angle - angle[-1] - 0.1 * start
-    line = np.stack([radius * np.cos(a) * depth / height, 0.5 * height + radius * np.sin(a)], 1)
+    line = points_at(radius * np.cos(a) * depth / height, 0.5 * height + radius * np.sin(a))
     x = np.linspace(-0.5 * width, 0.5 * width, columns)
     front, back = _along(line, thick, x)
     # Its weight presses it flat where it lies.
@@ -117,16 +106,16 @@ def over_bar(size: Size, rng: np.random.Generator) -> Mesh:
     top, hem = height - wall, 0.4 * height
     arc = np.radians([0.0, 45.0, 90.0, 135.0, 180.0])
     round_ = min(half, 0.01)
-    corner = np.stack([-np.cos(arc), np.sin(arc)], axis=1) * round_
+    corner = points_at(-np.cos(arc), np.sin(arc)) * round_
     spread = np.where(np.arange(5) < 2, -1.0, np.where(np.arange(5) > 2, 1.0, 0.0))
-    ridge = corner + np.stack([spread * (half - round_), np.full(5, top - round_)], axis=1)
-    front = np.stack([np.full(7, -half), np.linspace(0.0, top - round_, 7)], axis=1)[:-1]
-    rear = np.stack([np.full(6, half), np.linspace(top - round_, hem, 6)], axis=1)[1:]
+    ridge = corner + points_at(spread * (half - round_), top - round_)
+    front = points_at(-half, np.linspace(0.0, top - round_, 7))[:-1]
+    rear = points_at(half, np.linspace(top - round_, hem, 6))[1:]
     inner = np.concatenate([front, ridge, rear])
     out = np.concatenate(
         [
             np.tile([[-1.0, 0.0]], (len(front), 1)),
-            np.stack([-np.cos(arc), np.sin(arc)], axis=1),
+            points_at(-np.cos(arc), np.sin(arc)),
             np.tile([[1.0, 0.0]], (len(rear), 1)),
         ]
     )
@@ -191,7 +180,7 @@ def with_loop(build: Callable[[Size], Mesh], size: Size) -> Mesh:
     r = 0.5 * LOOP_M
     half, y, top = 0.009, 0.5 * depth - LOOP_BACK_M, height - r
     t = np.radians([180.0, 135.0, 90.0, 45.0, 0.0])
-    arch = np.stack([half * np.cos(t), np.full(5, y), top - half * (1.0 - np.sin(t))], axis=1)
+    arch = points_at(half * np.cos(t), y, top - half * (1.0 - np.sin(t)))
     low = height - LOOP_RISE_M - LOOP_M - 0.03
     path = np.array([(-half, y, low), *arch, (half, y, low)])
     return joined([body, tube(path, r, segments=8)])

@@ -10,7 +10,8 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import FRONT, Parts, numbered, profiled
+from openrooms_usd.furniture.joinery.boards import FRONT, profiled
+from openrooms_usd.furniture.joinery.pieces import Parts, numbered
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.geometry.lofts import superellipse
 from openrooms_usd.geometry.mesh import Mesh, joined

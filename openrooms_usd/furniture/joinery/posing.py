@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from openrooms_usd.arrays import Array
-from openrooms_usd.furniture.joinery.boards import Parts, Size
+from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.rotations import about_point, about_x, about_y, about_z
+from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
 
 _ABOUT: Final = {"x": about_x, "y": about_y, "z": about_z}
@@ -106,3 +107,8 @@ def hoop(radius: float, z: float, thick: float, segments: int = 36, sides: int =
     angle = 2.0 * np.pi * np.arange(segments) / segments
     path = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(segments, z)], axis=1)
     return tube(path, thick, segments=sides, closed=True)
+
+
+def band(inner: float, outer: float, low: float, high: float, segments: int = 32) -> Mesh:
+    """A ring about Z between two radii and two heights, metres."""
+    return lathe([(inner, low), (outer, low), (outer, high), (inner, high)], segments=segments)

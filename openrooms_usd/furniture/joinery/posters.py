@@ -4,8 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, numbered
 from openrooms_usd.furniture.joinery.paintings import Rectangle, canvas_of, disc_of, sheet_of
+from openrooms_usd.furniture.joinery.pieces import Parts, numbered
 from openrooms_usd.furniture.joinery.vessel import smooth_line
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.sweeps import tube

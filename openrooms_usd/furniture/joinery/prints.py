@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, numbered
+from openrooms_usd.furniture.joinery.pieces import Parts, numbered
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, cylinder
 

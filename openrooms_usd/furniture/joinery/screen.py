@@ -4,12 +4,14 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, board, numbered
+from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, numbered
 from openrooms_usd.furniture.joinery.posing import tapered, turned
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder
 from openrooms_usd.geometry.sweeps import extrude, sheet, tube
+from openrooms_usd.geometry.vectors import points_at
 
 _PANEL: Final = 0.012
 
@@ -57,14 +59,7 @@ def _bowed(
     """A panel whose sides come forward on a circle about the viewer."""
     x = np.linspace(-half, half, 25)
     y = front + np.sqrt(radius**2 - x**2) - radius
-    grid = np.stack(
-        [
-            np.broadcast_to(x, (2, 25)),
-            np.broadcast_to(y, (2, 25)),
-            np.broadcast_to([[low], [high]], (2, 25)),
-        ],
-        axis=-1,
-    )
+    grid = points_at(x, y, [[low], [high]])
     return sheet(grid, thickness)
 
 
@@ -101,13 +96,10 @@ def _tube_set(size: Size, foot: float, chin: float, bezel: float) -> Parts:
     u, v = np.meshgrid(np.linspace(-1.0, 1.0, 11), np.linspace(-1.0, 1.0, 9))
     low, high = foot + chin, height - bezel
     bulge = 0.02 * width * (1.0 - 0.5 * (u**2 + v**2)) + 0.0005
-    grid = np.stack(
-        [
-            u * (half - bezel),
-            front - bulge + 0.02 * width,
-            0.5 * (low + high) + 0.5 * v * (high - low),
-        ],
-        axis=-1,
+    grid = points_at(
+        u * (half - bezel),
+        front - bulge + 0.02 * width,
+        0.5 * (low + high) + 0.5 * v * (high - low),
     )
     shell = shell.moved((0.0, 0.02 * width, 0.0))
     return {
@@ -148,7 +140,7 @@ def television_feet(size: Size, rng: np.random.Generator) -> Parts:
         (0.0, -0.006, lift + 0.015),
         (0.0, 0.5 * depth - 0.006, 0.006),
     ]
-    foot = tube(filleted(line, 0.03), 0.006)
+    foot = tube(line, 0.006, bend=0.03)
     return {
         **parts,
         **numbered("foot", [foot.moved((side * spread, 0.0, 0.0)) for side in (-1, 1)]),

@@ -4,17 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import (
-    Furniture,
-    Parts,
-    Size,
-    board,
-    corners,
-    numbered,
-    round_leg,
-    splayed,
-)
-from openrooms_usd.furniture.joinery.fronts import BOARD, HANDLE, SEAT, columns, drawer, drawn_look
+from openrooms_usd.furniture.joinery.boards import board, corners, round_leg, splayed
+from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, columns
+from openrooms_usd.furniture.joinery.fronts import drawer, drawn_look
+from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, numbered
 from openrooms_usd.geometry.curves import filleted, rectangle
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
@@ -43,7 +36,7 @@ def hairpin(size: Size, rng: np.random.Generator) -> Parts:
             (*(foot - 0.012 * side), r),
             (*(head - spread * side), under),
         ]
-        rod = filleted(path, 0.01, segments=4)
+        rod = filleted(path, 0.01)
         legs.append(tube(rod, r, segments=8))
     plates = [
         board((a - 0.05, b - 0.05, under - 0.004), (a + 0.05, b + 0.05, under), 0.001)
@@ -65,7 +58,7 @@ def drum(size: Size, rng: np.random.Generator) -> Parts:
     angle = 2.0 * np.pi * np.arange(count) / count
     share = 0.82
     staves = []
-    stave = board((-0.008, -0.016, 0.018), (0.008, 0.016, under), 0.002)
+    stave = board((-0.008, -0.016, 0.018), (0.008, 0.016, under))
     for t in angle:
         x, y = share * 0.5 * width * np.cos(t), share * 0.5 * depth * np.sin(t)
         heading = np.arctan2(y / depth**2, x / width**2)
@@ -111,9 +104,8 @@ def chest(size: Size, rng: np.random.Generator) -> Furniture:
     half, front, back = 0.5 * width - 0.02, -0.5 * depth + 0.01 + HANDLE + BOARD, 0.5 * depth - 0.02
     foot, under = 0.05, height - 0.024
     middle = foot + 0.56 * (under - foot)
-    made.add(
-        "tabletop",
-        board((-0.5 * width, -0.5 * depth, under), (0.5 * width, 0.5 * depth, height), 0.003),
+    made.board(
+        "tabletop", (-0.5 * width, -0.5 * depth, under), (0.5 * width, 0.5 * depth, height), 0.003
     )
     made.add(
         "frame",
@@ -127,14 +119,13 @@ def chest(size: Size, rng: np.random.Generator) -> Furniture:
         board((BOARD - half, front, foot), (half - BOARD, back, foot + BOARD)),
         board((BOARD - half, back - BOARD, foot + BOARD), (half - BOARD, back, middle)),
     )
-    made.add("shelf", board((BOARD - half, front, middle), (half - BOARD, back, middle + BOARD)))
-    made.add("base", board((0.04 - half, front + 0.04, 0.0), (half - 0.04, back - 0.04, foot)))
+    made.board("shelf", (BOARD - half, front, middle), (half - BOARD, back, middle + BOARD))
+    made.board("base", (0.04 - half, front + 0.04, 0.0), (half - 0.04, back - 0.04, foot))
     count = max(1, round(width / 0.6))
     cells = columns((-half, half, foot, middle + BOARD), count)
     for cell in cells[1:]:
-        made.add(
-            "frame",
-            board((cell[0] - 0.009, front, foot + BOARD), (cell[0] + 0.009, back - BOARD, middle)),
+        made.board(
+            "frame", (cell[0] - 0.009, front, foot + BOARD), (cell[0] + 0.009, back - BOARD, middle)
         )
     for cell in cells:
         drawer(made, cell, front - SEAT, back - BOARD - 0.002, look)
@@ -186,10 +177,8 @@ def nightstand(size: Size, rng: np.random.Generator) -> Furniture:
         board((BOARD - half, front, foot), (half - BOARD, back, foot + BOARD)),
         board((BOARD - half, back - 0.012, foot + BOARD), (half - BOARD, back, height - BOARD)),
     )
-    made.add("tabletop", board((-half, front, height - BOARD), (half, back, height), 0.003))
-    made.add(
-        "shelf", board((BOARD - half, front, split), (half - BOARD, back - 0.012, split + BOARD))
-    )
+    made.board("tabletop", (-half, front, height - BOARD), (half, back, height), 0.003)
+    made.board("shelf", (BOARD - half, front, split), (half - BOARD, back - 0.012, split + BOARD))
     drawer(made, (-half, half, split, height), front - SEAT, back - 0.03, look)
     leg = round_leg(0.016, 0.01, foot + 0.004)
     middle = 0.5 * (front + back)
@@ -218,7 +207,7 @@ def bracket(size: Size, rng: np.random.Generator) -> Parts:
     outline = filleted(rectangle(width, depth), 0.03, closed=True)
     return {
         "tabletop": _slab(outline, thick, height),
-        "leg": tube(filleted(path, 0.03, segments=5), r, segments=10),
+        "leg": tube(path, r, bend=0.03, bend_segments=5, segments=10),
         "frame": tube([(-side * x, -y, under - r), (-side * x, y, under - r)], r, segments=10),
     }
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.furniture.joinery.boards import Parts, Size, numbered
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.pieces import Parts, Size, numbered
+from openrooms_usd.furniture.joinery.posing import band, turned
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
@@ -90,7 +90,7 @@ def jar_ginger(size: Size, rng: np.random.Generator) -> Parts:
         [(0.0, 0.825 * h), (neck * 1.2, 0.825 * h), *dome[1:], (0.0, 0.956 * h)], segments=36
     )
     knob = sphere(0.035 * h, segments=16, center=(0.0, 0.0, 0.965 * h))
-    return {"container": hollow(body, 0.04 * r, 0.05 * h, 0.0, 40), "lid": lid, "handle": knob}
+    return {"container": hollow(body, 0.04 * r, 0.05 * h, 0.0), "lid": lid, "handle": knob}
 
 
 def jar_preserving(size: Size, rng: np.random.Generator) -> Parts:
@@ -100,15 +100,7 @@ def jar_preserving(size: Size, rng: np.random.Generator) -> Parts:
     body = [(0.94 * r, 0.0), (r, 0.05 * h), (r, 0.72 * h), (wide, 0.82 * h), (wide, 0.9 * h)]
     ribs = int(rng.integers(28, 40))
     lid = cylinder(1.06 * wide, 0.15 * h, bevel=0.03 * h, segments=ribs, base=(0.0, 0.0, 0.85 * h))
-    ring = lathe(
-        [
-            (wide - 0.01 * r, 0.815 * h),
-            (1.05 * wide, 0.815 * h),
-            (1.05 * wide, 0.84 * h),
-            (wide - 0.01 * r, 0.84 * h),
-        ],
-        segments=32,
-    )
+    ring = band(wide - 0.01 * r, 1.05 * wide, 0.815 * h, 0.84 * h)
     return {"container": hollow(body, 0.05 * r, 0.04 * h, 0.08 * r), "lid": lid, "frame": ring}
 
 
@@ -121,18 +113,8 @@ def jar_canister(size: Size, rng: np.random.Generator) -> Parts:
         0.985 * r, h - split - 0.001, bevel=0.004, segments=40, base=(0.0, 0.0, split + 0.001)
     )
     plug = cylinder(0.9 * r, 0.05 * h, segments=40, base=(0.0, 0.0, split - 0.045 * h))
-    seal = lathe(
-        [
-            (0.89 * r, split - 0.02 * h),
-            (0.93 * r, split - 0.02 * h),
-            (0.93 * r, split - 0.005 * h),
-            (0.89 * r, split - 0.005 * h),
-        ],
-        segments=36,
-    )
-    label = lathe(
-        [(r - 0.0004, 0.3 * h), (r, 0.3 * h), (r, 0.55 * h), (r - 0.0004, 0.55 * h)], segments=40
-    )
+    seal = band(0.89 * r, 0.93 * r, split - 0.02 * h, split - 0.005 * h, 36)
+    label = band(r - 0.0004, r, 0.3 * h, 0.55 * h, 40)
     container = hollow([(0.995 * a, z) for a, z in body], 0.06 * r, 0.04 * h, 0.004)
     return {"container": container, "lid": joined([lid, plug]), "seal": seal, "label": label}
 
@@ -161,15 +143,7 @@ def bottle_wine(size: Size, rng: np.random.Generator) -> Parts:
         (1.15 * neck, 0.98 * h),
         (0.95 * neck, 0.99 * h),
     ]
-    label = lathe(
-        [
-            (r - 0.0005, 0.14 * h),
-            (1.006 * r, 0.14 * h),
-            (1.006 * r, 0.42 * h),
-            (r - 0.0005, 0.42 * h),
-        ],
-        segments=40,
-    )
+    label = band(r - 0.0005, 1.006 * r, 0.14 * h, 0.42 * h, 40)
     cap = lathe(
         [
             (0.0, 0.86 * h),
@@ -208,9 +182,7 @@ def bottle_sport(size: Size, rng: np.random.Generator) -> Parts:
         (0.5 * r, 0.0, h - thick),
         (0.5 * r, 0.0, top + 0.07 * h),
     ]
-    loop = turned(
-        tube(filleted(arch, 0.3 * r), thick, segments=10), "z", float(rng.uniform(0.0, 180.0))
-    )
+    loop = turned(tube(arch, thick, bend=0.3 * r, segments=10), "z", float(rng.uniform(0.0, 180.0)))
     outline = filleted([(0.0, 0.0), *body, (0.0, top + 0.02 * h)], 0.12 * r, segments=5)
     return {"container": lathe(outline, segments=36), "lid": lid, "handle": loop}
 
@@ -233,7 +205,7 @@ def bottle_pump(size: Size, rng: np.random.Generator) -> Parts:
     stem = cylinder(0.11 * r, 0.2 * h, segments=14, base=(0.0, 0.0, top + 0.05 * h))
     head = cylinder(0.3 * r, 0.05 * h, bevel=0.004, segments=24, base=(0.0, 0.0, 0.95 * h))
     nozzle = [(0.0, 0.0, 0.975 * h), (0.0, -0.8 * r, 0.975 * h), (0.0, -0.98 * r, 0.94 * h)]
-    spout = tube(filleted(nozzle, 0.15 * r), 0.09 * r, segments=10)
+    spout = tube(nozzle, 0.09 * r, bend=0.15 * r, segments=10)
     return {
         "container": lathe(outline, segments=36),
         "lid": collar,

@@ -4,19 +4,17 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture.joinery.boards import (
-    FRONT,
+from openrooms_usd.furniture.joinery.boards import FRONT, board, profiled
+from openrooms_usd.furniture.joinery.paintings import Painter, Rectangle, any_of, landscape, shapes
+from openrooms_usd.furniture.joinery.pieces import (
     Build,
     Furniture,
     Joint,
     Parts,
     Size,
-    board,
     numbered,
     part_of,
-    profiled,
 )
-from openrooms_usd.furniture.joinery.paintings import Painter, Rectangle, any_of, landscape, shapes
 from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.joinery.posters import brushed_circle, poster
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -205,7 +203,7 @@ def _tray(
     y = 0.5 * (front + back)
     places = left + (right - left) * np.array([0.12, 0.24, 0.36, 0.48][: int(rng.integers(2, 5))])
     pens = [
-        tube([(x, y, z + 0.0125), (x + 0.115, y + 0.004, z + 0.0125)], 0.0085, segments=12)
+        tube([(x, y, z + 0.0125), (x + 0.115, y + 0.004, z + 0.0125)], 0.0085)
         for x in places.tolist()
     ]
     eraser = board((right - 0.24, y - 0.02, z + 0.004), (right - 0.12, y + 0.02, z + 0.036), 0.004)
@@ -239,7 +237,7 @@ def glass(size: Size, rng: np.random.Generator) -> Parts:
     ]
     studs = [facing(stud, (x, back, z)) for x, z in places]
     ledge = _tray(-0.22 * width, 0.22 * width, 0.0, -0.5 * depth, front + 0.006, rng)
-    hook = board((-0.2 * width, front + 0.006, 0.0), (0.2 * width, back, 0.05), 0.002)
+    hook = board((-0.2 * width, front + 0.006, 0.0), (0.2 * width, back, 0.05))
     return {"board": pane, **numbered("stud", studs), "bracket": hook, **ledge}
 
 
@@ -254,8 +252,7 @@ def mobile(size: Size, rng: np.random.Generator) -> Furniture:
     turning["board"] = _slab(_shrunk(panel, 0.015), -0.0065, 0.0065)
     middle = 0.5 * (low + height)
     axles = [
-        tube([(s * (x - post - 0.0095), 0.0, middle), (s * x, 0.0, middle)], 0.008, segments=12)
-        for s in (-1, 1)
+        tube([(s * (x - post - 0.0095), 0.0, middle), (s * x, 0.0, middle)], 0.008) for s in (-1, 1)
     ]
     posts = [
         board((s * x - post, -post, foot - 0.01), (s * x + post, post, middle + 0.06), 0.004)

@@ -9,7 +9,7 @@ import numpy as np
 from openrooms_usd.description.alignment import FileObject, LibraryObject, named_objects
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import CATEGORIES, Size, category, styles
-from openrooms_usd.furniture.joinery.boards import NOTHING_ORDERED
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED
 from openrooms_usd.generation.clutter.forms import Surfaces
 from openrooms_usd.generation.clutter.laying import taken_by
 from openrooms_usd.generation.clutter.living import lived_in

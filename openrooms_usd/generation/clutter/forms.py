@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from openrooms_usd.furniture import Size
-from openrooms_usd.furniture.joinery.boards import Order
+from openrooms_usd.furniture.joinery.pieces import Order
 from openrooms_usd.generation.clutter.levels import Level, levels_of
 from openrooms_usd.generation.clutter.resting import Relief, relief_of
 from openrooms_usd.generation.items import Item

@@ -13,8 +13,8 @@ from typing import Final
 from openrooms_usd.furniture import CATEGORIES, Order, Size
 from openrooms_usd.furniture.categories.hob import BESIDE_M, SUNK_M
 from openrooms_usd.furniture.categories.sink import RIM, inset_rim
-from openrooms_usd.furniture.joinery.boards import Cutout, Fronts
-from openrooms_usd.furniture.joinery.fronts import HANDLE
+from openrooms_usd.furniture.joinery.cells import HANDLE
+from openrooms_usd.furniture.joinery.pieces import Cutout, Fronts
 from openrooms_usd.generation.items import Group, Item, placed, wrapped, zone, zones
 from openrooms_usd.generation.kit import Kit
 from openrooms_usd.library.styles.assignment.weights import drawn

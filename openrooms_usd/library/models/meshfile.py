@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture.joinery.boards import Joint, Size
+from openrooms_usd.furniture.joinery.pieces import Joint, Size
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.topology import is_closed
 from openrooms_usd.geometry.uv import cube_projection, metric

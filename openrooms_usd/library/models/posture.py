@@ -12,7 +12,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.furniture.joinery.boards import Size
+from openrooms_usd.furniture.joinery.pieces import Size
 
 Array = NDArray[np.float64]
 Up = Literal["Y", "Z"]

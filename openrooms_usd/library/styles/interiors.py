@@ -7,7 +7,7 @@ from typing import Any, Final, get_args
 import numpy as np
 
 from openrooms_usd.description.styles import InteriorStyle
-from openrooms_usd.furniture.joinery.boards import Fronts
+from openrooms_usd.furniture.joinery.pieces import Fronts
 from openrooms_usd.library.styles.assignment.rooms import Place
 from openrooms_usd.library.styles.assignment.weights import Weights, drawn
 from openrooms_usd.tables import read_table

@@ -17,12 +17,10 @@ from numpy.typing import NDArray
 from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
+from openrooms_usd.scan.points.thinning import evened
 
-# Surfels wanted of a scan, and least points for each: their size follows from it, not from a unit.
-_PIECES: Final = 30_000
-_POINTS_EACH: Final = 1.5
+# Surfels that a scan must have to be judged.
 _FEWEST_PIECES: Final = 1000
-_MOST_POINTS: Final = 300_000
 # Modes of normals: within this of each other, apart by this, with this part of all, degrees.
 _MODE_DEG: Final = 4.0
 _APART_DEG: Final = 15.0
@@ -110,23 +108,11 @@ def _sin(degrees: float) -> float:
 
 def _in_voxels(cloud: Cloud) -> tuple[Cloud | None, float]:
     """The points scaled so that they make about the wanted number of surfels, and the factor."""
-    every = max(len(cloud) // _MOST_POINTS, 1)
-    some = cloud.points[::every]
-    if len(some) < _FEWEST_PIECES:
+    if len(cloud) < _FEWEST_PIECES or not np.ptp(cloud.points, axis=0).any():
         return None, 1.0
-    low, high = np.percentile(some, (5.0, 95.0), axis=0)
-    size = float((high - low).max())
-    if not size > 0.0:
-        return None, 1.0
-    wanted = min(_PIECES, int(len(some) / _POINTS_EACH))
-    fine, coarse = size / 2000.0, size / 5.0
-    for _ in range(12):
-        voxel = float(np.sqrt(fine * coarse))
-        cells = np.floor((some - low) / voxel).clip(-5e5, 5e5).astype(np.int64)
-        count = len(np.unique(cells @ np.array([1, 1 << 20, 1 << 40])))
-        fine, coarse = (voxel, coarse) if count > wanted else (fine, voxel)
-    scale = VOXEL_M / float(np.sqrt(fine * coarse))
-    label = None if cloud.label is None else cloud.label[::every]
+    rows, voxel = evened(cloud.points)
+    some, scale = cloud.points[rows], VOXEL_M / voxel
+    label = None if cloud.label is None else cloud.label[rows]
     return Cloud((some - np.median(some, axis=0)) * scale, label=label), scale
 
 
