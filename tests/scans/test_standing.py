@@ -106,6 +106,14 @@ def test_evidence_is_of_area_and_not_of_points(room: Cloud, name: str) -> None:
     assert found.unit == 0.001
 
 
+@pytest.mark.parametrize("name", ["yup_half_zero", "yup_one_point_repeated"])
+def test_files_half_of_whose_points_are_one(real: Real, name: str) -> None:
+    read = read_capture("scan", real(f"faults/zero_points/{name}.ply"))
+    assert "0,1,0 is taken for up" in " ".join(read.notes)
+    sizes = np.ptp(np.percentile(np.unique(read.cloud.points, axis=0), (1, 99), axis=0), axis=0)
+    np.testing.assert_allclose(np.sort(sizes), [2.7, 4.0, 5.0], atol=0.1)
+
+
 def test_an_origin_is_that_of_the_room_and_not_of_repeated_zeros(
     room: Cloud, tmp_path: Path
 ) -> None:
