@@ -3,27 +3,17 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.furniture import CATEGORIES, Furniture, make, part_of
+from openrooms_usd.furniture import CATEGORIES, Furniture, part_of
 from openrooms_usd.furniture.categories.toilet import egg
-from openrooms_usd.geometry.mesh import Mesh, joined
+from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
-
-
-def _made(name: str, style: str, seed: int = 0) -> Furniture:
-    spec = CATEGORIES[name]
-    return make(name, spec.styles[style].size or spec.size, style, np.random.default_rng(seed))
-
-
-def _caster(meshes: list[Mesh]) -> RayCaster:
-    whole = joined(meshes)
-    corners, _ = whole.triangles()
-    return RayCaster(whole.points, whole.indices[corners])
+from tests.furniture.pieces import caster, made
 
 
 def _fixed(furniture: Furniture) -> RayCaster:
     """What stays where it is when doors, lids and drawers are taken away."""
     moving = {mesh for joint in furniture.joints for mesh in joint.meshes}
-    return _caster([mesh for name, mesh in furniture.parts.items() if name not in moving])
+    return caster(*[mesh for name, mesh in furniture.parts.items() if name not in moving])
 
 
 CAVITIES = [
@@ -36,7 +26,7 @@ CAVITIES = [
 
 @pytest.mark.parametrize(("name", "style"), CAVITIES)
 def test_there_is_an_inside_behind_every_door(name: str, style: str) -> None:
-    furniture = _made(name, style)
+    furniture = made(name, style)
     rest = _fixed(furniture)
     doors = [joint for joint in furniture.joints if part_of(joint.name) == "door"]
     assert doors
@@ -60,7 +50,7 @@ def test_there_is_an_inside_behind_every_door(name: str, style: str) -> None:
 
 def test_washing_machines_turn_their_laundry_in_a_drum() -> None:
     for style in CATEGORIES["washing_machine"].styles:
-        furniture = _made("washing_machine", style)
+        furniture = made("washing_machine", style)
         drums = [mesh for name, mesh in furniture.parts.items() if part_of(name) == "drum"]
         assert drums
         for drum in drums:
@@ -76,7 +66,7 @@ BASINS = [("sink", "basin", 0.07), ("bathtub", "container", 0.3), ("toilet", "ba
 def test_basins_are_hollow(name: str, part: str, deep: float) -> None:
     for style in CATEGORIES[name].styles:
         for seed in range(3):
-            furniture = _made(name, style, seed)
+            furniture = made(name, style, seed)
             own = "bowl" if f"bowl_{0}" in furniture.parts else part
             for mesh in (m for n, m in furniture.parts.items() if part_of(n) == own):
                 low, high = mesh.extent
@@ -93,7 +83,7 @@ def _lowest_inside(mesh: Mesh) -> np.ndarray:
     # Only the middle half: outside, one sees past the rim.
     x, y = x[8:16, 8:16].ravel(), y[8:16, 8:16].ravel()
     origins = np.stack([x, y, np.full(len(x), high[2] + 0.1)], axis=1)
-    distance = _caster([mesh]).first_hit(origins, np.tile([0.0, 0, -1], (len(x), 1))).distance
+    distance = caster(*[mesh]).first_hit(origins, np.tile([0.0, 0, -1], (len(x), 1))).distance
     lowest = int(np.argmax(np.where(np.isfinite(distance), distance, -1)))
     return origins[lowest] + [0, 0, -distance[lowest]]
 
@@ -101,12 +91,12 @@ def _lowest_inside(mesh: Mesh) -> np.ndarray:
 @pytest.mark.parametrize("style", sorted(set(CATEGORIES["sink"].styles) - {"kitchen", "inset"}))
 def test_water_would_fall_into_the_basin(style: str) -> None:
     for seed in range(3):
-        furniture = _made("sink", style, seed)
+        furniture = made("sink", style, seed)
         spout = furniture.parts["spout_0"]
         tip = spout.points[spout.points[:, 1] < spout.extent[0, 1] + 0.03]
         outlet = np.array([*tip[:, :2].mean(axis=0), tip[:, 2].min() - 1e-4])
         basin = furniture.parts["basin_0"]
-        hit = _caster([basin]).first_hit(outlet[None], np.array([[0.0, 0.0, -1.0]]))
+        hit = caster(*[basin]).first_hit(outlet[None], np.array([[0.0, 0.0, -1.0]]))
         assert hit.hit[0]
         rim = basin.extent[1, 2]
         assert outlet[2] - hit.distance[0] < rim - 0.03, seed
@@ -114,7 +104,7 @@ def test_water_would_fall_into_the_basin(style: str) -> None:
 
 def test_lids_lie_on_seats_that_lie_on_the_bowl() -> None:
     for style in CATEGORIES["toilet"].styles:
-        parts = _made("toilet", style).parts
+        parts = made("toilet", style).parts
         base, seat, lid = (parts[f"{name}_0"].extent for name in ("base", "seat", "lid"))
         assert 0 < seat[0, 2] - base[1, 2] < 0.01
         assert 0 <= lid[0, 2] - seat[1, 2] < 0.01
@@ -122,9 +112,9 @@ def test_lids_lie_on_seats_that_lie_on_the_bowl() -> None:
 
 
 def test_toilet_seats_have_a_hole() -> None:
-    seat = _made("toilet", "close_coupled").parts["seat_0"]
+    seat = made("toilet", "close_coupled").parts["seat_0"]
     middle = seat.extent.mean(axis=0)
-    hit = _caster([seat]).first_hit([[middle[0], middle[1], 2.0]], [[0.0, 0.0, -1.0]])
+    hit = caster(*[seat]).first_hit([[middle[0], middle[1], 2.0]], [[0.0, 0.0, -1.0]])
     assert not hit.hit[0]
 
 
@@ -139,7 +129,7 @@ def test_an_egg_is_an_ellipse_in_front() -> None:
 
 @pytest.mark.parametrize("style", ["gas", "wide"])
 def test_pots_stand_on_the_grates(style: str) -> None:
-    furniture = _made("stove", style)
+    furniture = made("stove", style)
     tops = [m.extent[1, 2] for n, m in furniture.parts.items() if part_of(n) == "grate"]
     caps = [m.extent[1, 2] for n, m in furniture.parts.items() if part_of(n) == "burner"]
     height = CATEGORIES["stove"].styles[style].size or CATEGORIES["stove"].size

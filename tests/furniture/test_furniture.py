@@ -19,10 +19,9 @@ from openrooms_usd.furniture import (
 )
 from openrooms_usd.furniture.joinery.pieces import fitted
 from openrooms_usd.geometry.mesh import joined
-from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.topology import is_closed
-from tests.furniture.pieces import STYLES, piece, planned, usual
+from tests.furniture.pieces import STYLES, caster, piece, planned, usual
 
 LAMPS = [(name, style) for name, style in STYLES if category(name).emits]
 # The shell of a chair is cut in two along a seam: seat and back are open there.
@@ -141,8 +140,7 @@ def test_doors_and_drawers_have_gaps_between_them() -> None:
 def freed(parts: Parts) -> NDArray[np.float64]:
     """(3,) the share of a bulb's light that passes all other parts: downwards, level, upwards."""
     parts = dict(parts)
-    bulb, others = parts.pop("light_bulb"), joined(list(parts.values()))
-    caster = RayCaster(others.points, others.indices[others.triangles()[0]])
+    bulb = parts.pop("light_bulb")
     a, b, c = np.moveaxis(bulb.points[bulb.indices[bulb.triangles()[0]]], 1, 0)
     normal = np.cross(b - a, c - a)
     area = np.linalg.norm(normal, axis=1)
@@ -156,7 +154,7 @@ def freed(parts: Parts) -> NDArray[np.float64]:
     ways = normal + sphere / np.linalg.norm(sphere, axis=1, keepdims=True)
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     # Past itself too: bulbs are convex, so only other parts block.
-    free = np.isinf(caster.first_hit(origins + 1e-4 * normal, ways).distance)
+    free = np.isinf(caster(*parts.values()).first_hit(origins + 1e-4 * normal, ways).distance)
     # Within 60 degrees of the vertical, and else.
     bands = [ways[:, 2] < -0.5, np.abs(ways[:, 2]) <= 0.5, ways[:, 2] > 0.5]
     return np.array([free[band].mean() for band in bands])

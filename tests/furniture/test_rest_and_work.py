@@ -5,22 +5,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from openrooms_usd.furniture import CATEGORIES, Furniture, Parts, Size, make, part_of, styles
-from openrooms_usd.geometry.raycast import RayCaster
-
-
-def _made(name: str, style: str, seed: int = 0, size: Size | None = None) -> Furniture:
-    spec = CATEGORIES[name]
-    box = size or spec.styles[style].size or spec.size
-    return make(name, box, style, np.random.default_rng(seed))
-
-
-def _all(parts: Parts, *wanted: str) -> Parts:
-    return {name: mesh for name, mesh in parts.items() if part_of(name) in wanted}
+from openrooms_usd.furniture import CATEGORIES, Parts, part_of, styles
+from tests.furniture.pieces import caster, made, parts_of
 
 
 def _top(parts: Parts, *wanted: str) -> float:
-    return max(float(mesh.extent[1, 2]) for mesh in _all(parts, *wanted).values())
+    return max(float(mesh.extent[1, 2]) for mesh in parts_of(parts, *wanted).values())
 
 
 SEATS = [
@@ -33,16 +23,14 @@ SEATS = [
 @pytest.mark.parametrize(("name", "style", "span"), SEATS)
 def test_one_sits_at_the_height_of_a_seat(name: str, style: str, span: tuple[float, float]) -> None:
     """What a ray from above the middle of the seat meets first."""
-    parts = _made(name, style).parts
-    seats = _all(parts, "seat", "seat_cushion")
+    parts = made(name, style).parts
+    seats = parts_of(parts, "seat", "seat_cushion")
     middle = np.mean([mesh.extent.mean(axis=0) for mesh in seats.values()], axis=0)
     low = np.inf
     for mesh in seats.values():
-        corners, _ = mesh.triangles()
-        caster = RayCaster(mesh.points, mesh.indices[corners])
         # Beside the middle, where planks may have a gap.
         start = np.array([[middle[0] + 0.03, middle[1] - 0.05, 3.0]])
-        hit = caster.first_hit(start, np.array([[0.0, 0.0, -1.0]]))
+        hit = caster(mesh).first_hit(start, np.array([[0.0, 0.0, -1.0]]))
         low = min(low, float(hit.distance[0]))
     assert span[0] < 3.0 - low < span[1]
 
@@ -50,8 +38,8 @@ def test_one_sits_at_the_height_of_a_seat(name: str, style: str, span: tuple[flo
 @pytest.mark.parametrize("style", CATEGORIES["office_chair"].styles)
 @pytest.mark.parametrize("seed", range(3))
 def test_office_chairs_stand_on_five_castors(style: str, seed: int) -> None:
-    parts = _made("office_chair", style, seed).parts
-    wheels = _all(parts, "wheel")
+    parts = made("office_chair", style, seed).parts
+    wheels = parts_of(parts, "wheel")
     assert len(wheels) == 5
     for mesh in wheels.values():
         assert mesh.extent[0, 2] == pytest.approx(0.0, abs=2e-3)
@@ -69,7 +57,7 @@ def test_office_chairs_stand_on_five_castors(style: str, seed: int) -> None:
 @pytest.mark.parametrize("style", ["pedestal", "writing", "framed"])
 @pytest.mark.parametrize("seed", range(4))
 def test_desk_drawers_have_boxes_below_the_top(style: str, seed: int) -> None:
-    desk = _made("desk", style, seed)
+    desk = made("desk", style, seed)
     drawers = [joint for joint in desk.joints if part_of(joint.name) == "drawer"]
     assert drawers
     under = desk.parts["tabletop_0"].extent[0, 2]
@@ -83,7 +71,7 @@ def test_desk_drawers_have_boxes_below_the_top(style: str, seed: int) -> None:
 @pytest.mark.parametrize("style", CATEGORIES["desk"].styles)
 def test_knees_fit_below_desks(style: str) -> None:
     """From the front, a person of 50 x 60 cm finds room in at least one place below the top."""
-    parts = _made("desk", style).parts
+    parts = made("desk", style).parts
     width = CATEGORIES["desk"].styles[style].size or CATEGORIES["desk"].size
     x = np.linspace(-0.5 * width[0], 0.5 * width[0], 60)
     free = np.ones(len(x), dtype=bool)
@@ -98,17 +86,17 @@ def test_knees_fit_below_desks(style: str) -> None:
 
 @pytest.mark.parametrize("style", CATEGORIES["bed"].styles)
 @pytest.mark.parametrize("seed", range(2))
-def test_beds_are_made(style: str, seed: int) -> None:
+def test_beds_aremade(style: str, seed: int) -> None:
     """Pillows lie on the mattress at the back, under nothing; the cover lies before them."""
-    bed = _made("bed", style, seed)
-    pairs = len(_all(bed.parts, "mattress"))
+    bed = made("bed", style, seed)
+    pairs = len(parts_of(bed.parts, "mattress"))
     assert pairs == (2 if style == "bunk" else 1)
     wide = bed.parts["mattress_0"].extent[1, 0] - bed.parts["mattress_0"].extent[0, 0]
-    assert len(_all(bed.parts, "pillow")) == (2 if wide > 1.2 else 1) * pairs
+    assert len(parts_of(bed.parts, "pillow")) == (2 if wide > 1.2 else 1) * pairs
     for i in range(pairs):
         mattress, blanket = (bed.parts[f"{part}_{i}"].extent for part in ("mattress", "blanket"))
         assert blanket[1, 2] > mattress[1, 2]
-        pillow = bed.parts[f"pillow_{i * len(_all(bed.parts, 'pillow')) // pairs}"].extent
+        pillow = bed.parts[f"pillow_{i * len(parts_of(bed.parts, 'pillow')) // pairs}"].extent
         assert pillow[:, 1].mean() > mattress[:, 1].mean() + 0.5
         assert pillow[0, 2] == pytest.approx(mattress[1, 2], abs=0.06)
         assert blanket[1, 1] < pillow[0, 1] + 0.02
@@ -117,38 +105,38 @@ def test_beds_are_made(style: str, seed: int) -> None:
 
 @pytest.mark.parametrize("height", [0.45, 0.6, 1.0])
 def test_low_beds_are_low(height: float) -> None:
-    bed = _made("bed", "platform", size=(1.4, 2.0, height))
+    bed = made("bed", "platform", size=(1.4, 2.0, height))
     assert bed.parts["mattress_0"].extent[1, 2] < height - 0.1
 
 
 def test_sheers_are_sheer_and_drapes_leave_the_window_free() -> None:
-    layered = _made("curtain", "layered").parts
+    layered = made("curtain", "layered").parts
     assert {part_of(name) for name in layered} >= {"sheer", "curtain", "rod", "ring", "bracket"}
-    drapes = _all(_made("curtain", "drapes").parts, "curtain")
+    drapes = parts_of(made("curtain", "drapes").parts, "curtain")
     assert len(drapes) == 2
     left, right = sorted(mesh.extent[:, 0].tolist() for mesh in drapes.values())
     assert right[0] - left[1] > 0.4
-    drawn = _all(_made("curtain", "drawn").parts, "curtain")
+    drawn = parts_of(made("curtain", "drawn").parts, "curtain")
     left, right = sorted(mesh.extent[:, 0].tolist() for mesh in drawn.values())
     assert right[0] - left[1] < 0.26
     # The sheer hangs between the drapes and the wall.
     sheer = layered["sheer"].extent
-    assert all(mesh.extent[1, 1] < sheer[0, 1] for mesh in _all(layered, "curtain").values())
+    assert all(mesh.extent[1, 1] < sheer[0, 1] for mesh in parts_of(layered, "curtain").values())
 
 
 def test_a_sheer_behind_curtains_hangs_clear_of_the_board_of_a_window() -> None:
     board = 0.04  # so far it stands out of the wall
     _, depth, _ = CATEGORIES["curtain"].size
-    for mesh in _all(_made("curtain", "layered").parts, "sheer").values():
+    for mesh in parts_of(made("curtain", "layered").parts, "sheer").values():
         assert mesh.extent[1, 1] < 0.5 * depth - board + 1e-3
 
 
 @pytest.mark.parametrize("style", CATEGORIES["curtain"].styles)
 def test_curtains_reach_the_wall(style: str) -> None:
-    parts = _made("curtain", style).parts
+    parts = made("curtain", style).parts
     back = max(mesh.extent[1, 1] for mesh in parts.values())
-    assert max(m.extent[1, 1] for m in _all(parts, "bracket").values()) == pytest.approx(back)
-    cloth = _all(parts, "curtain", "sheer", "slat", "blind")
+    assert max(m.extent[1, 1] for m in parts_of(parts, "bracket").values()) == pytest.approx(back)
+    cloth = parts_of(parts, "curtain", "sheer", "slat", "blind")
     assert min(mesh.extent[0, 2] for mesh in cloth.values()) < 0.08
 
 
@@ -161,16 +149,14 @@ def test_blinds_suit_shallow_boxes() -> None:
 def test_rugs_are_thin_and_whole(style: str) -> None:
     """From above, rays meet the rug over its outline but for corners and fringes."""
     size = CATEGORIES["rug"].styles[style].size or CATEGORIES["rug"].size
-    parts = _made("rug", style).parts
+    parts = made("rug", style).parts
     rng = np.random.default_rng(0)
     starts = rng.uniform(-0.5, 0.5, (2000, 3)) * [0.84 * size[0], 0.84 * size[1], 0] + [0, 0, 1]
     if style == "round":
         starts = starts[np.linalg.norm(starts[:, :2] / size[:2], axis=1) < 0.48]
     nearest = np.full(len(starts), np.inf)
     for mesh in parts.values():
-        corners, _ = mesh.triangles()
-        caster = RayCaster(mesh.points, mesh.indices[corners])
-        hits = caster.first_hit(starts, np.tile([0.0, 0.0, -1.0], (len(starts), 1)))
+        hits = caster(mesh).first_hit(starts, np.tile([0.0, 0.0, -1.0], (len(starts), 1)))
         nearest = np.minimum(nearest, hits.distance)
     assert np.isfinite(nearest).all()
     assert nearest.max() - nearest.min() < size[2]
@@ -178,7 +164,7 @@ def test_rugs_are_thin_and_whole(style: str) -> None:
 
 def test_pillows_stand_or_lie_as_their_box_asks() -> None:
     for size in ((0.45, 0.16, 0.4), (0.45, 0.4, 0.16)):
-        mesh = _made("pillow", "square", size=size).parts["pillow"]
+        mesh = made("pillow", "square", size=size).parts["pillow"]
         rim = np.abs(mesh.points[:, 0]) > 0.21
         spread = np.ptp(mesh.points[rim], axis=0)
         thin = 1 if size[1] < size[2] else 2
@@ -189,7 +175,7 @@ def test_pillows_stand_or_lie_as_their_box_asks() -> None:
 @pytest.mark.parametrize("style", ["solid", "open_treads"])
 @pytest.mark.parametrize("height", [0.7, 2.2, 3.0])
 def test_stairs_climb_in_even_steps(style: str, height: float) -> None:
-    parts = _all(_made("stairs", style, size=(1.0, 2.8, height)).parts, "step")
+    parts = parts_of(made("stairs", style, size=(1.0, 2.8, height)).parts, "step")
     tops = [float(parts[f"step_{i}"].extent[1, 2]) for i in range(len(parts))]
     rises = [b - a for a, b in pairwise([0.0, *tops])]
     assert rises == pytest.approx([rises[0]] * len(rises), rel=0.02)
@@ -200,26 +186,24 @@ def test_stairs_climb_in_even_steps(style: str, height: float) -> None:
 
 
 def test_handrails_are_90_cm_above_the_steps() -> None:
-    parts = _made("stairs", "railed").parts
-    rail = next(iter(_all(parts, "handrail").values())).extent
+    parts = made("stairs", "railed").parts
+    rail = next(iter(parts_of(parts, "handrail").values())).extent
     assert rail[1, 2] - _top(parts, "step") == pytest.approx(0.9, abs=0.03)
 
 
 @pytest.mark.parametrize("style", CATEGORIES["fireplace"].styles)
 def test_a_fire_has_a_hollow_to_burn_in(style: str) -> None:
     """A ray from the front at the height of the logs goes deep, once the door is out of the way."""
-    made = _made("fireplace", style)
-    moving = {mesh for joint in made.joints for mesh in joint.meshes}
-    logs = _all(made.parts, "log")
+    fireplace = made("fireplace", style)
+    moving = {mesh for joint in fireplace.joints for mesh in joint.meshes}
+    logs = parts_of(fireplace.parts, "log")
     level = np.mean([mesh.extent[:, 2].mean() for mesh in logs.values()]) + 0.12
-    front = min(mesh.extent[0, 1] for mesh in made.parts.values())
+    front = min(mesh.extent[0, 1] for mesh in fireplace.parts.values())
     first = np.inf
-    for name, mesh in made.parts.items():
+    for name, mesh in fireplace.parts.items():
         if name in moving:
             continue
-        corners, _ = mesh.triangles()
-        caster = RayCaster(mesh.points, mesh.indices[corners])
-        hit = caster.first_hit(np.array([[0.0, -3.0, level]]), np.array([[0.0, 1.0, 0.0]]))
+        hit = caster(mesh).first_hit(np.array([[0.0, -3.0, level]]), np.array([[0.0, 1.0, 0.0]]))
         first = min(first, float(hit.distance[0]))
     assert first - 3.0 > front + 0.2
     assert bool(moving) == (style == "stove")

@@ -3,32 +3,11 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.furniture import CATEGORIES, Furniture, make, part_of
+from openrooms_usd.furniture import CATEGORIES, make, part_of
 from openrooms_usd.furniture.joinery.posing import at_rest, facing, oval, tapered, turned
-from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import about_y
 from openrooms_usd.geometry.solids import box
-
-
-def made(name: str, style: str, seed: int = 0) -> Furniture:
-    spec = CATEGORIES[name]
-    size = spec.styles[style].size or spec.size
-    return make(name, size, style, np.random.default_rng(seed))
-
-
-def caster(*meshes: Mesh) -> RayCaster:
-    points, triangles, start = [], [], 0
-    for mesh in meshes:
-        corners, _ = mesh.triangles()
-        points.append(mesh.points)
-        triangles.append(mesh.indices[corners] + start)
-        start += len(mesh.points)
-    return RayCaster(np.concatenate(points), np.concatenate(triangles))
-
-
-def parts_of(furniture: Furniture, part: str) -> list[Mesh]:
-    return [mesh for name, mesh in furniture.parts.items() if part_of(name) == part]
+from tests.furniture.pieces import caster, made, parts_of
 
 
 @pytest.mark.parametrize(
@@ -38,7 +17,7 @@ def parts_of(furniture: Furniture, part: str) -> list[Mesh]:
 def test_screens_face_the_front(name: str, style: str) -> None:
     """Rays from the front meet the screen first over most of the picture."""
     furniture = made(name, style)
-    (screen,) = parts_of(furniture, "screen")
+    (screen,) = parts_of(furniture.parts, "screen").values()
     low, high = screen.extent
     grid = np.stack(np.meshgrid(*[np.linspace(0.06, 0.94, 9)] * 2), axis=-1).reshape(-1, 2)
     origins = np.insert(low[[0, 2]] + grid * (high - low)[[0, 2]], 1, -5.0, axis=1)
@@ -54,11 +33,14 @@ def test_screens_face_the_front(name: str, style: str) -> None:
 @pytest.mark.parametrize("style", CATEGORIES["laptop"].styles)
 def test_laptops_show_screen_and_keys(style: str) -> None:
     furniture = made("laptop", style)
-    (screen,) = parts_of(furniture, "screen")
+    (screen,) = parts_of(furniture.parts, "screen").values()
     normals = screen.normals[np.argsort(-np.repeat(screen.areas(), screen.counts))[:4]]
     assert abs(normals[:, 1]).min() > 0.7
-    assert len(parts_of(furniture, "key")) == 6
-    assert max(mesh.extent[1, 2] for mesh in parts_of(furniture, "key")) < screen.extent[1, 2]
+    assert len(parts_of(furniture.parts, "key")) == 6
+    assert (
+        max(mesh.extent[1, 2] for mesh in parts_of(furniture.parts, "key").values())
+        < screen.extent[1, 2]
+    )
 
 
 @pytest.mark.parametrize("style", ["slim", "classic"])
@@ -76,7 +58,7 @@ def test_a_laptop_shuts(style: str) -> None:
 
 @pytest.mark.parametrize("style", CATEGORIES["keyboard"].styles)
 def test_keys_are_apart_and_light(style: str) -> None:
-    rows = parts_of(made("keyboard", style), "key")
+    rows = parts_of(made("keyboard", style).parts, "key").values()
     keys = sum(len(mesh.points) // 8 for mesh in rows)
     assert 50 < keys < 120
     assert sum(int((mesh.counts - 2).sum()) for mesh in rows) == 12 * keys
@@ -156,9 +138,9 @@ def test_colours_lie_on_their_picture(style: str) -> None:
     """Fields and accents stand out by the thickness of paint, within the canvas."""
     for seed in range(4):
         furniture = made("picture", style, seed)
-        (canvas,) = parts_of(furniture, "canvas")
+        (canvas,) = parts_of(furniture.parts, "canvas").values()
         low, high = canvas.extent
-        for mesh in parts_of(furniture, "field") + parts_of(furniture, "accent"):
+        for mesh in parts_of(furniture.parts, "field", "accent").values():
             a, b = mesh.extent
             assert (a[[0, 2]] > low[[0, 2]] - 1e-3).all()
             assert (b[[0, 2]] < high[[0, 2]] + 1e-3).all()

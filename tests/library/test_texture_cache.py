@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from openrooms_usd.furniture import CATEGORIES, Furniture, Size, make, part_of
+from openrooms_usd.furniture import CATEGORIES, part_of
 from openrooms_usd.furniture.joinery.books import BINDINGS, Shelf, bound
 from openrooms_usd.furniture.joinery.fronts import HANDLES, Look, leaf
 from openrooms_usd.library.textures import cache
 from openrooms_usd.library.textures.cache import Material, cached
 from openrooms_usd.usercache import VARIABLE, cache_folder
+from tests.furniture.pieces import made
 
 DENIM = Material("denim", 3, resolution=32)
 
@@ -36,7 +37,7 @@ def unmakeable(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cache, "make", refuse)
 
 
-def test_what_is_found_is_what_would_be_made(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_found_is_what_would_bemade(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made = cached(DENIM, folder / "a", "x")
     assert [file.name for file in made] == ["x_albedo.png", "x_normal.png", "x_roughness.png"]
     with monkeypatch.context() as patch:
@@ -160,17 +161,10 @@ STORAGE = (
 STYLED = [(name, style) for name in STORAGE for style in CATEGORIES[name].styles]
 
 
-def _made(name: str, style: str, seed: int = 0, size: Size | None = None) -> Furniture:
-    spec = CATEGORIES[name]
-    return make(
-        name, size or spec.styles[style].size or spec.size, style, np.random.default_rng(seed)
-    )
-
-
 @pytest.mark.parametrize(("name", "style"), STYLED)
 @pytest.mark.parametrize("seed", range(3))
 def test_every_door_and_drawer_moves(name: str, style: str, seed: int) -> None:
-    furniture = _made(name, style, seed)
+    furniture = made(name, style, seed)
     moving = {mesh for joint in furniture.joints for mesh in joint.meshes}
     fronts = {n for n in furniture.parts if part_of(n) in ("door", "drawer_front", "drawer_box")}
     assert fronts <= moving
@@ -178,7 +172,7 @@ def test_every_door_and_drawer_moves(name: str, style: str, seed: int) -> None:
 
 @pytest.mark.parametrize(("name", "style"), STYLED)
 def test_every_drawer_has_a_box(name: str, style: str) -> None:
-    furniture = _made(name, style)
+    furniture = made(name, style)
     drawers = [joint for joint in furniture.joints if part_of(joint.name) == "drawer"]
     fronts = [mesh for mesh in furniture.parts if part_of(mesh) == "drawer_front"]
     assert len(drawers) == len(fronts)
@@ -188,7 +182,7 @@ def test_every_drawer_has_a_box(name: str, style: str) -> None:
 
 @pytest.mark.parametrize("name", ["cabinet", "wardrobe", "kitchen_cabinet", "counter"])
 def test_doors_turn_about_one_of_their_edges(name: str) -> None:
-    furniture = _made(name, "hinged" if name == "wardrobe" else "doors")
+    furniture = made(name, "hinged" if name == "wardrobe" else "doors")
     doors = [joint for joint in furniture.joints if part_of(joint.name) == "door"]
     assert doors
     for joint in doors:
@@ -201,7 +195,7 @@ def test_doors_turn_about_one_of_their_edges(name: str) -> None:
 
 
 def test_a_tray_is_as_deep_as_its_drawer_runs() -> None:
-    furniture = _made("dresser", "double")
+    furniture = made("dresser", "double")
     assert furniture.joints
     for joint in furniture.joints:
         front, box = (furniture.parts[mesh].extent for mesh in joint.meshes[:2])
@@ -266,7 +260,7 @@ def test_bindings_are_told_apart() -> None:
 @pytest.mark.parametrize("style", list(CATEGORIES["bookshelf"].styles))
 @pytest.mark.parametrize("seed", range(3))
 def test_bookshelves_have_books_within_their_outline(style: str, seed: int) -> None:
-    furniture = _made("bookshelf", style, seed)
+    furniture = made("bookshelf", style, seed)
     books = [m for n, m in furniture.parts.items() if part_of(n) == "book"]
     assert books
     rest = np.stack([m.extent for n, m in furniture.parts.items() if part_of(n) != "book"])

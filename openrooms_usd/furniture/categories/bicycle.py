@@ -1,6 +1,7 @@
 """Bicycles that stand on a kickstand with two legs."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -122,7 +123,8 @@ def _steering(rise: float) -> dict[str, Mesh]:
     return {"handlebar": joined([_bar(stem, 0.013), *bars]), "grip": joined(grips)}
 
 
-def _bicycle(size: Size, sloping: bool) -> Parts:
+def bicycle(size: Size, rng: np.random.Generator, *, sloping: bool) -> Parts:
+    """With a level top tube, or with one that slopes and a higher handlebar."""
     seat = (-0.27, 0.0, 0.8)
     top = (-0.235, 0.0, 0.68) if sloping else (-0.262, 0.0, 0.78)
     saddle = joined(
@@ -149,22 +151,15 @@ def _bicycle(size: Size, sloping: bool) -> Parts:
     return {name: mesh.moved(offset).transformed(np.diag(scale)) for name, mesh in made.items()}
 
 
-def city(size: Size, rng: np.random.Generator) -> Parts:
-    """With a level top tube."""
-    return _bicycle(size, sloping=False)
-
-
-def trekking(size: Size, rng: np.random.Generator) -> Parts:
-    """With a top tube that slopes, and a higher handlebar."""
-    return _bicycle(size, sloping=True)
-
-
 CATEGORY: Final = BuiltCategory(
     description="a bicycle",
     size=_SIZE,
     min_size=(1.2, 0.4, 0.75),
     max_size=(2.0, 0.75, 1.25),
-    styles={"city": Style(city), "trekking": Style(trekking)},
+    styles={
+        "city": Style(partial(bicycle, sloping=False)),
+        "trekking": Style(partial(bicycle, sloping=True)),
+    },
     size_variation=STANDARD,
     mass_range=(8, 22),
     words="bike bicycles bikes",

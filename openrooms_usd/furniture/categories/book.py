@@ -1,5 +1,6 @@
 """Books: one that lies, one that is open, and a magazine-like paperback."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -80,6 +81,8 @@ def _arch(rise: float) -> NDArray[np.float64]:
     return np.asarray(thick + (rise - thick) * (top - top.min()) / (top.max() - top.min()))
 
 
+_stacked = partial(on, styles="lying", pose="stacked", max_variants=5)
+
 CATEGORY: Final = BuiltCategory(
     description="a book",
     size=(0.155, 0.23, 0.028),
@@ -97,22 +100,9 @@ CATEGORY: Final = BuiltCategory(
     schemes=(scheme("binding", package_field="field", package_ink="title text"),),
     construction=(row(ANY, solid(700), "common"),),
     placements=(
-        on(
-            "shelf low_shelf",
-            "living_room office bedroom",
-            styles="lying",
-            pose="stacked",
-            max_variants=5,
-            count=(2, 5),
-        ),
-        on(
-            "coffee_table side_table bedside desk",
-            styles="lying",
-            pose="stacked",
-            max_variants=5,
-            count=(1, 4),
-            weight=0.8,
-            cluster="reading",
+        _stacked("shelf low_shelf", "living_room office bedroom", count=(2, 5)),
+        _stacked(
+            "coffee_table side_table bedside desk", count=(1, 4), weight=0.8, cluster="reading"
         ),
         on(
             "coffee_table desk bedside sofa_seat bed_foot",
@@ -123,24 +113,9 @@ CATEGORY: Final = BuiltCategory(
             max_groups=1,
             cluster="reading",
         ),
-        on(
-            "window_sill cabinet_top media_top on_stack",
-            styles="lying",
-            pose="stacked",
-            max_variants=5,
-            count=(1, 3),
-            clutter=2,
-            weight=0.4,
-        ),
-        on(
-            "floor_beside_bed floor_beside_sofa",
-            styles="lying",
-            pose="stacked",
-            max_variants=5,
-            count=(1, 4),
-            clutter=3,
-            weight=0.4,
-            max_groups=1,
+        _stacked("window_sill cabinet_top media_top on_stack", count=(1, 3), clutter=2, weight=0.4),
+        _stacked(
+            "floor_beside_bed floor_beside_sofa", count=(1, 4), clutter=3, weight=0.4, max_groups=1
         ),
         on("worktop", "kitchen", styles="lying", clutter=2, weight=0.2, max_groups=1),
     ),

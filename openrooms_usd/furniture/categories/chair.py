@@ -274,10 +274,6 @@ def sled(size: Size, rng: np.random.Generator) -> Parts:
     return {"tube": frame, "seat": seat_board, "back": sheet(grid, 0.01)}
 
 
-def _armchair(size: Size, rng: np.random.Generator) -> Parts:
-    return modern(size, rng)
-
-
 def _slim(size: Size) -> bool:
     return size[0] < ARMCHAIR_WIDTH
 
@@ -292,7 +288,7 @@ CATEGORY: Final = BuiltCategory(
         "shell": Style(shell, _slim),
         "upholstered": Style(upholstered, _slim),
         "sled": Style(sled, _slim),
-        "armchair": Style(_armchair, lambda size: not _slim(size)),
+        "armchair": Style(modern, lambda size: not _slim(size)),
     },
     one_variant_per_room=True,
     mass_range=(2.3, 10),

@@ -1,9 +1,10 @@
 """Kitchen cabinets on the wall."""
 
+from functools import partial
 from typing import Final
 
 from openrooms_usd.furniture.construction import STORAGE_ROWS
-from openrooms_usd.furniture.joinery.kitchen import wall_doors, wall_flaps, wall_glass, wall_open
+from openrooms_usd.furniture.joinery.kitchen import wall_doors, wall_flaps, wall_open
 from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import KITCHEN
@@ -15,7 +16,9 @@ CATEGORY: Final = BuiltCategory(
     max_size=(4.0, 0.8, 1.3),
     styles={
         "doors": Style(wall_doors, takes=("fronts",)),
-        "glass": Style(wall_glass, lambda size: size[2] > 0.4, takes=("fronts",)),
+        "glass": Style(
+            partial(wall_doors, glass=True), lambda size: size[2] > 0.4, takes=("fronts",)
+        ),
         "flaps": Style(wall_flaps, lambda size: size[0] > 0.5, takes=("fronts",)),
         "open": Style(wall_open),
     },

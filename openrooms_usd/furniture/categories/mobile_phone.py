@@ -1,33 +1,23 @@
 """Mobile phones, on their back or on their screen."""
 
+from functools import partial
 from typing import Final
-
-import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.handheld import slab
-from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 
-
-def face_up(size: Size, rng: np.random.Generator) -> Parts:
-    """A phone that shows its screen."""
-    return slab(size, 0.009, 0.0022, camera=False)
-
-
-def face_down(size: Size, rng: np.random.Generator) -> Parts:
-    """A phone that lies on its screen, its cameras up."""
-    return slab(size, 0.009, 0.0022, camera=True)
-
+_FACE_UP: Final = partial(slab, corner=0.009, rim=0.0022)
 
 CATEGORY: Final = BuiltCategory(
     description="a mobile phone",
     size=(0.072, 0.148, 0.008),
     min_size=(0.04, 0.08, 0.005),
     max_size=(0.12, 0.22, 0.03),
-    styles={"face_up": Style(face_up), "face_down": Style(face_down)},
+    styles={"face_up": Style(_FACE_UP), "face_down": Style(partial(_FACE_UP, camera=True))},
     size_variation=STANDARD,
     support="surface",
     mass_range=(0.1, 0.3),

@@ -17,8 +17,8 @@ from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
 
 
-def _shell(size: Size, rng: np.random.Generator) -> Parts:
-    """The body, its two keys, its wheel; the keys to the back."""
+def wireless(size: Size, rng: np.random.Generator) -> Parts:
+    """The body, its wheel and the groove between its two keys; the keys to the back."""
     width, depth, height = size
     outline = superellipse(1.0, 1.0, 2.6, 26)
     crest = float(rng.uniform(-0.05, 0.03))
@@ -46,16 +46,11 @@ def _shell(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-def wireless(size: Size, rng: np.random.Generator) -> Parts:
-    """A mouse without a cable."""
-    return _shell(size, rng)
-
-
 def wired(size: Size, rng: np.random.Generator) -> Parts:
     """A mouse with a cable that runs off to the back."""
     width, depth, height = size
     body = min(0.115, 0.6 * depth)
-    parts = _shell((min(width, 0.064), body, height), rng)
+    parts = wireless((min(width, 0.064), body, height), rng)
     shift = 0.5 * body - 0.5 * depth
     bend = float(rng.choice([-1.0, 1.0])) * (width - 0.5 * min(width, 0.064) - 0.0018)
     t = np.linspace(0.0, 1.0, 13)

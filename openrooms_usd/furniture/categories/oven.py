@@ -1,9 +1,10 @@
 """Ovens to be built in."""
 
+from functools import partial
 from typing import Final
 
 from openrooms_usd.furniture.construction import COOKER_REST_ROWS, COOKER_ROWS, MACHINE_ROWS
-from openrooms_usd.furniture.joinery.cooker import double, single, swinging
+from openrooms_usd.furniture.joinery.cooker import oven
 from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import COOKERS
@@ -14,9 +15,14 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.35, 0.35, 0.35),
     max_size=(1.2, 0.9, 1.6),
     styles={
-        "single": Style(single, lambda size: size[2] < 0.95),
-        "double": Style(double, lambda size: size[2] >= 0.8, (0.6, 0.6, 1.1), mass_range=(40, 75)),
-        "swinging": Style(swinging, lambda size: size[2] < 0.95),
+        "single": Style(oven, lambda size: size[2] < 0.95),
+        "double": Style(
+            partial(oven, cells=2),
+            lambda size: size[2] >= 0.8,
+            (0.6, 0.6, 1.1),
+            mass_range=(40, 75),
+        ),
+        "swinging": Style(partial(oven, side=True), lambda size: size[2] < 0.95),
     },
     size_variation=STANDARD,
     alternative_supports=("wall",),

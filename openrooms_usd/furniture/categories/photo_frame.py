@@ -1,5 +1,6 @@
 """Photographs in frames that stand on a strut."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -19,7 +20,7 @@ _PORTRAIT: Final = framed_as(landscape, (0.02, 0.1))
 _TOWN: Final = framed_as(skyline, (0.02, 0.1))
 
 
-def _standing(build: Build, size: Size, rng: np.random.Generator) -> Parts:
+def standing(size: Size, rng: np.random.Generator, *, build: Build) -> Parts:
     """A frame that leans back, and the strut behind it."""
     width, depth, height = size
     c, s = np.cos(np.radians(_LEAN_DEG)), np.sin(np.radians(_LEAN_DEG))
@@ -38,24 +39,16 @@ def _standing(build: Build, size: Size, rng: np.random.Generator) -> Parts:
     return {**stood, "stand": strut}
 
 
-def landscape_format(size: Size, rng: np.random.Generator) -> Parts:
-    """A photograph that is wider than high."""
-    return _standing(_PORTRAIT, size, rng)
-
-
-def upright_format(size: Size, rng: np.random.Generator) -> Parts:
-    """A photograph that is higher than wide."""
-    return _standing(_TOWN, size, rng)
-
-
 CATEGORY: Final = BuiltCategory(
     description="a photograph in a standing frame",
     size=(0.2, 0.1, 0.15),
     min_size=(0.06, 0.04, 0.06),
     max_size=(0.5, 0.3, 0.5),
     styles={
-        "wide": Style(landscape_format, lambda size: size[0] > size[2]),
-        "upright": Style(upright_format, lambda size: size[0] <= size[2], (0.15, 0.12, 0.2)),
+        "wide": Style(partial(standing, build=_PORTRAIT), lambda size: size[0] > size[2]),
+        "upright": Style(
+            partial(standing, build=_TOWN), lambda size: size[0] <= size[2], (0.15, 0.12, 0.2)
+        ),
     },
     size_variation=WIDE,
     max_per_room=6,

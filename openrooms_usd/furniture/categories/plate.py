@@ -1,5 +1,6 @@
 """Plates: flat ones with a rim, and one that rises in a single curve."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -10,12 +11,12 @@ from openrooms_usd.furniture.joinery.posing import oval
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
 
 
-def _plate(r: float, h: float, curved: bool) -> Mesh:
-    """A plate on its foot ring, the radius and height of which are given, metres."""
+def plate(size: Size, rng: np.random.Generator, *, curved: bool) -> Parts:
+    """A plate on its foot ring: flat with a rim that slopes, or curved and a little deeper."""
+    r, h = 0.5 * min(size[0], size[1]), size[2]
     if curved:
         low = [
             (0.0, 0.1 * h),
@@ -54,21 +55,7 @@ def _plate(r: float, h: float, curved: bool) -> Mesh:
             (0.54 * r, 0.29 * h),
             (0.0, 0.28 * h),
         ]
-    return lathe([*low, *high], segments=36, crease=55.0)
-
-
-def _shaped(size: Size, curved: bool) -> Mesh:
-    return oval(_plate(0.5 * min(size[0], size[1]), size[2], curved), size)
-
-
-def dinner(size: Size, rng: np.random.Generator) -> Parts:
-    """A flat plate with a rim that slopes."""
-    return {"plate": _shaped(size, False)}
-
-
-def coupe(size: Size, rng: np.random.Generator) -> Parts:
-    """A plate without a rim, a little deeper."""
-    return {"plate": _shaped(size, True)}
+    return {"plate": oval(lathe([*low, *high], segments=36, crease=55.0), size)}
 
 
 CATEGORY: Final = BuiltCategory(
@@ -77,8 +64,10 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.1, 0.1, 0.012),
     max_size=(0.45, 0.45, 0.25),
     styles={
-        "dinner": Style(dinner, lambda size: size[2] < 0.05),
-        "coupe": Style(coupe, lambda size: size[2] < 0.07, (0.21, 0.21, 0.032)),
+        "dinner": Style(partial(plate, curved=False), lambda size: size[2] < 0.05),
+        "coupe": Style(
+            partial(plate, curved=True), lambda size: size[2] < 0.07, (0.21, 0.21, 0.032)
+        ),
     },
     round=True,
     one_variant_per_room=True,

@@ -1,33 +1,24 @@
 """Remote controls: a long one full of keys, and a short one with a ring."""
 
+from functools import partial
 from typing import Final
-
-import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.handheld import keyed
-from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
+from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
-
-
-def full(size: Size, rng: np.random.Generator) -> Parts:
-    """A long one with many keys."""
-    return keyed(size, 11, ring=False, rng=rng)
-
-
-def slim(size: Size, rng: np.random.Generator) -> Parts:
-    """A short one with a ring of directions."""
-    return keyed(size, 5, ring=True, rng=rng)
-
 
 CATEGORY: Final = BuiltCategory(
     description="a remote control",
     size=(0.047, 0.2, 0.022),
     min_size=(0.02, 0.08, 0.008),
     max_size=(0.1, 0.35, 0.05),
-    styles={"full": Style(full), "slim": Style(slim, size=(0.038, 0.145, 0.016))},
+    styles={
+        "full": Style(partial(keyed, rows=11, ring=False)),
+        "slim": Style(partial(keyed, rows=5, ring=True), size=(0.038, 0.145, 0.016)),
+    },
     size_variation=STANDARD,
     max_per_room=2,
     support="surface",

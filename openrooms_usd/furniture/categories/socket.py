@@ -1,5 +1,6 @@
 """Sockets in a wall: a cover with inserts and the holes for plugs."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -14,7 +15,7 @@ from openrooms_usd.geometry.mesh import joined
 from openrooms_usd.geometry.solids import cylinder
 
 
-def _round(size: Size, count: int) -> Parts:
+def round_(size: Size, rng: np.random.Generator, *, count: int) -> Parts:
     """Round inserts side by side with two holes each, as most of Europe has them."""
     front, middle = -0.5 * size[1], 0.5 * size[2]
     radius, pitch = 0.021, 0.071
@@ -31,16 +32,6 @@ def _round(size: Size, count: int) -> Parts:
         "insert": joined(inserts),
         "hole": joined(holes),
     }
-
-
-def double(size: Size, rng: np.random.Generator) -> Parts:
-    """Two in one cover."""
-    return _round(size, 2)
-
-
-def single(size: Size, rng: np.random.Generator) -> Parts:
-    """One in a square cover."""
-    return _round(size, 1)
 
 
 def duplex(size: Size, rng: np.random.Generator) -> Parts:
@@ -70,8 +61,12 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.05, 0.01, 0.05),
     max_size=(0.4, 0.03, 0.2),
     styles={
-        "double": Style(double, lambda size: size[0] > 1.5 * size[2]),
-        "single": Style(single, lambda size: abs(size[0] - size[2]) < 0.01, (0.082, 0.012, 0.082)),
+        "double": Style(partial(round_, count=2), lambda size: size[0] > 1.5 * size[2]),
+        "single": Style(
+            partial(round_, count=1),
+            lambda size: abs(size[0] - size[2]) < 0.01,
+            (0.082, 0.012, 0.082),
+        ),
         "duplex": Style(duplex, lambda size: size[2] > 1.3 * size[0], (0.07, 0.012, 0.115)),
     },
     size_variation=STANDARD,

@@ -1,9 +1,10 @@
 """Stoves: a hob of gas or glass over an oven."""
 
+from functools import partial
 from typing import Final
 
 from openrooms_usd.furniture.construction import COOKER_REST_ROWS, COOKER_ROWS, MACHINE_ROWS
-from openrooms_usd.furniture.joinery.cooker import gas, glass, guarded, wide
+from openrooms_usd.furniture.joinery.cooker import cooker, guarded
 from openrooms_usd.furniture.joinery.pieces import Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import COOKERS
@@ -14,10 +15,12 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.4, 0.4, 0.6),
     max_size=(1.6, 0.9, 1.4),
     styles={
-        "gas": Style(gas, lambda size: size[2] < 1.05),
-        "glass": Style(glass, lambda size: size[2] < 1.05),
+        "gas": Style(partial(cooker, gas=True), lambda size: size[2] < 1.05),
+        "glass": Style(partial(cooker, gas=False), lambda size: size[2] < 1.05),
         "guarded": Style(guarded, lambda size: size[2] > 0.98, (0.76, 0.68, 1.12)),
-        "wide": Style(wide, lambda size: size[0] > 0.85, (1.1, 0.66, 0.94)),
+        "wide": Style(
+            partial(cooker, gas=True, ovens=2), lambda size: size[0] > 0.85, (1.1, 0.66, 0.94)
+        ),
     },
     size_variation=STANDARD,
     fixed=True,

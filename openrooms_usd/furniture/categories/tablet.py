@@ -1,5 +1,6 @@
 """Tablets: lying, and in a cover that is folded to a stand."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -14,10 +15,7 @@ from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
 from openrooms_usd.geometry.mesh import joined
 
-
-def lying(size: Size, rng: np.random.Generator) -> Parts:
-    """A tablet on its back."""
-    return slab(size, 0.012, 0.009, camera=False)
+_LYING: Final = partial(slab, corner=0.012, rim=0.009)
 
 
 def propped(size: Size, rng: np.random.Generator) -> Parts:
@@ -25,7 +23,7 @@ def propped(size: Size, rng: np.random.Generator) -> Parts:
     width, depth, height = size
     lean = np.arctan2(0.55 * depth, height)
     tall = (height - 0.0075 * np.sin(lean) - 0.003) / np.cos(lean)
-    parts = slab((width, tall, 0.0075), 0.012, 0.009, camera=False)
+    parts = _LYING((width, tall, 0.0075), rng)
     stand: Parts = {}
     for name, mesh in parts.items():
         upright = turned(mesh.moved((0.0, 0.5 * tall, 0.0)), "x", 90.0 - float(np.degrees(lean)))
@@ -44,7 +42,7 @@ CATEGORY: Final = BuiltCategory(
     min_size=(0.1, 0.05, 0.005),
     max_size=(0.4, 0.4, 0.3),
     styles={
-        "lying": Style(lying, lambda size: size[2] < 0.03),
+        "lying": Style(_LYING, lambda size: size[2] < 0.03),
         "propped": Style(propped, lambda size: size[2] > 0.05, (0.25, 0.15, 0.165)),
     },
     size_variation=STANDARD,

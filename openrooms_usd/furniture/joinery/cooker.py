@@ -146,8 +146,10 @@ def glass_hob(made: Assembly, width: float, middle: float, depth: float, top: fl
         made.add("mark", circle.moved((a, middle + b, top - 0.002)))
 
 
-def _range(size: Size, gas: bool, ovens: int, guard: float = 0.0) -> Furniture:
-    """A hob, a strip of controls, ovens side by side, a drawer for trays."""
+def cooker(
+    size: Size, rng: np.random.Generator, *, gas: bool, ovens: int = 1, guard: float = 0.0
+) -> Furniture:
+    """A hob of gas or glass, a strip of controls, ovens side by side, a drawer for trays."""
     width, depth, height = size
     made = Assembly()
     face, back, x = -0.5 * depth + HANDLE + DOOR + SEAT, 0.5 * depth, 0.5 * width
@@ -175,27 +177,13 @@ def _range(size: Size, gas: bool, ovens: int, guard: float = 0.0) -> Furniture:
     return made.furniture()
 
 
-def gas(size: Size, rng: np.random.Generator) -> Furniture:
-    """Gas burners under cast grates."""
-    return _range(size, True, 1)
-
-
-def glass(size: Size, rng: np.random.Generator) -> Furniture:
-    """A flat hob of glass."""
-    return _range(size, False, 1)
-
-
 def guarded(size: Size, rng: np.random.Generator) -> Furniture:
     """A panel with a clock rises at the back; gas or glass."""
-    return _range(size, bool(rng.integers(2)), 1, min(0.18, 0.18 * size[2]))
+    return cooker(size, rng, gas=bool(rng.integers(2)), guard=min(0.18, 0.18 * size[2]))
 
 
-def wide(size: Size, rng: np.random.Generator) -> Furniture:
-    """A broad range: six burners and two ovens side by side."""
-    return _range(size, True, 2)
-
-
-def _built_in(size: Size, cells: int, side: bool = False) -> Furniture:
+def oven(size: Size, rng: np.random.Generator, *, cells: int = 1, side: bool = False) -> Furniture:
+    """Cavities above each other; the door drops, or hangs on its left side."""
     width, depth, height = size
     made = Assembly()
     face, back, x = -0.5 * depth + HANDLE + DOOR + SEAT, 0.5 * depth, 0.5 * width
@@ -208,18 +196,3 @@ def _built_in(size: Size, cells: int, side: bool = False) -> Furniture:
     ):
         _oven(made, cell, face, back - 0.03, side)
     return made.furniture()
-
-
-def single(size: Size, rng: np.random.Generator) -> Furniture:
-    """One cavity, the door drops."""
-    return _built_in(size, 1)
-
-
-def double(size: Size, rng: np.random.Generator) -> Furniture:
-    """Two cavities above each other."""
-    return _built_in(size, 2)
-
-
-def swinging(size: Size, rng: np.random.Generator) -> Furniture:
-    """One cavity, the door hangs on its left side."""
-    return _built_in(size, 1, side=True)

@@ -9,11 +9,14 @@ from openrooms_usd.geometry.solids import box, cylinder
 from openrooms_usd.geometry.sweeps import extrude
 
 
-def slab(size: Size, corner: float, rim: float, camera: bool) -> Parts:
+def slab(
+    size: Size, rng: np.random.Generator, *, corner: float, rim: float, camera: bool = False
+) -> Parts:
     """A slab with a screen on its upper side, ``rim`` metres from its edge.
 
     Args:
         size: Width, depth and thickness, metres.
+        rng: Of any builder; here it draws nothing.
         corner: Radius of its corners, metres.
         rim: How much of its edge the screen leaves, metres.
         camera: Whether it lies on its screen and shows its cameras instead.
@@ -34,7 +37,7 @@ def slab(size: Size, corner: float, rim: float, camera: bool) -> Parts:
     return {"body": joined([body, island]), "lens": joined(lenses)}
 
 
-def keyed(size: Size, rows: int, ring: bool, rng: np.random.Generator) -> Parts:
+def keyed(size: Size, rng: np.random.Generator, *, rows: int, ring: bool) -> Parts:
     """A bar with keys on its upper side, its front end towards -Y."""
     width, depth, height = size
     proud = 0.0018

@@ -164,11 +164,6 @@ def wall_doors(
     return unit.made.furniture()
 
 
-def wall_glass(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
-    """Framed doors with panes."""
-    return wall_doors(size, rng, order, glass=True)
-
-
 def wall_flaps(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
     """Wide flaps that open upwards, one above the other where it is high."""
     look = ordered_look(order, rng)
