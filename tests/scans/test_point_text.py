@@ -28,6 +28,12 @@ def rows(separator: str = " ", *columns: list[list[float]]) -> str:
     return "".join(separator.join(f"{value:g}" for value in row) + "\n" for row in whole)
 
 
+def indexed(separator: str) -> str:
+    """The points after their numbers, as tables of pandas are saved."""
+    lines = rows(separator).splitlines()
+    return "".join(f"{number}{separator}{line}\n" for number, line in enumerate(lines))
+
+
 def given(cloud: Cloud) -> str:
     return " ".join(name for name in ATTRIBUTES if getattr(cloud, name) is not None)
 
@@ -53,6 +59,7 @@ DIALECTS: dict[str, tuple[str | bytes, str, str]] = {
     "decimal commas, tabs": (rows("\t").replace(".", ","), "", ""),
     "decimal commas, blanks": (rows().replace(".", ","), "", ""),
     "decimal commas, quotes": (rows(",").replace("6.5", '"6,5"').replace("8.25", '"8,25"'), "", ""),
+    "pandas": (",x,y,z\n" + indexed(","), "", "not used: column 1"),
     "quotes": ('"x","y","z"\n' + '"' + rows('","').replace("\n", '"\n"')[:-1], "", ""),
     "comments": ("% made by hand\n% x y z\n# and\n// so\n\n" + rows(), "", ""),
     "comments between": (rows().replace("\n", "\n# so\n\n"), "", ""),

@@ -319,3 +319,23 @@ def test_a_linkage_is_a_loop_of_parallel_bars(
         assert abs(fallen) == pytest.approx(abs(expected), rel=0.03)
     ends = [poses["other"] @ [LENGTH, 0, 0, 1], poses["coupler"] @ [0, 0, -0.5, 1]]
     np.testing.assert_allclose(ends[0], ends[1], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("schema", "drive"),
+    [(UsdPhysics.RevoluteJoint, "rotY"), (UsdPhysics.PrismaticJoint, "angular")],
+)
+def test_drives_of_another_kind_of_joint_are_told(
+    stage: Usd.Stage, schema: type, drive: str
+) -> None:
+    joint = joined(stage, schema, *HELD)
+    UsdPhysics.DriveAPI.Apply(joint.GetPrim(), drive).CreateStiffnessAttr(10.0)
+    assert [row[2] for row in read_world(stage).losses] == [
+        f"no joint of its kind has the drive {drive!r}"
+    ]
+
+
+def test_a_joint_to_what_is_missing_says_so(stage: Usd.Stage) -> None:
+    joined(stage, UsdPhysics.RevoluteJoint, ("nobody", "bar"), HELD[1])
+    told = [row[2] for row in read_world(stage).losses]
+    assert told[0].startswith("it joins /World/nobody, which is missing")

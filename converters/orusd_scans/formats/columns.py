@@ -132,7 +132,7 @@ def _named(words: Sequence[str]) -> Heading | None:
             units.add(unit)
         if name.startswith(_OPEN):
             return Heading(tuple(names), more=True) if {*_PLACE} <= {*names} else None
-        names.append(name)
+        names.append(name or f"column {len(names) + 1}")
     if not {*_PLACE} <= {*names}:
         return None
     return Heading(tuple(names), units.pop() if len(units) == 1 else None)

@@ -122,4 +122,5 @@ def _seen(start: list[str], path: Path) -> tuple[Layout, int, int]:
 
 
 def _is_name(field: str) -> bool:
-    return field[:1].isalpha() or field[:1] == "_"
+    # Tables of pandas do not name the column of their index.
+    return not field or field[0].isalpha() or field[0] == "_"

@@ -31,6 +31,12 @@ UNKNOWN_KINDS: Final = {
     Kind.CustomJoint: "a joint of its own kind",
 }
 _DIRECTIONS: Final = ("transX", "transY", "transZ", "rotX", "rotY", "rotZ")
+# What may drive a joint of each kind.
+_DRIVES: Final = {
+    Kind.RevoluteJoint: ("angular",),
+    Kind.PrismaticJoint: ("linear",),
+    Kind.D6Joint: _DIRECTIONS,
+}
 # Largest mismatch of the two frames of a joint, metres and radians.
 _APART_M_RAD: Final = 1e-3
 # Frames of joints are stored in single precision.
@@ -109,6 +115,7 @@ def freedoms_of(frames: Frames, kind: Any, desc: Any, reader: ShapeReader) -> tu
         desc: As USD's parser has it.
         reader: Receives what is approximated.
     """
+    _tell_idle_drives(frames, kind, desc, reader)
     if kind == Kind.FixedJoint:
         return ()
     if kind == Kind.D6Joint:
@@ -121,6 +128,14 @@ def freedoms_of(frames: Frames, kind: Any, desc: Any, reader: ShapeReader) -> tu
     if limit[0] == limit[1]:
         return ()
     return (_freedom(frames, axis, turns, limit, desc.drive, reader, desc.primPath),)
+
+
+def _tell_idle_drives(frames: Frames, kind: Any, desc: Any, reader: ShapeReader) -> None:
+    """Say which drives are for joints of another kind: nothing asks for them."""
+    applied = frames.stage.GetPrimAtPath(desc.primPath).GetAppliedSchemas()
+    drives = {name.partition(":")[2] for name in applied if name.startswith("PhysicsDriveAPI:")}
+    for name in sorted(drives - set(_DRIVES.get(kind, ()))):
+        reader.lose(desc.primPath, "approximated", f"no joint of its kind has the drive {name!r}")
 
 
 def _several(frames: Frames, desc: Any, reader: ShapeReader) -> Iterator[Freedom]:

@@ -213,7 +213,11 @@ class _Reading:
                 ends.append((body, anchor))
                 continue
             # What a joint names need not be there, or be a prim.
-            named = rel if rel.IsPrimPath() and self.stage.GetPrimAtPath(rel) else path
+            is_there = rel.IsPrimPath() and self.stage.GetPrimAtPath(rel)
+            if rel and not is_there:
+                lost = f"it joins {rel}, which is missing: it holds on to what stands still"
+                self.reader.lose(path, "approximated", lost)
+            named = rel if is_there else path
             fixed = self._add(self._owner(named), moves=False)
             # The standard gives what holds on to nothing that moves in the stage's own frame.
             held = self.frames.rigid(body) if body else self.frames.placed(np.eye(4))
