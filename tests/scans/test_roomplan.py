@@ -257,6 +257,15 @@ def test_of_rooms_with_corners_inside_only_slopes_change_the_ceiling(scanner) ->
     assert same_ring(to_source(capture, capture.roof), scanner.source(tops), 1e-8)
 
 
+def test_the_ceiling_of_two_rooms_side_by_side_does_not_lean(scanner) -> None:
+    data = scanner.room(BOX, 2.0)
+    data["walls"][1] = scanner.surface("wall", BOX[1], BOX[2], 0.0, 2.8)
+    data["walls"].append(scanner.surface("wall", [3, 0], [3, 4], 0.0, 2.0))
+    capture = read(scanner.write(data))
+    assert (capture.roof, len(capture.partitions)) == (None, 1)
+    assert "1 wall is 2.80 m high" in capture.notes[0]
+
+
 def spoiled(data: dict, **changes: object) -> dict:
     data["walls"][2] |= changes
     return data

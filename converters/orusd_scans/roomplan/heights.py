@@ -1,7 +1,7 @@
 """How high a room of RoomPlan is: along the tops of its walls, or level.
 
-Where walls slope, or where walls around a convex floor differ in height, the ceiling follows their
-tops. Where two meet it is as high as the higher one, so that nothing captured is above it.
+Where walls slope, or where those around a convex floor without walls inside differ in height, the
+ceiling follows their tops. Where two meet it is as high as the higher one, so that nothing captured is above it.
 """
 
 from collections import defaultdict
@@ -86,7 +86,7 @@ def ceiling_over(
     level = _usual([top for _, top in tops])
     slopes = any(_is_sloped(top) for _, top in outer)
     if floor is not None and len(floor) <= _MOST_CORNERS:
-        if slopes or float(turns(floor).min()) > -_STRAIGHT_RAD:
+        if slopes or (not inner and float(turns(floor).min()) > -_STRAIGHT_RAD):
             pieces = [row for name, top in outer for row in _pieces(name, top, floor)]
             crowns = _crowns(floor, pieces, level)
             line = _around(floor, crowns)
