@@ -166,7 +166,9 @@ class Capture:
         source_from_world: (4, 4) takes world points (metres, Z up) to the source's own frame.
         floor: (N, 2) corners of the floor polygon, counter-clockwise seen from above, metres;
             None when the source has none.
-        height: Floor to ceiling, metres; None when the source does not know.
+        height: Floor to ceiling, at its highest, metres; None when the source does not know.
+        roof: (M, 3) the line where the walls meet a ceiling that is not level, in order around the
+            floor: above every corner of it, and where a top bends; metres.
         openings: Windows, doors and openings.
         partitions: Walls that are not on the floor's outline but inside it.
         boxes: Objects known by their boxes.
@@ -186,6 +188,7 @@ class Capture:
     source_from_world: NDArray[np.float64]
     floor: NDArray[np.float64] | None = None
     height: float | None = None
+    roof: NDArray[np.float64] | None = None
     openings: tuple[CapturedOpening, ...] = ()
     partitions: tuple[CapturedPartition, ...] = ()
     boxes: tuple[CapturedBox, ...] = ()

@@ -38,6 +38,8 @@ class Wall:
             patterns run on from wall to wall.
         partition: The name of a wall that stands free in the room; None for one of its outline.
         height: Of a wall that ends below the ceiling, metres.
+        crown: (K, 2) its top under a ceiling that is not level: x along its inner edge, from end to
+            end, and height, metres.
     """
 
     number: int
@@ -48,15 +50,20 @@ class Wall:
     start: float
     partition: str | None = None
     height: float | None = None
+    crown: Array | None = None
 
     @property
     def name(self) -> str:
         """Its prim name."""
         return self.partition or f"wall_{self.number}"
 
-    def top(self, ceiling: float) -> float:
-        """How high it reaches in a room of that height, metres."""
-        return ceiling if self.height is None else min(self.height, ceiling)
+    def top(self, ceiling: float, span: tuple[float, float] = (-np.inf, np.inf)) -> float:
+        """How high all of it reaches over a span of x, in a room of that height, metres."""
+        if self.crown is None:
+            return ceiling if self.height is None else min(self.height, ceiling)
+        x, height = self.crown.T
+        bends = x[(x > span[0]) & (x < span[1])]
+        return float(np.interp([*span, *bends], x, height).min())
 
     @property
     def length(self) -> float:

@@ -1,8 +1,8 @@
-"""Convex pieces of an upright wall with rectangular holes, exactly."""
+"""Convex pieces of an upright wall with rectangular holes, and of slabs, exactly."""
 
 from collections.abc import Iterator
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ def panel_pieces(mesh: TriangleMesh) -> list[TriangleMesh]:
 
     Args:
         mesh: A closed solid: an upright prism over a convex outline, such as a wall with mitred
-            ends, with rectangular holes through it; Z up, metres.
+            ends, with rectangular holes through it; Z up, metres. Its top may slope.
 
     Returns:
         Its pieces from one end to the other; none where it is no such solid.
@@ -38,9 +38,9 @@ def panel_pieces(mesh: TriangleMesh) -> list[TriangleMesh]:
     local = mesh.points @ frame
     outline = _convex(local[:, :2])
     face = _face(local, mesh)
-    if not _is_rectangular(face):
+    if not _is_panel(face):
         return []
-    pieces = [_prism(outline, *rectangle) for rectangle in _rectangles(face)]
+    pieces = [_prism(outline, *part) for part in _trapezoids(face)]
     solids = [_turned(piece, frame) for piece in pieces if piece is not None]
     whole = volume(mesh)
     return solids if abs(sum(map(volume, solids)) - whole) <= _MISSING_VOLUME_SHARE * whole else []
@@ -71,14 +71,16 @@ def _face(local: Array, mesh: TriangleMesh) -> "Geometry":
     return shapely.union_all(shapely.polygons(rings), grid_size=_SAME_LINE_M)
 
 
-def _is_rectangular(face: "Geometry") -> bool:
-    """Whether all edges run level or upright."""
+def _is_panel(face: "Geometry") -> bool:
+    """Whether all edges run level or upright, but for those above its foot."""
     import shapely
 
-    rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(face)]
-    return all(
-        np.abs(np.diff(ring, axis=0)).min(axis=1).max() <= 2 * _SAME_LINE_M for ring in rings
-    )
+    foot = shapely.bounds(face)[1]
+    for ring in map(shapely.get_coordinates, shapely.get_rings(face)):
+        slants = np.abs(np.diff(ring, axis=0)).min(axis=1) > 2 * _SAME_LINE_M
+        if (np.minimum(ring[:-1, 1], ring[1:, 1])[slants] <= foot + _SAME_LINE_M).any():
+            return False
+    return True
 
 
 def _convex(points: Array) -> Array:
@@ -92,49 +94,84 @@ def _convex(points: Array) -> Array:
     return ring[::-1] if clockwise else ring
 
 
-def _rectangles(face: "Geometry") -> Iterator[tuple[float, float, float, float]]:
-    """(left, right, bottom, top) of what is left between holes; the ends reach to infinity."""
+# Heights at the left and at the right end of a piece.
+_Ends: TypeAlias = tuple[float, float]
+
+
+def _trapezoids(face: "Geometry") -> Iterator[tuple[_Ends, _Ends, _Ends, _Ends]]:
+    """What is left between holes: its ends, where it is cut, its bottoms and tops.
+
+    At the ends of the face nothing is cut: there the outline ends.
+    """
     import shapely
 
-    low, bottom, high, top = shapely.bounds(face).tolist()
+    low, _, high, _ = shapely.bounds(face).tolist()
     corners = np.unique(np.round(shapely.get_coordinates(face)[:, 0], 6))
-    spans: list[tuple[float, float, tuple[tuple[float, float], ...]]] = []
+    spans: list[tuple[float, float, tuple[tuple[_Ends, _Ends], ...]]] = []
     for left, right in pairwise(corners.tolist()):
         if right - left < 2 * _SAME_LINE_M:
             continue
-        x = 0.5 * (left + right)
-        crossed = shapely.intersection(face, shapely.linestrings([[x, bottom], [x, top]]))
-        bounds = shapely.bounds(shapely.get_parts(crossed)).tolist()
-        upright = tuple(
-            sorted((part[1], part[3]) for part in bounds if part[3] - part[1] > _SAME_LINE_M)
-        )
-        if spans and spans[-1][2] == upright:
+        upright = tuple(_uprights(face, left, right))
+        if spans and spans[-1][2] == upright and all(a == b for pair in upright for a, b in pair):
             spans[-1] = (spans[-1][0], right, upright)
         else:
             spans.append((left, right, upright))
     for left, right, upright in spans:
-        ends = (-np.inf if left <= low else left, np.inf if right >= high else right)
-        yield from ((*ends, *levels) for levels in upright)
+        cuts = (-np.inf if left <= low else left, np.inf if right >= high else right)
+        yield from (((left, right), cuts, *levels) for levels in upright)
 
 
-def slab_hull(mesh: TriangleMesh) -> TriangleMesh:
-    """The convex hull of a level slab, exactly: a prism over the hull of its plan."""
+def _uprights(face: "Geometry", left: float, right: float) -> Iterator[tuple[_Ends, _Ends]]:
+    """Bottoms and tops of a face's parts between two uprights, from below."""
+    import shapely
+
+    _, bottom, _, top = shapely.bounds(face).tolist()
+    found = []
+    for share in (0.5, 0.25, 0.75):
+        x = left + share * (right - left)
+        crossed = shapely.intersection(face, shapely.linestrings([[x, bottom], [x, top]]))
+        bounds = shapely.bounds(shapely.get_parts(crossed)).tolist()
+        found.append(sorted((p[1], p[3]) for p in bounds if p[3] - p[1] > _SAME_LINE_M))
+    for middle, *beside in zip(*found, strict=False):
+        levels = []
+        for at, a, b in zip(middle, *beside, strict=True):
+            rise = b - a if abs(b - a) > _SAME_LINE_M else 0.0
+            levels.append((at - rise, at + rise))
+        yield levels[0], levels[1]
+
+
+def slab_pieces(mesh: TriangleMesh) -> list[TriangleMesh]:
+    """The convex pieces of a slab with a level top, exactly.
+
+    The hull of one that is level below, too: a prism over the hull of its plan. Of another one the
+    prism over each of its lower triangles.
+    """
     levels = mesh.points[:, 2]
-    return _solid(_convex(mesh.points[:, :2]), float(levels.min()), float(levels.max()))
+    a, b, c = np.moveaxis(mesh.points[mesh.triangles], 1, 0)
+    lower = np.cross(b - a, c - a)[:, 2] < -(_SAME_LINE_M**2)
+    rings = mesh.points[mesh.triangles[lower]][:, ::-1]
+    low, high = float(levels.min()), float(levels.max())
+    if rings[:, :, 2].max(initial=low) < low + _SAME_LINE_M:
+        return [_solid(_convex(mesh.points[:, :2]), low, high)]
+    return [_solid(ring[:, :2], ring[:, 2], high) for ring in rings]
 
 
 def _prism(
-    outline: Array, left: float, right: float, bottom: float, top: float
+    outline: Array, ends: _Ends, cuts: _Ends, bottoms: _Ends, tops: _Ends
 ) -> TriangleMesh | None:
-    """The outline between two uprights and two levels; None where nothing is left of it."""
-    kept = _distinct(_cut(_cut(outline, left, 1.0), right, -1.0))
-    return _solid(kept, bottom, top) if len(kept) >= 3 else None
+    """The outline between two uprights and two heights; None where nothing is left of it."""
+    kept = _distinct(_cut(_cut(outline, cuts[0], 1.0), cuts[1], -1.0))
+    if len(kept) < 3:
+        return None
+    bottom, top = (np.interp(kept[:, 0], ends, heights) for heights in (bottoms, tops))
+    return _solid(kept, bottom, top)
 
 
-def _solid(ring: Array, bottom: float, top: float) -> TriangleMesh:
-    """A prism over a convex, counter-clockwise (K, 2) ring."""
+def _solid(ring: Array, bottom: float | Array, top: float | Array) -> TriangleMesh:
+    """A prism over a convex, counter-clockwise (K, 2) ring; its ends may slope."""
     n = len(ring)
-    points = np.column_stack([np.tile(ring, (2, 1)), np.repeat([bottom, top], n)])
+    heights = np.concatenate([np.broadcast_to(z, n) for z in (bottom, top)])
+    points = np.column_stack([np.tile(ring, (2, 1)), heights])
     i = np.arange(n)
     j = (i + 1) % n
     fan = np.stack([np.zeros(n - 2, np.int64), i[1:-1], i[2:]], axis=1)

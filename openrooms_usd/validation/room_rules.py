@@ -77,9 +77,7 @@ def _beyond_points(room: RoomView, points: Array) -> float:
         out.append(float(shapely.distance(room.outline, shapely.points(points[:, :2])).max()))
     if room.floor is not None:
         out.append(room.floor - float(points[:, 2].min()))
-    if room.ceiling is not None:
-        out.append(float(points[:, 2].max()) - room.ceiling)
-    return max(out)
+    return max(*out, room.above_ceiling(points))
 
 
 def _notched(room: RoomView, thing: RoomObject) -> bool:

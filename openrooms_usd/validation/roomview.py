@@ -11,6 +11,7 @@ from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
+from openrooms_usd.geometry.slopes import heights_over, sloping
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.placement.bodies import Body, solid
 from openrooms_usd.usd.light.emitters import DistantLight, DomeLight
@@ -190,9 +191,24 @@ class RoomView:
 
     @cached_property
     def ceiling(self) -> float | None:
-        """Height of the ceiling; None without one."""
+        """Height of the ceiling, at its highest; None without one."""
         box = self._box(names.CEILING)
-        return None if box.IsEmpty() else float(box.GetMin()[2])
+        highest = self._slopes[:, :, 2].max(initial=-np.inf)
+        return None if box.IsEmpty() else float(max(highest, box.GetMin()[2]))
+
+    def above_ceiling(self, points: Array) -> float:
+        """How far the farthest of (N, 3) points is above the ceiling there; less than 0: below."""
+        if self.ceiling is None:
+            return -np.inf
+        slopes = self._slopes
+        if not len(slopes):
+            return float(points[:, 2].max()) - self.ceiling
+        return float((points[:, 2] - heights_over(slopes, points[:, :2], self.ceiling)).max())
+
+    @cached_property
+    def _slopes(self) -> Array:
+        """(N, 3, 3) the lower faces of a ceiling that is not level."""
+        return sloping(_triangles(m for m in self._meshes if m.path == names.CEILING))
 
     def _box(self, path: str) -> Gf.Range3d:
         prim = self.stage.GetPrimAtPath(path)

@@ -9,7 +9,7 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import box, sphere
 from openrooms_usd.geometry.triangulation import TriangleMesh, triangulate
 from openrooms_usd.physics.hulls import half_spaces
-from openrooms_usd.physics.panels import panel_pieces, slab_hull
+from openrooms_usd.physics.panels import panel_pieces, slab_pieces
 
 ROOM = np.array([[0, 0], [5.6, 0], [5.6, 3.2], [4.6, 4.4], [2.0, 4.4], [2.0, 3.0], [0, 3.0]])
 HEIGHT = 2.6
@@ -55,7 +55,7 @@ def test_what_is_no_wall_has_no_pieces() -> None:
 
 def test_a_floor_is_the_prism_over_the_hull_of_its_plan() -> None:
     floor = triangles(slab(ROOM, 0.24, -0.24, 0.0))
-    hull = slab_hull(floor)
+    (hull,) = slab_pieces(floor)
     assert set(np.unique(hull.points[:, 2])) == {-0.24, 0.0}
     assert inside(hull, floor.points).all()
     a, b, c = np.moveaxis(hull.points[hull.triangles], 1, 0)

@@ -4,12 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pxr import Usd
+from pxr import Usd, UsdGeom
 
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
+from openrooms_usd.stages.alignment.surroundings import surroundings
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.validation.roomview import RoomView
 
 CORNERS = [[0, 0], [5, 0], [5, 4], [0, 4]]
 
@@ -148,3 +150,58 @@ def test_doors_and_passages_reach_the_floor(scanner) -> None:
     assert sills == {"opening_o": 0.0, "door_d": 0.0, "window_w": pytest.approx(0.07)}
     # A passage has neither frame nor leaf.
     assert not stage.GetPrimAtPath("/World/Room/Openings/opening_o").GetChildren()
+
+
+# The two gables of a room of 5 m by 4 m: 2 m at the eaves, 3 m at the ridge.
+GABLE = [[-2, -1, 0], [2, -1, 0], [2, 1, 0], [0, 2, 0], [-2, 1, 0]]
+
+
+def attic(scanner, **more: object) -> Path:
+    data = scanner.room(CORNERS, 2.0, **more)
+    for i in (1, 3):
+        data["walls"][i]["polygonCorners"] = GABLE
+    return scanner.write(data)
+
+
+def heights(stage: Usd.Stage, name: str) -> tuple[float, float]:
+    z = np.array(stage.GetAttributeAtPath(f"/World/Room/{name}.points").Get())[:, 2]
+    return float(z.min()), float(z.max())
+
+
+def test_gables_are_built_with_a_ceiling_that_follows_them(scanner) -> None:
+    window = scanner.surface("window", [5, 1.5], [5, 2.5], 1.0, 2.9, identifier="high")
+    path = attic(scanner, windows=[window])
+    stage, notes = author(path, ", trim: {cornice: {}, skirting: {}}, ceiling: beams")
+    assert heights(stage, "Walls/wall_0") == pytest.approx((0, 2))
+    assert heights(stage, "Walls/wall_1") == pytest.approx((0, 3))
+    assert heights(stage, "Ceiling") == pytest.approx((2, 3.2))
+    trim = stage.GetPrimAtPath("/World/Room/Trim").GetChildren()
+    assert [prim.GetName() for prim in trim] == ["Skirting"]
+    assert openings(stage)["window_high"][2] == pytest.approx(1.73)
+    assert notes[1:] == [
+        "left out the cornice and the beams: the ceiling slopes; `height` makes it level",
+        "made the window high 17.0 cm smaller, to fit wall 1",
+    ]
+    # What hangs, and what is held against the ceiling, sees it where it is.
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    room, view = surroundings(stage), RoomView(stage)
+    assert [room.ceiling_over(2.5, y) for y in (0.5, 2.0, 3.5)] == pytest.approx([2.25, 3.0, 2.25])
+    assert view.ceiling == pytest.approx(3.0)
+    assert view.above_ceiling(np.array([[2.5, 2.0, 2.9]])) == pytest.approx(-0.1)
+    assert view.above_ceiling(np.array([[2.5, 0.5, 2.5], [2.5, 2.0, 2.9]])) == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(
+    ("more", "told"),
+    [(", height: 2.5", None), (", polygon: [[0, 0], [5, 0], [5, 4], [0, 4]]", "level, at 3.00 m")],
+)
+def test_a_given_height_or_a_drawn_outline_makes_the_ceiling_level(
+    scanner, more: str, told: str | None
+) -> None:
+    stage, notes = author(attic(scanner), more)
+    level = 3.0 if told else 2.5
+    assert heights(stage, "Ceiling") == pytest.approx((level, level + 0.2))
+    tops = [heights(stage, f"Walls/wall_{i}")[1] for i in range(4)]
+    assert tops == pytest.approx([level] * 4)
+    assert (told or "follows") in notes[-1]

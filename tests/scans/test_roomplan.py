@@ -201,33 +201,69 @@ def test_boxes_have_their_width_right_depth_back_and_height_up(scanner, yaw: flo
     assert to_source(capture, box.center) == pytest.approx(scanner.source([1, 2, 0.45]))
 
 
-# Outlines of the second wall, 3 m by 2 m about its middle, and the height of the room's ceiling.
-GABLE = [[-1.5, -1, 0], [1.5, -1, 0], [1.5, 0, 0], [0, 1.5, 0], [-1.5, 0, 0]]
-SHED = [[-1.5, -1, 0], [1.5, -1, 0], [1.5, 1.25, 0], [-1.5, 0.5, 0]]
-SQUARE = [[-1.5, -1, 0], [1.5, -1, 0], [1.5, 1, 0], [-1.5, 1, 0]]
+# Outlines of the second wall of a box, 4 m by 2 m about its middle, and the tops of all walls where
+# the ceiling follows them.
+GABLE = [[-2, -1, 0], [2, -1, 0], [2, 1, 0], [0, 2, 0], [-2, 1, 0]]
+SHED = [[-2, -1, 0], [2, -1, 0], [2, 1.6, 0], [-2, 1, 0]]
+SQUARE = [[-2, -1, 0], [2, -1, 0], [2, 1, 0], [-2, 1, 0]]
+CORNER_IN_A_TOP = [*SQUARE[:3], [0.5, 1, 0], SQUARE[3]]
+PEAK = [(0, 0, 2), (5, 0, 2), (5, 2, 3), (5, 4, 2), (0, 4, 2)]
+FOLLOWS = r"follows the tops of the walls, from 2.00 m to {} m \(`height` makes it level\)"
+RISE = ", and lower walls rise to it beside higher ones: {} 2.00 m high"
 
 
 @pytest.mark.parametrize(
-    ("outline", "tall", "ceiling", "told"),
+    ("outline", "tall", "tops", "told"),
     [
-        (GABLE, 2.0, 2.5, "2.50 m.*: 3 walls are 2.00 m high .*; 1 wall is sloped, up to 2.50 m"),
-        (SHED, 2.0, 2.25, "2.25 m.*: 3 walls are 2.00 m high .*; 1 wall is sloped, up to 2.25 m"),
-        (SQUARE, 2.0, 2.0, ""),
-        ([], 2.0, 2.0, ""),
-        ([], 2.8, 2.0, "level at 2.00 m.*: 1 wall is 2.80 m high \\(tall\\)"),
-        ([], 1.2, 2.0, "level at 2.00 m.*: 1 wall is 1.20 m high \\(tall\\)"),
+        (GABLE, 2.0, PEAK, FOLLOWS + "$"),
+        (GABLE[::-1], 2.0, PEAK, FOLLOWS + "$"),
+        (SHED, 2.0, [(0, 0, 2), (5, 0, 2), (5, 4, 2.6), (0, 4, 2)], FOLLOWS + RISE),
+        ([], 2.8, [(0, 0, 2), (5, 0, 2.8), (5, 4, 2.8), (0, 4, 2)], FOLLOWS + RISE),
+        ([], 1.2, None, "level at 2.00 m.*: 1 wall is 1.20 m high \\(tall\\)"),
+        ([], 2.06, None, ""),
+        (SQUARE, 2.0, None, ""),
+        (CORNER_IN_A_TOP, 2.0, None, ""),
     ],
 )
-def test_walls_of_other_heights_and_shapes_are_told(
-    scanner, outline: list, tall: float, ceiling: float, told: str
+def test_the_ceiling_follows_the_tops_of_walls_and_says_so(
+    scanner, outline: list, tall: float, tops: list | None, told: str
 ) -> None:
     data = scanner.room(BOX, 2.0)
     data["walls"][1] = scanner.surface("wall", BOX[1], BOX[2], 0.0, tall, identifier="tall")
     data["walls"][1]["polygonCorners"] = outline
     capture = read(scanner.write(data))
-    assert capture.height == pytest.approx(ceiling)
+    highest = max(z for _, _, z in tops or [(0, 0, 2)])
+    assert capture.height == pytest.approx(highest)
     assert len(capture.notes) == bool(told)
-    assert re.search(told, " ".join(capture.notes))
+    walls = "1 wall is" if outline else "2 walls are"
+    assert re.search(told.format(f"{highest:.2f}", walls), " ".join(capture.notes))
+    if tops is None:
+        assert capture.roof is None
+    else:
+        assert same_ring(to_source(capture, capture.roof), scanner.source(tops), 1e-8)
+
+
+def test_of_rooms_with_corners_inside_only_slopes_change_the_ceiling(scanner) -> None:
+    """Higher walls by themselves may be those of a part of the room with a level of its own."""
+    ell = ((0, 0), (5, 0), (5, 2), (2, 2), (2, 4), (0, 4))
+    data = scanner.room(ell, 2.0)
+    data["walls"][5] = scanner.surface("wall", ell[5], ell[0], 0.0, 2.8, identifier="tall")
+    capture = read(scanner.write(data))
+    assert capture.roof is None
+    assert re.search(r"level at 2.00 m.*: 1 wall is 2.80 m high \(tall\)", capture.notes[0])
+    data["walls"][5]["polygonCorners"] = [[-2, -1.4, 0], [2, -1.4, 0], [0, 1.4, 0]]
+    capture = read(scanner.write(data))
+    tops = [*((*corner, 2.0) for corner in ell), (0, 2, 2.8)]
+    assert same_ring(to_source(capture, capture.roof), scanner.source(tops), 1e-8)
+
+
+def test_the_ceiling_of_two_rooms_side_by_side_does_not_lean(scanner) -> None:
+    data = scanner.room(BOX, 2.0)
+    data["walls"][1] = scanner.surface("wall", BOX[1], BOX[2], 0.0, 2.8)
+    data["walls"].append(scanner.surface("wall", [3, 0], [3, 4], 0.0, 2.0))
+    capture = read(scanner.write(data))
+    assert (capture.roof, len(capture.partitions)) == (None, 1)
+    assert "1 wall is 2.80 m high" in capture.notes[0]
 
 
 def spoiled(data: dict, **changes: object) -> dict:

@@ -4,6 +4,6 @@
   holds;
 - `records`: these, checked one by one; `curves`: curved walls;
 - `spaces`: which room is meant, and what is in it;
-- `heights`: how high it is, and which walls are not;
+- `heights`: how high it is, and where its ceiling follows the walls;
 - `importer`: all of it.
 """

@@ -27,7 +27,7 @@ from openrooms_usd.capture import (
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
 from orusd_scans.floorplan import TWIN_DISTANCE_M, from_lower_left, heading, tidied
-from orusd_scans.roomplan.heights import ceiling_height, tell_heights
+from orusd_scans.roomplan.heights import ceiling_over
 from orusd_scans.roomplan.records import CapturedRoom, Record, read_captured_rooms
 from orusd_scans.roomplan.spaces import Z_UP, chosen_space, facets, placed, rectangle
 from orusd_scans.worldframe import WorldFrame
@@ -79,10 +79,8 @@ class RoomPlanImporter:
         inner = (
             InnerWalls() if floor is None else inner_walls(room.walls, floor, frame.points, told)
         )
-        height = ceiling_height(room.walls, frame)
-        others = {*(inner.names or ()), *inner.outside}
-        outer = (wall for wall in room.walls if wall.id not in others)
-        tell_heights(outer, height, frame, notes)
+        others = (*(inner.names or ()), *inner.outside)
+        ceiling = ceiling_over(floor, room.walls, others, frame, notes)
         openings = [
             *(_opening(record, "door", frame) for record in room.doors),
             *(_opening(record, "window", frame) for record in room.windows),
@@ -92,7 +90,8 @@ class RoomPlanImporter:
             source=source.name,
             source_from_world=frame.source_from_world(),
             floor=floor,
-            height=height,
+            height=ceiling.height,
+            roof=ceiling.line,
             openings=tuple(
                 replace(opening, wall=inner.wall_of(opening.wall))
                 for opening in _distinct(openings, notes)

@@ -312,17 +312,18 @@ class Supports:
         if item.on == SURFACE:
             return self._surface(item)
         if item.on == CEILING:
-            return self._ceiling() - item.size[2], None
+            return self._ceiling(item) - item.size[2], None
         return self.room.floor + (item.level if item.on == WALL else 0.0), None
 
-    def _ceiling(self) -> float:
-        if self.room.ceiling is None:
+    def _ceiling(self, item: Placement) -> float:
+        height = self.room.ceiling_over(item.x, item.y)
+        if height is None:
             raise StageError(
                 "the room has no ceiling to hang something from",
                 place=names.CEILING,
                 remedy="compose the layout first, or give the lamps a z",
             )
-        return self.room.ceiling
+        return height
 
     def _surface(self, item: Placement) -> tuple[float, str | None]:
         """The highest top below the item's middle of what stands on the floor, else the floor."""

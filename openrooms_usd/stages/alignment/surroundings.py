@@ -13,6 +13,8 @@ from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
+from openrooms_usd.geometry.slopes import heights_over, sloping
+from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.usd.places.frames import TIME, local_to_world, matrix
 from openrooms_usd.usd.places.partitions import read_partitions
 
@@ -64,12 +66,13 @@ class Surroundings:
 
     Attributes:
         floor: Height of the floor, metres.
-        ceiling: Height of the ceiling, metres; None in a room without one.
+        ceiling: Height of the ceiling, at its lowest, metres; None in a room without one.
         walls: (N, 2, 2) start and end of the walls' inner edges, metres, counter-clockwise; empty
             where the room has no polygon.
         gaps: The openings in the walls that things hang on.
         partitions: (P, 2, 2) start and end of both faces of each wall that stands free, metres,
             with the room on their left.
+        slopes: (N, 3, 3) the lower faces of a ceiling that is not level, metres.
     """
 
     floor: float = 0.0
@@ -77,6 +80,13 @@ class Surroundings:
     walls: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
     gaps: tuple[Gap, ...] = ()
     partitions: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    slopes: Array = field(default_factory=lambda: np.zeros((0, 3, 3)))
+
+    def ceiling_over(self, x: float, y: float) -> float | None:
+        """Height of the ceiling over a place, metres; None in a room without one."""
+        if self.ceiling is None or not len(self.slopes):
+            return self.ceiling
+        return float(heights_over(self.slopes, np.array([[x, y]]), self.ceiling)[0])
 
     @property
     def faces(self) -> Array:
@@ -144,7 +154,19 @@ def surroundings(stage: Usd.Stage) -> Surroundings:
         walls,
         tuple(_gaps(stage, np.concatenate([walls, standing]), len(walls), cache)),
         standing,
+        _slopes(stage, cache),
     )
+
+
+def _slopes(stage: Usd.Stage, cache: UsdGeom.XformCache) -> Array:
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(names.CEILING))
+    if not mesh:
+        return np.zeros((0, 3, 3))
+    given = (mesh.GetPointsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
+    points, counts, indices = (np.array(() if (v := a.Get(TIME)) is None else v) for a in given)
+    frame = _in_world(mesh.GetPrim(), cache)
+    corners, _ = triangulate(points.astype(float), counts, indices)
+    return sloping((points @ frame[:3, :3].T + frame[:3, 3])[indices[corners]])
 
 
 def _in_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> Array:

@@ -92,7 +92,7 @@ def described_cuts(
             mistakes.append((field, wall))
             continue
         hole = hole_of(opening, wall, clockwise=clockwise)
-        if reason := misfit(wall, wall.top(height), hole):
+        if reason := misfit(wall, wall.top(height, (hole.left, hole.right)), hole):
             said = f"{name} in {_words(wall)} {reason}; {_free(wall, clockwise)}"
             mistakes.append((field, said))
             continue
@@ -209,7 +209,7 @@ def captured_cuts(
             notes.append(f"dropped the {opening.kind} {opening.id}: no wall is near it")
             continue
         whole = _captured_hole(opening, wall)
-        hole = clamped(wall, wall.top(height), whole)
+        hole = clamped(wall, wall.top(height, (whole.left, whole.right)), whole)
         if hole is None:
             notes.append(f"dropped the {opening.kind} {opening.id}: it does not fit its wall")
             continue

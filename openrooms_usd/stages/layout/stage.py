@@ -12,6 +12,7 @@ from pxr import Kind, Sdf, Usd, UsdGeom, Vt
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.building.partitions import Partition, misplaced, partition_walls
+from openrooms_usd.building.roofs import ceiling_solid, crowned
 from openrooms_usd.building.shell import slab, wall_solid
 from openrooms_usd.building.walls import Wall, walls_of
 from openrooms_usd.capture import Capture, CapturedPartition
@@ -51,7 +52,7 @@ class Plan:
     Attributes:
         corners: (N, 2) the floor, counter-clockwise, metres.
         walls: Those of the outline by ascending number, then those that stand free.
-        height: Floor to ceiling, metres.
+        height: Floor to ceiling, metres; at its highest where walls have crowns.
         thickness: Of the walls and slabs, metres.
         cuts: The openings.
         capture: What it is made from, if anything.
@@ -132,6 +133,8 @@ def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[
         height = names.ROOM_HEIGHT
         notes.append(f"the capture has no height: {height} m is taken")
     if layout.polygon is not None:
+        if capture.roof is not None and layout.height is None:
+            notes.append(f"the walls are drawn: their ceiling is level, at {height:.2f} m")
         return replace(_drawn(layout, layout.polygon, height, notes), capture=capture)
     place = folder / layout.file
     if capture.floor is None:
@@ -147,7 +150,9 @@ def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[
     sources = {one.name: source for source, one in found}
     partitions = [one for _, one in found]
     partitions += described_partitions(layout.partitions, corners, height)
-    walls = walls_of(corners, numbers, layout.wall_thickness)
+    walls, finish = walls_of(corners, numbers, layout.wall_thickness), _finish(layout)
+    if capture.roof is not None and layout.height is None:
+        walls, finish = crowned(walls, capture.roof), finish.below_slopes(notes)
     walls += walls_within(partitions, corners, notes)
     cuts = captured_cuts(
         capture.openings,
@@ -159,14 +164,7 @@ def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[
     )
     cuts += described_cuts(layout.openings, walls, height, before=cuts)
     return Plan(
-        corners,
-        walls,
-        height,
-        layout.wall_thickness,
-        tuple(cuts),
-        capture,
-        sources,
-        _finish(layout),
+        corners, walls, height, layout.wall_thickness, tuple(cuts), capture, sources, finish
     )
 
 
@@ -261,7 +259,7 @@ def _author_room(stage: Usd.Stage, plan: Plan, room_type: str) -> None:
 
 def _author_shell(stage: Usd.Stage, plan: Plan) -> None:
     below = slab(plan.corners, plan.thickness, -plan.thickness, 0.0)
-    above = slab(plan.corners, plan.thickness, plan.height, plan.height + plan.thickness)
+    above = ceiling_solid(plan.walls, plan.corners, plan.height, plan.thickness)
     author_mesh(stage, names.FLOOR, centred(below), category="floor")
     author_mesh(stage, names.CEILING, above, category="ceiling")
     UsdGeom.Xform.Define(stage, names.WALLS)

@@ -8,7 +8,7 @@
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -52,6 +52,15 @@ class Finish:
     def beside(self) -> float:
         """How far casings reach beyond doors, metres."""
         return self.trim.casing.width + REVEAL_M if self.trim.casing else _DOOR_CASING_M
+
+    def below_slopes(self, notes: list[str]) -> "Finish":
+        """What of it a room has whose ceiling is not level; a sentence tells the rest."""
+        beams = self.ceiling.kind != "plain"
+        left_out = [*["the cornice"] * (self.trim.cornice is not None), *["the beams"] * beams]
+        if left_out:
+            both = " and ".join(left_out)
+            notes.append(f"left out {both}: the ceiling slopes; `height` makes it level")
+        return replace(self, trim=self.trim.model_copy(update={"cornice": None}), ceiling=Ceiling())
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,7 @@ from openrooms_usd.library.friction import friction_of
 from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.library.styles.assignment.kinds import kind_of
 from openrooms_usd.physics.components import Part
-from openrooms_usd.physics.panels import panel_pieces, slab_hull
+from openrooms_usd.physics.panels import panel_pieces, slab_pieces
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.materials.appearance import texels
 from openrooms_usd.stages.physics.ahead import search_ahead
@@ -44,7 +44,7 @@ from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 
 BODIES: Final = "bodies"
-# A floor and a ceiling are treated as convex: no seam stops sliding objects, and nothing is beyond.
+# A level floor or ceiling is treated as convex: no seam stops sliding objects, nothing is beyond.
 _LEVEL: Final = frozenset({"floor", "ceiling"})
 # Parts of openings that are thinner than what shapes are true to.
 _BOARDS: Final = frozenset({"casing", "threshold"})
@@ -132,7 +132,7 @@ def _shapes(context: StageContext, room: RigidAsset, solid: Solid) -> list[Trian
     prim = context.stage.GetPrimAtPath(Sdf.Path(names.ROOM).AppendPath(solid.path))
     category = read_label(prim, names.CATEGORY)
     if category in _LEVEL:
-        return [slab_hull(solid.mesh)]
+        return slab_pieces(solid.mesh)
     exact = panel_pieces(solid.mesh) if category == "wall" else []
     if exact:
         return exact
