@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import groupby, product
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,7 @@ from openrooms_usd.scan.registration.fitting import (
     ROUGH,
     AnnealingLevel,
     Fit,
-    energy,
+    energies,
     refined,
 )
 from openrooms_usd.scan.registration.hints import Box
@@ -195,14 +195,14 @@ class Survey:
         template: The CAD.
         hypothesis: Prior of the pose.
         around: Support, walls and visibility.
-        begins: (7,) parameters of each variation, the best first.
+        begins: (B, 7) parameters of the variations, the best first.
         score: Energy of the best one.
     """
 
     template: Template
     hypothesis: PoseHypothesis
     around: Surroundings
-    begins: Sequence[Array]
+    begins: Array
     score: float
 
 
@@ -210,31 +210,34 @@ def surveyed(
     template: Template, evidence: Evidence, around: Surroundings, hypothesis: PoseHypothesis
 ) -> Survey:
     """Score all variations of one hypothesis."""
-    scored: list[tuple[float, int, Array]] = []
-    for parameters in varied(hypothesis):
-        if around.support is not None:
-            parameters[2] = around.support
-        cost = energy(template, evidence, around, hypothesis, parameters, _SURVEY_LEVEL)
-        scored.append((cost, len(scored), parameters))
-    best = sorted(scored)[:_ROUGH_VARIATIONS]
-    begins = [parameters for _, _, parameters in best]
-    return Survey(template, hypothesis, around, begins, best[0][0])
+    begins = np.array([*varied(hypothesis)])
+    if around.support is not None:
+        begins[:, 2] = around.support
+    priors = [hypothesis] * len(begins)
+    costs = energies(template, evidence, around, priors, begins, _SURVEY_LEVEL)
+    best = np.argsort(costs, kind="stable")[:_ROUGH_VARIATIONS]
+    return Survey(template, hypothesis, around, begins[best], float(costs[best[0]]))
 
 
 def rough_candidates(surveys: Sequence[Survey], evidence: Evidence) -> list[Candidate]:
     """The variations of all hypotheses with some hope, roughly refined."""
     limit = _HOPELESS_SCORE * min(survey.score for survey in surveys)
+    hopeful = [survey for survey in surveys if survey.score <= limit]
     return [
-        Candidate(
-            each.template,
-            each.hypothesis,
-            each.around,
-            refined(each.template, evidence, each.around, each.hypothesis, begin, ROUGH),
-        )
-        for each in surveys
-        if each.score <= limit
-        for begin in each.begins
+        candidate
+        for _, same in groupby(hopeful, lambda survey: id(survey.template))
+        for candidate in _roughly_refined([*same], evidence)
     ]
+
+
+def _roughly_refined(surveys: Sequence[Survey], evidence: Evidence) -> Iterator[Candidate]:
+    """The variations of the hypotheses of one template on one support."""
+    template, around = surveys[0].template, surveys[0].around
+    hypotheses = [survey.hypothesis for survey in surveys for _ in survey.begins]
+    begins = np.concatenate([survey.begins for survey in surveys])
+    fits = refined(template, evidence, around, hypotheses, begins, ROUGH)
+    for hypothesis, fit in zip(hypotheses, fits, strict=True):
+        yield Candidate(template, hypothesis, around, fit)
 
 
 def best_sizes(candidates: Sequence[Candidate], evidence: Evidence) -> Sizes:
@@ -281,18 +284,15 @@ def _without_duplicates(candidates: Sequence[Candidate], order: Sequence[int]) -
 
 
 def _finely_refined(candidate: Candidate, evidence: Evidence) -> Sizes:
-    t = candidate
-    begins = [t.fit.parameters, *stretched(t.template, t.fit.parameters)]
-    costs = [
-        energy(t.template, evidence, t.around, t.hypothesis, begin, _STRETCH_LEVEL)
-        for begin in begins
-    ]
-    begin = begins[int(np.argmin(costs))]
-    fit = refined(t.template, evidence, t.around, t.hypothesis, begin, FINE)
-    size = true_size(t.hypothesis)
+    t, prior = candidate, candidate.hypothesis
+    begins = np.array([t.fit.parameters, *stretched(t.template, t.fit.parameters)])
+    costs = energies(t.template, evidence, t.around, [prior] * len(begins), begins, _STRETCH_LEVEL)
+    begin = begins[[int(np.argmin(costs))]]
+    (fit,) = refined(t.template, evidence, t.around, [prior], begin, FINE)
+    size = true_size(prior)
     if size is None:
         return Sizes(replace(t, fit=fit))
-    begin = np.concatenate([fit.parameters[:4], size])
-    same = refined(t.template, evidence, t.around, t.hypothesis.at(size), begin, FINE)
-    cost = energy(t.template, evidence, t.around, t.hypothesis, same.parameters, FINE[-1])
-    return Sizes(replace(t, fit=fit), replace(t, fit=Fit(same.parameters, cost)))
+    begin = np.concatenate([fit.parameters[:4], size])[None]
+    (same,) = refined(t.template, evidence, t.around, [prior.at(size)], begin, FINE)
+    costs = energies(t.template, evidence, t.around, [prior], same.parameters[None], FINE[-1])
+    return Sizes(replace(t, fit=fit), replace(t, fit=Fit(same.parameters, float(costs[0]))))

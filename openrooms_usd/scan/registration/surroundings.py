@@ -144,15 +144,15 @@ class Surroundings:
 
 
 def hidden_sides(template: Template, visible: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(4,) whether the sides +x, -x, +y and -y of a template were hidden from all sensors.
+    """(..., 4) whether the sides +x, -x, +y and -y of a template were hidden from all sensors.
 
     Args:
         template: The template.
-        visible: (N,) which of its points are visible from some sensor.
+        visible: (..., N) which of its points are visible from some sensor.
     """
     reach = template.points @ SIDES.T / np.maximum(0.5 * np.abs(SIDES) @ template.size, 1e-9)
     of_side = (reach > 1.0 - 2.0 * _SIDE_SHARE) & (template.normals @ SIDES.T > np.sqrt(0.5))
-    seen = (of_side & visible[:, None]).sum(axis=0)
+    seen = visible.astype(np.float64) @ of_side
     return np.asarray(seen <= _MAX_VISIBLE_SHARE * of_side.sum(axis=0))
 
 
