@@ -183,6 +183,10 @@ _HOPELESS_ENERGY: Final = (20.0, 1.6)
 # Factor of the best score above which a hypothesis is not even refined roughly: of the best ones
 # after refinement none of 38 objects of a real scan scored over 3.0.
 _HOPELESS_SCORE: Final = 3.5
+# Factor of the energy of a fit up to which one along the wall is as likely.
+_STRAIGHT_ENERGY: Final = 1.1
+# The most between it and the wall, metres.
+_AT_WALL_M: Final = 0.1
 # Fits with all parameters within this are duplicates.
 _SAME_FIT_M_RAD: Final = 0.02
 
@@ -296,3 +300,40 @@ def _finely_refined(candidate: Candidate, evidence: Evidence) -> Sizes:
     (same,) = refined(t.template, evidence, t.around, [prior.at(size)], begin, FINE)
     costs = energies(t.template, evidence, t.around, [prior], same.parameters[None], FINE[-1])
     return Sizes(replace(t, fit=fit), replace(t, fit=Fit(same.parameters, float(costs[0]))))
+
+
+def along_wall(candidate: Candidate, evidence: Evidence) -> Candidate:
+    """A candidate turned to the wall that it stands at, where its points allow it.
+
+    Points that are not all of one straight thing, such as of shelves around a corner, lie best in
+    a box across them. The part at the wall may be half as deep.
+    """
+    t, parameters = candidate, candidate.fit.parameters
+    found = t.around.walls.askew(parameters, _size(t.template, parameters))
+    if found is None:
+        return t
+    wall, turn = found
+    begin = parameters + np.eye(7)[3] * turn
+    begins = np.array([begin, *_halved(t.template, begin)])
+    straight = [t.hypothesis.headed(float(begin[3]))] * len(begins)
+    fits = refined(t.template, evidence, t.around, straight, begins, FINE)
+    ends = np.array([fit.parameters for fit in fits])
+    costs = energies(t.template, evidence, t.around, [t.hypothesis] * len(ends), ends, FINE[-1])
+    for cost, end in sorted(zip(costs.tolist(), ends, strict=True), key=lambda each: each[0]):
+        gap = t.around.walls.gaps(end, _size(t.template, end))[wall]
+        if abs(gap) < _AT_WALL_M and cost < _STRAIGHT_ENERGY * t.fit.energy:
+            return replace(t, fit=Fit(end, cost))
+    return t
+
+
+def _size(template: Template, parameters: Array) -> Array:
+    """(3,) size of a template's box, metres."""
+    return np.asarray(template.size * np.exp(parameters[4:]))
+
+
+def _halved(template: Template, parameters: Array) -> Iterator[Array]:
+    """(7,) parameters with half the depth, the back or the front staying where it is."""
+    for end in (1.0, -1.0):
+        moved = parameters + np.eye(7)[5] * np.log(0.5)
+        moved[:3] += 0.5 * end * _size(template, moved)[1] * turn_of(parameters)[:, 1]
+        yield moved

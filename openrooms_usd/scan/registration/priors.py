@@ -1,6 +1,6 @@
 """Gaussian priors of a pose."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -93,6 +93,8 @@ def paired(
 
 # Standard deviation of a log scale that is known.
 _EQUAL_SCALE_LOG: Final = 0.003
+# The same of a heading, radians.
+_EQUAL_HEADING_RAD: Final = 0.001
 # Scales are clipped to so many standard deviations.
 _MAX_SCALE_SIGMAS: Final = 2.5
 _ANISOTROPIC: Final = np.eye(3) - 1.0 / 3.0
@@ -147,6 +149,15 @@ class PoseHypothesis:
         if self.limits is not None:
             scale = np.clip(scale, *self.limits)
         return np.concatenate([parameters[:4], scale])
+
+    def headed(self, yaw: float) -> "PoseHypothesis":
+        """The same prior with a known heading, radians."""
+        turned = np.where(np.arange(7) == 3, yaw, self.parameters)
+        return replace(
+            self,
+            parameters=turned,
+            deviation=np.where(np.arange(7) == 3, _EQUAL_HEADING_RAD, self.deviation),
+        )
 
     def at(self, scale: Array) -> "PoseHypothesis":
         """The same prior with known scales."""
