@@ -17,7 +17,7 @@ from openrooms_usd.scan.results import FoundRoom
 # Of a thing that is turned to its wall: the most between them, metres, and the least and the
 # largest turn, radians.
 _ASKEW_AT_M: Final = 0.25
-_ALONG_RAD: Final = 0.01
+_ALONG_RAD: Final = 0.05
 _MAX_TURN_RAD: Final = 0.35
 # Walls farther than this from an object's bounding circle do not touch it, metres.
 _WALL_REACH_M: Final = 0.4
