@@ -3,5 +3,6 @@
 - `rooms`: rooms; `scanner` with `path`, `depth`, `fusion`: their scans;
 - `truth`: what is true, and what a user knows;
 - `scores`, `contacts`: how far the found is from the true;
-- `cases`: what is run; `sections`, `pose_sections`: the tables.
+- `cases`: what is run; `sections`, `pose_sections`: the tables;
+- `flat`: how long a flat of many things takes.
 """

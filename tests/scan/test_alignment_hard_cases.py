@@ -22,6 +22,7 @@ from tests.scan.alignment_cases import (
     CHAIR,
     SENSOR_ORIGINS,
     TABLE,
+    Block,
     Placed,
     cad,
     errors,
@@ -277,3 +278,46 @@ def test_strays_do_not_stretch_a_cad_beyond_sane_limits() -> None:
     assert stretch == pytest.approx([0.0, 0.3, 0.0], abs=1e-9)
     given = from_box(template, box, given=True)[0].parameters[4:] - plain(template)
     assert given[1] == pytest.approx(np.log(4.0))
+
+
+def shelves(blocks: tuple[Block, ...], heading: float, place: tuple[float, float, float]) -> Pose:
+    """How a bookshelf that is built at any size is found in what is scanned of some blocks."""
+    cloud = scan([Placed(blocks, place, heading)], SENSOR_ORIGINS)
+    model = cad("bookshelf", (((-0.5, -0.2, 0.0), (0.5, 0.2, 1.6)),))
+    model = replace(model, sizes=np.array([[0.3, 0.15, 0.5], [5.0, 1.0, 2.5]]))
+    hint = Hint(1, word="bookshelf", choices=(("bookshelf",),))
+    return align(cloud, [hint], [model], [room()]).objects[0].pose
+
+
+def heading_of(pose: Pose) -> float:
+    """Degrees from the next wall of the room."""
+    turn = Rotation.from_quat(pose.rotation, scalar_first=True).as_euler("xyz", degrees=True)[2]
+    return float((turn + 45.0) % 90.0 - 45.0)
+
+
+def test_shelves_that_go_around_a_corner_stand_along_the_wall() -> None:
+    """The smallest box around their points lies across, 6 degrees askew."""
+    wing = ((-2.0, 1.6, 0.0), (1.5, 1.98, 1.6))
+    steps = [((-2.48, 1.6 - 0.1 * k, 0.0), (-1.9 - 0.1 * k, 1.7 - 0.1 * k, 1.6)) for k in range(6)]
+    found = shelves((wing, *steps), 0.0, (0.0, 0.0, 0.0))
+    assert heading_of(found) == pytest.approx(0.0, abs=0.2)
+    assert found.translation[1] == pytest.approx(1.79, abs=0.03)
+    assert 0.4 * found.scale[1] == pytest.approx(0.38, abs=0.05)
+
+
+def test_shelves_that_stand_askew_at_a_wall_stay_askew() -> None:
+    found = shelves((((-1.2, -0.25, 0.0), (1.2, 0.25, 1.6)),), 0.2, (0.0, 1.5, 0.0))
+    assert heading_of(found) == pytest.approx(np.degrees(0.2), abs=1.0)
+
+
+def test_the_wall_that_a_box_stands_at_askew() -> None:
+    walls = walls_of([room()])  # 5 x 4 m about the origin: the third is at y = 2
+    size = np.array([2.0, 0.4, 1.0])
+    askew = np.array([0.0, 0.0, 0.0, 0.2, 0.0, 0.0, 0.0])
+    askew[1] = 2.0 - 1.0 * np.sin(0.2) - 0.2 * np.cos(0.2) - 0.1
+    assert walls.gaps(askew, size)[2] == pytest.approx(0.1)
+    found = walls.askew(askew, size)
+    assert found is not None
+    assert (found[0], found[1]) == (2, pytest.approx(-0.2))
+    assert walls.askew(askew - np.eye(7)[1] * 0.3, size) is None
+    assert walls.askew(askew * [1, 1, 1, 0, 1, 1, 1], size) is None

@@ -6,7 +6,7 @@ import pytest
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.planindex import PlanIndex
 from openrooms_usd.scan.registration.evidence import Evidence
-from openrooms_usd.scan.registration.fitting import AnnealingLevel, Fit, energy
+from openrooms_usd.scan.registration.fitting import AnnealingLevel, Fit, energies
 from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.scalelimits import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.supportheights import supports
@@ -33,9 +33,14 @@ def test_a_few_points_of_a_scan_lie_as_well_on_a_thin_cad_as_many() -> None:
     evidence = Evidence(posed(surface, PLACE), 0.02)
     start = PoseHypothesis(PLACE, np.full(7, 0.1), np.zeros(3))
     few, many = (
-        energy(
-            template, evidence, Surroundings(), start, PLACE, AnnealingLevel(0.07, count, 0, 1.0)
-        )
+        energies(
+            template,
+            evidence,
+            Surroundings(),
+            [start],
+            PLACE[None],
+            AnnealingLevel(0.07, count, 0, 1.0),
+        )[0]
         for count in (150, len(template.points))
     )
     assert many < 5.0

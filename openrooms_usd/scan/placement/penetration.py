@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.arrays import Array
-from openrooms_usd.scan.placement.bodies import Body
+from openrooms_usd.scan.placement.bodies import Body, greatest, least
 
 # Chords of solids: intervals of parallel lines inside, by which penetration is measured.
 #
@@ -114,9 +114,8 @@ def chords(triangles: Array, lattice: Lattice) -> Chords:
 def _concerned(triangles: Array, lattice: Lattice) -> Array:
     """The triangles that may intersect lines."""
     sides = triangles[..., 1:]
-    kept = (sides.min(axis=1) < lattice.high).all(axis=1)
-    kept &= (sides.max(axis=1) > lattice.low).all(axis=1)
-    return np.asarray(triangles[kept])
+    kept = (least(sides) < lattice.high) & (greatest(sides) > lattice.low)
+    return np.asarray(triangles[kept[:, 0] & kept[:, 1]])
 
 
 def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]:
@@ -127,7 +126,7 @@ def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]
     """
     plan = (local[..., 1:] - lattice.corner) / lattice.spacing
     width, rows = lattice.shape
-    first, last = _whole(plan[..., 1].min(axis=1), plan[..., 1].max(axis=1), rows)
+    first, last = _whole(least(plan[..., 1]), greatest(plan[..., 1]), rows)
     e, f = plan[:, 1] - plan[:, 0], plan[:, 2] - plan[:, 0]
     area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
     face, row = _counted(first, np.where(area != 0.0, last, first))
@@ -289,8 +288,8 @@ def _frame(direction: Array) -> Array:
 def _blocked(a: Body, b: Body, axes: Array, lines: int) -> tuple[Array, Array]:
     """Beginnings and ends of the intervals of shifts at which some chords overlap."""
     mine, theirs = a.triangles @ axes.T, b.triangles @ axes.T
-    low = np.maximum(mine.min(axis=(0, 1)), theirs.min(axis=(0, 1)))[1:]
-    high = np.minimum(mine.max(axis=(0, 1)), theirs.max(axis=(0, 1)))[1:]
+    low = np.maximum(least(mine).min(axis=0), least(theirs).min(axis=0))[1:]
+    high = np.minimum(greatest(mine).max(axis=0), greatest(theirs).max(axis=0))[1:]
     if (high <= low).any():
         return np.zeros(0), np.zeros(0)
     lattice = Lattice.over(low, high, lines)

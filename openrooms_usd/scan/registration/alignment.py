@@ -1,13 +1,14 @@
 """Aligns CADs to all objects of a scan: retrieval, pose search, and a test of the result."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from openrooms_usd.arrays import Array
+from openrooms_usd.furniture.registry import record
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.scan.models.cad import CadModel, Symmetry, scattered
@@ -18,6 +19,7 @@ from openrooms_usd.scan.registration.fitting import Fit
 from openrooms_usd.scan.registration.hints import Box, Hint, bounds_of, corners_of
 from openrooms_usd.scan.registration.hypotheses import (
     Survey,
+    along_wall,
     best_sizes,
     box_of,
     from_box,
@@ -45,6 +47,8 @@ _MAX_VISIBILITY_POINTS: Final = 300_000
 _MIN_BOX_POINTS: Final = 10
 # Energy of the prior against any support but the likeliest.
 _OTHER_SUPPORT_ENERGY: Final = 9.0
+# Classes (NYU40) of what stands with its back to a wall.
+_AT_WALLS: Final = ("bookshelf", "cabinet", "dresser", "refridgerator", "shelves")
 # Samples of the surface that rotated samples are compared with.
 _DENSE_POINTS: Final = 16000
 # A rotated surface is the same if this share of it is within this share of its size: about a
@@ -203,7 +207,10 @@ class _Scene:
                 hint, model, upright, evidence, box, support, _OTHER_SUPPORT_ENERGY * (rank > 0)
             )
         ]
-        return evidence, best_sizes(rough_candidates(surveys, evidence), evidence)
+        best = best_sizes(rough_candidates(surveys, evidence), evidence)
+        if hint.box is None and hint.pose is None and _stands_at_walls(best.any.template.model):
+            best = replace(best, any=along_wall(best.any, evidence))
+        return evidence, best
 
     def boxed(self, hint: Hint, evidence: Evidence, around: Surroundings) -> Candidate | None:
         """A box that fills the object; None where none may stand for it."""
@@ -271,6 +278,12 @@ def _found(hint: Hint, best: Candidate, evidence: Evidence) -> FoundObject:
         symmetry=template.model.symmetry or symmetry_of(template.model, template.upright),
         word=hint.word,
     )
+
+
+def _stands_at_walls(model: CadModel) -> bool:
+    """Whether the library builds it, and people stand it with its back to a wall."""
+    known = record(model.category) if model.sizes is not None else None
+    return known is not None and known.classes.nyu40 in _AT_WALLS
 
 
 def _is_stand_in(model: CadModel) -> bool:

@@ -78,131 +78,140 @@ def refined(
     template: Template,
     evidence: Evidence,
     around: Surroundings,
-    prior: PoseHypothesis,
+    priors: Sequence[PoseHypothesis],
     parameters: Array,
     schedule: Sequence[AnnealingLevel],
-) -> Fit:
-    """Refine a pose by Gauss-Newton steps.
+) -> list[Fit]:
+    """Refine poses by Gauss-Newton steps: several at once, as each step of one is little work.
 
     Args:
         template: The CAD.
         evidence: The points.
         around: Support, walls and visibility.
-        prior: Of the pose.
-        parameters: (7,) initial pose.
+        priors: Of each pose.
+        parameters: (B, 7) initial poses.
         schedule: Annealing levels.
     """
     for level in schedule:
-        part, scan = template.part(level.points), evidence.part(level.points)
-        weights, hidden = _seen(part, around, parameters)
-        velocity = np.zeros(7)
+        seen = _Seen.of(template, evidence, around, parameters, level)
+        velocity = np.zeros_like(parameters)
         for _ in range(level.steps):
-            system = _system(
-                template, part, evidence, scan, around, prior, parameters, level, weights, hidden
-            )
             # ICP converges slowly where surfaces slide along each other: momentum speeds it up.
-            velocity = _step(system) + _STEP_MOMENTUM * velocity
-            parameters = prior.bounded(parameters + velocity)
-    return Fit(parameters, energy(template, evidence, around, prior, parameters, schedule[-1]))
+            velocity = _step(seen.system(around, priors, parameters)) + _STEP_MOMENTUM * velocity
+            moved = parameters + velocity
+            parameters = np.stack(
+                [prior.bounded(each) for prior, each in zip(priors, moved, strict=True)]
+            )
+    costs = energies(template, evidence, around, priors, parameters, schedule[-1])
+    return [Fit(each, float(cost)) for each, cost in zip(parameters, costs, strict=True)]
 
 
-def energy(
+def energies(
     template: Template,
     evidence: Evidence,
     around: Surroundings,
-    prior: PoseHypothesis,
+    priors: Sequence[PoseHypothesis],
     parameters: Array,
     level: AnnealingLevel,
-) -> float:
-    """The energy of a pose at an annealing level."""
-    part, scan = template.part(level.points), evidence.part(level.points)
-    weights, hidden = _seen(part, around, parameters)
-    terms = _residuals(template, part, evidence, scan, parameters, level, weights)
-    surfaces = sum(pairs.energy(each, level.width) for pairs, each in terms)
-    contacts = around.rows(part, parameters, hidden).energy
-    return surfaces + contacts + prior.rows(parameters).energy
+) -> Array:
+    """(B,) the energies of poses (B, 7) with their priors at an annealing level."""
+    seen = _Seen.of(template, evidence, around, parameters, level)
+    surfaces = sum(pairs.energy(w, level.width) for pairs, w in seen.pairs(parameters))
+    others = [
+        around.rows(seen.part, each, hidden).energy + prior.energy(each)
+        for prior, each, hidden in zip(priors, parameters, seen.hidden, strict=True)
+    ]
+    return np.asarray(surfaces + np.array(others))
 
 
 def _step(system: System) -> Array:
-    """A damped Gauss-Newton step."""
-    damped = system.matrix + np.diag(1e-3 * np.diag(system.matrix) + 1e-9)
-    step = np.linalg.solve(damped, -system.vector)
-    return np.asarray(step * min(1.0, float((_MAX_STEP / np.maximum(np.abs(step), 1e-12)).min())))
+    """(B, 7) damped Gauss-Newton steps."""
+    diagonal = np.einsum("...ii->...i", system.matrix)
+    damped = system.matrix + np.eye(7) * (1e-3 * diagonal + 1e-9)[:, None]
+    step = np.linalg.solve(damped, -system.vector[..., None])[..., 0]
+    share = (_MAX_STEP / np.maximum(np.abs(step), 1e-12)).min(axis=-1, keepdims=True)
+    return np.asarray(step * np.minimum(1.0, share))
 
 
-def _seen(
-    template: Template, around: Surroundings, parameters: Array
-) -> tuple[Array, NDArray[np.bool_]]:
-    """(N,) weights of a template's points by visibility, and (4,) its hidden sides."""
-    places = posed(template.points, parameters)
-    # Near the support, its points cannot be distinguished from the support's.
-    foot = min(
-        _SUPPORT_REACH_M, _MAX_SUPPORT_SHARE * float(template.size[2] * np.exp(parameters[6]))
-    )
-    clear = places[:, 2] > (-np.inf if around.support is None else around.support + foot)
-    if around.panoramas is None:
-        return _UNKNOWN_WEIGHT * clear.astype(np.float64), np.zeros(4, dtype=np.bool_)
-    visible = around.panoramas.visible(
-        places, directions(template.normals, parameters), template.two_sided
-    )
-    return _SEEN_WEIGHT * (visible & clear).astype(np.float64), hidden_sides(template, visible)
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Samples of either side at an annealing level, and what of the CAD is visible in B poses.
 
+    Attributes:
+        whole: The CAD.
+        evidence: The points.
+        level: The annealing level.
+        part: A sample of the CAD.
+        scan: (S, 3) a sample of the points.
+        rows: (B, M) visible points of ``part``; those that have fewer repeat one.
+        weights: (B, M) of these; 0 where they repeat.
+        hidden: (B, 4) the sides of the CAD that are hidden.
+    """
 
-def _system(
-    whole: Template,
-    template: Template,
-    evidence: Evidence,
-    scan: Array,
-    around: Surroundings,
-    prior: PoseHypothesis,
-    parameters: Array,
-    level: AnnealingLevel,
-    weights: Array,
-    hidden: NDArray[np.bool_],
-) -> System:
-    """Normal equations of all terms about a pose."""
-    terms = _residuals(whole, template, evidence, scan, parameters, level, weights)
-    first, second = (pairs.robust(each, level.width) for pairs, each in terms)
-    contacts = around.rows(template, parameters, hidden)
-    before = prior.rows(parameters)
-    return System(
-        first.matrix + second.matrix + contacts.slope.T @ contacts.slope + before.matrix,
-        first.vector + second.vector + contacts.slope.T @ contacts.residual + before.vector,
-        first.energy + second.energy + contacts.energy + before.energy,
-    )
+    whole: Template
+    evidence: Evidence
+    level: AnnealingLevel
+    part: Template
+    scan: Array
+    rows: NDArray[np.intp]
+    weights: Array
+    hidden: NDArray[np.bool_]
 
+    @classmethod
+    def of(
+        cls,
+        whole: Template,
+        evidence: Evidence,
+        around: Surroundings,
+        parameters: Array,
+        level: AnnealingLevel,
+    ) -> "_Seen":
+        part, scan = whole.part(level.points), evidence.part(level.points)
+        places = posed(part.points, parameters)
+        # Near the support, its points cannot be distinguished from the support's.
+        heights = part.size[2] * np.exp(parameters[:, None, 6])
+        foot = np.minimum(_SUPPORT_REACH_M, _MAX_SUPPORT_SHARE * heights)
+        used = places[..., 2] > (-np.inf if around.support is None else around.support + foot)
+        hidden = np.zeros((len(parameters), 4), dtype=np.bool_)
+        weight = _UNKNOWN_WEIGHT
+        if around.panoramas is not None:
+            weight = _SEEN_WEIGHT
+            normals = directions(part.normals, parameters).reshape(-1, 3)
+            two_sided = np.tile(part.two_sided, len(parameters))
+            visible = around.panoramas.visible(places.reshape(-1, 3), normals, two_sided)
+            visible = visible.reshape(used.shape)
+            used &= visible
+            hidden = hidden_sides(part, visible)
+        counts = used.sum(axis=1)
+        rows = np.argsort(~used, axis=1, kind="stable")[:, : counts.max()]
+        real = np.arange(rows.shape[1]) < counts[:, None]
+        rows = np.where(real, rows, rows[:, :1])
+        return cls(whole, evidence, level, part, scan, rows, weight * real, hidden)
 
-def _residuals(
-    whole: Template,
-    template: Template,
-    evidence: Evidence,
-    scan: Array,
-    parameters: Array,
-    level: AnnealingLevel,
-    weights: Array,
-) -> tuple[tuple[Pairs, Array], tuple[Pairs, Array]]:
-    """Correspondences from points to the CAD and from its visible surface, with their weights."""
-    # Nearest neighbours in all points: those in a sample may be on another surface of the CAD.
-    _, nearest = whole.tree.query(unposed(scan, parameters))
-    one = paired(
-        whole.points[nearest],
-        whole.normals[nearest],
-        scan,
-        level.disc * template.spacing,
-        parameters,
-    )
-    used = weights > 0.0
-    places = posed(template.points[used], parameters)
-    _, there = evidence.tree.query(places)
-    other = paired(
-        template.points[used],
-        template.normals[used],
-        evidence.points[there],
-        level.disc * evidence.spacing,
-        parameters,
-    )
-    scale = _INDEPENDENT_DISTANCES / _DISTANCE_SIGMA_M**2
-    return (
-        (one, np.full(len(scan), scale / len(scan))),
-        (other, scale / len(weights) * weights[used]),
-    )
+    def pairs(self, parameters: Array) -> tuple[tuple[Pairs, Array], tuple[Pairs, Array]]:
+        """Correspondences from points to the CAD and from its visible surface, with weights."""
+        # Nearest neighbours in all points: those in a sample may be on another surface of the CAD.
+        _, nearest = self.whole.tree.query(unposed(self.scan, parameters))
+        disc, scale = self.level.disc, _INDEPENDENT_DISTANCES / _DISTANCE_SIGMA_M**2
+        points, normals = self.whole.points[nearest], self.whole.normals[nearest]
+        one = paired(points, normals, self.scan, disc * self.part.spacing, parameters)
+        points, normals = self.part.points[self.rows], self.part.normals[self.rows]
+        _, nearest = self.evidence.tree.query(posed(points, parameters))
+        there = self.evidence.points[nearest]
+        other = paired(points, normals, there, disc * self.evidence.spacing, parameters)
+        return (
+            (one, np.full(one.height.shape, scale / len(self.scan))),
+            (other, scale / len(self.part.points) * self.weights),
+        )
+
+    def system(
+        self, around: Surroundings, priors: Sequence[PoseHypothesis], parameters: Array
+    ) -> System:
+        """Normal equations of all terms about the poses."""
+        first, second = (pairs.robust(w, self.level.width) for pairs, w in self.pairs(parameters))
+        matrix, vector = first.matrix + second.matrix, first.vector + second.vector
+        for row, (prior, each) in enumerate(zip(priors, parameters, strict=True)):
+            contacts, before = around.rows(self.part, each, self.hidden[row]), prior.system(each)
+            matrix[row] += contacts.slope.T @ contacts.slope + before.matrix
+            vector[row] += contacts.slope.T @ contacts.residual + before.vector
+        return System(matrix, vector)

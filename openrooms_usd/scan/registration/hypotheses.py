@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import groupby, product
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,7 @@ from openrooms_usd.scan.registration.fitting import (
     ROUGH,
     AnnealingLevel,
     Fit,
-    energy,
+    energies,
     refined,
 )
 from openrooms_usd.scan.registration.hints import Box
@@ -183,6 +183,10 @@ _HOPELESS_ENERGY: Final = (20.0, 1.6)
 # Factor of the best score above which a hypothesis is not even refined roughly: of the best ones
 # after refinement none of 38 objects of a real scan scored over 3.0.
 _HOPELESS_SCORE: Final = 3.5
+# Factor of the energy of a fit up to which one along the wall is as likely.
+_STRAIGHT_ENERGY: Final = 1.1
+# The most between it and the wall, metres.
+_AT_WALL_M: Final = 0.1
 # Fits with all parameters within this are duplicates.
 _SAME_FIT_M_RAD: Final = 0.02
 
@@ -195,14 +199,14 @@ class Survey:
         template: The CAD.
         hypothesis: Prior of the pose.
         around: Support, walls and visibility.
-        begins: (7,) parameters of each variation, the best first.
+        begins: (B, 7) parameters of the variations, the best first.
         score: Energy of the best one.
     """
 
     template: Template
     hypothesis: PoseHypothesis
     around: Surroundings
-    begins: Sequence[Array]
+    begins: Array
     score: float
 
 
@@ -210,31 +214,34 @@ def surveyed(
     template: Template, evidence: Evidence, around: Surroundings, hypothesis: PoseHypothesis
 ) -> Survey:
     """Score all variations of one hypothesis."""
-    scored: list[tuple[float, int, Array]] = []
-    for parameters in varied(hypothesis):
-        if around.support is not None:
-            parameters[2] = around.support
-        cost = energy(template, evidence, around, hypothesis, parameters, _SURVEY_LEVEL)
-        scored.append((cost, len(scored), parameters))
-    best = sorted(scored)[:_ROUGH_VARIATIONS]
-    begins = [parameters for _, _, parameters in best]
-    return Survey(template, hypothesis, around, begins, best[0][0])
+    begins = np.array([*varied(hypothesis)])
+    if around.support is not None:
+        begins[:, 2] = around.support
+    priors = [hypothesis] * len(begins)
+    costs = energies(template, evidence, around, priors, begins, _SURVEY_LEVEL)
+    best = np.argsort(costs, kind="stable")[:_ROUGH_VARIATIONS]
+    return Survey(template, hypothesis, around, begins[best], float(costs[best[0]]))
 
 
 def rough_candidates(surveys: Sequence[Survey], evidence: Evidence) -> list[Candidate]:
     """The variations of all hypotheses with some hope, roughly refined."""
     limit = _HOPELESS_SCORE * min(survey.score for survey in surveys)
+    hopeful = [survey for survey in surveys if survey.score <= limit]
     return [
-        Candidate(
-            each.template,
-            each.hypothesis,
-            each.around,
-            refined(each.template, evidence, each.around, each.hypothesis, begin, ROUGH),
-        )
-        for each in surveys
-        if each.score <= limit
-        for begin in each.begins
+        candidate
+        for _, same in groupby(hopeful, lambda survey: id(survey.template))
+        for candidate in _roughly_refined([*same], evidence)
     ]
+
+
+def _roughly_refined(surveys: Sequence[Survey], evidence: Evidence) -> Iterator[Candidate]:
+    """The variations of the hypotheses of one template on one support."""
+    template, around = surveys[0].template, surveys[0].around
+    hypotheses = [survey.hypothesis for survey in surveys for _ in survey.begins]
+    begins = np.concatenate([survey.begins for survey in surveys])
+    fits = refined(template, evidence, around, hypotheses, begins, ROUGH)
+    for hypothesis, fit in zip(hypotheses, fits, strict=True):
+        yield Candidate(template, hypothesis, around, fit)
 
 
 def best_sizes(candidates: Sequence[Candidate], evidence: Evidence) -> Sizes:
@@ -281,18 +288,52 @@ def _without_duplicates(candidates: Sequence[Candidate], order: Sequence[int]) -
 
 
 def _finely_refined(candidate: Candidate, evidence: Evidence) -> Sizes:
-    t = candidate
-    begins = [t.fit.parameters, *stretched(t.template, t.fit.parameters)]
-    costs = [
-        energy(t.template, evidence, t.around, t.hypothesis, begin, _STRETCH_LEVEL)
-        for begin in begins
-    ]
-    begin = begins[int(np.argmin(costs))]
-    fit = refined(t.template, evidence, t.around, t.hypothesis, begin, FINE)
-    size = true_size(t.hypothesis)
+    t, prior = candidate, candidate.hypothesis
+    begins = np.array([t.fit.parameters, *stretched(t.template, t.fit.parameters)])
+    costs = energies(t.template, evidence, t.around, [prior] * len(begins), begins, _STRETCH_LEVEL)
+    begin = begins[[int(np.argmin(costs))]]
+    (fit,) = refined(t.template, evidence, t.around, [prior], begin, FINE)
+    size = true_size(prior)
     if size is None:
         return Sizes(replace(t, fit=fit))
-    begin = np.concatenate([fit.parameters[:4], size])
-    same = refined(t.template, evidence, t.around, t.hypothesis.at(size), begin, FINE)
-    cost = energy(t.template, evidence, t.around, t.hypothesis, same.parameters, FINE[-1])
-    return Sizes(replace(t, fit=fit), replace(t, fit=Fit(same.parameters, cost)))
+    begin = np.concatenate([fit.parameters[:4], size])[None]
+    (same,) = refined(t.template, evidence, t.around, [prior.at(size)], begin, FINE)
+    costs = energies(t.template, evidence, t.around, [prior], same.parameters[None], FINE[-1])
+    return Sizes(replace(t, fit=fit), replace(t, fit=Fit(same.parameters, float(costs[0]))))
+
+
+def along_wall(candidate: Candidate, evidence: Evidence) -> Candidate:
+    """A candidate turned to the wall that it stands at, where its points allow it.
+
+    Points that are not all of one straight thing, such as of shelves around a corner, lie best in
+    a box across them. The part at the wall may be half as deep.
+    """
+    t, parameters = candidate, candidate.fit.parameters
+    found = t.around.walls.askew(parameters, _size(t.template, parameters))
+    if found is None:
+        return t
+    wall, turn = found
+    begin = parameters + np.eye(7)[3] * turn
+    begins = np.array([begin, *_halved(t.template, begin)])
+    straight = [t.hypothesis.headed(float(begin[3]))] * len(begins)
+    fits = refined(t.template, evidence, t.around, straight, begins, FINE)
+    ends = np.array([fit.parameters for fit in fits])
+    costs = energies(t.template, evidence, t.around, [t.hypothesis] * len(ends), ends, FINE[-1])
+    for cost, end in sorted(zip(costs.tolist(), ends, strict=True), key=lambda each: each[0]):
+        gap = t.around.walls.gaps(end, _size(t.template, end))[wall]
+        if abs(gap) < _AT_WALL_M and cost < _STRAIGHT_ENERGY * t.fit.energy:
+            return replace(t, fit=Fit(end, cost))
+    return t
+
+
+def _size(template: Template, parameters: Array) -> Array:
+    """(3,) size of a template's box, metres."""
+    return np.asarray(template.size * np.exp(parameters[4:]))
+
+
+def _halved(template: Template, parameters: Array) -> Iterator[Array]:
+    """(7,) parameters with half the depth, the back or the front staying where it is."""
+    for end in (1.0, -1.0):
+        moved = parameters + np.eye(7)[5] * np.log(0.5)
+        moved[:3] += 0.5 * end * _size(template, moved)[1] * turn_of(parameters)[:, 1]
+        yield moved

@@ -14,6 +14,11 @@ from openrooms_usd.scan.results import FoundRoom
 
 # Walls of rooms as segments with inward normals, for contacts with objects.
 
+# Of a thing that is turned to its wall: the most between them, metres, and the least and the
+# largest turn, radians.
+_ASKEW_AT_M: Final = 0.25
+_ALONG_RAD: Final = 0.05
+_MAX_TURN_RAD: Final = 0.35
 # Walls farther than this from an object's bounding circle do not touch it, metres.
 _WALL_REACH_M: Final = 0.4
 
@@ -43,6 +48,36 @@ class Walls:
         kept = (station > -0.5 * radius) & (station < length + 0.5 * radius)
         kept &= (depth > -0.5 * radius) & (depth < radius + _WALL_REACH_M)
         return Walls(self.starts[kept], self.ends[kept], self.normals[kept])
+
+    def gaps(self, parameters: Array, size: Array) -> Array:
+        """(W,) metres from each wall to the nearest corner of a box, negative behind it.
+
+        Args:
+            parameters: (7,) pose of a template.
+            size: (3,) of its box, metres.
+        """
+        half = 0.5 * size[:2] * (self.normals @ turn_of(parameters)[:2, :2])
+        middle = np.einsum("ij,ij->i", parameters[:2] - self.starts, self.normals)
+        return np.asarray(middle - np.abs(half).sum(axis=1))
+
+    def askew(self, parameters: Array, size: Array) -> tuple[int, float] | None:
+        """The wall that a box stands at askew, and the turn that brings it along it, radians.
+
+        Args:
+            parameters: (7,) pose of a template.
+            size: (3,) of its box, metres.
+
+        Returns:
+            None where it stands at no wall, along it, or askew by more than is likely an error.
+        """
+        quarter = 0.5 * np.pi
+        off = parameters[3] - np.arctan2(self.normals[:, 1], self.normals[:, 0])
+        turns = (0.5 * quarter - off) % quarter - 0.5 * quarter
+        at = np.flatnonzero(np.abs(self.gaps(parameters, size)) < _ASKEW_AT_M)
+        row = min(at.tolist(), key=lambda row: float(abs(turns[row])), default=None)
+        if row is None or not _ALONG_RAD < abs(turns[row]) < _MAX_TURN_RAD:
+            return None
+        return row, float(turns[row])
 
 
 def walls_of(rooms: Sequence[FoundRoom]) -> Walls:
@@ -144,15 +179,15 @@ class Surroundings:
 
 
 def hidden_sides(template: Template, visible: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(4,) whether the sides +x, -x, +y and -y of a template were hidden from all sensors.
+    """(..., 4) whether the sides +x, -x, +y and -y of a template were hidden from all sensors.
 
     Args:
         template: The template.
-        visible: (N,) which of its points are visible from some sensor.
+        visible: (..., N) which of its points are visible from some sensor.
     """
     reach = template.points @ SIDES.T / np.maximum(0.5 * np.abs(SIDES) @ template.size, 1e-9)
     of_side = (reach > 1.0 - 2.0 * _SIDE_SHARE) & (template.normals @ SIDES.T > np.sqrt(0.5))
-    seen = (of_side & visible[:, None]).sum(axis=0)
+    seen = visible.astype(np.float64) @ of_side
     return np.asarray(seen <= _MAX_VISIBLE_SHARE * of_side.sum(axis=0))
 
 

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from openrooms_usd.arrays import Array
-from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.results import Pose
@@ -137,21 +137,27 @@ def upright_of(rotation: Array) -> Array:
 
 
 def turn_of(parameters: Array) -> Array:
-    """(3, 3) the rotation about the vertical."""
-    return about_z(parameters[3])
+    """(..., 3, 3) the rotation about the vertical."""
+    turn = np.zeros((*parameters.shape[:-1], 3, 3))
+    turn[..., :2, :2] = in_plan(parameters[..., 3])
+    turn[..., 2, 2] = 1.0
+    return turn
 
 
 def posed(points: Array, parameters: Array) -> Array:
-    """(..., 3) points from the template's frame to the scan's."""
-    return np.asarray((points * np.exp(parameters[4:])) @ turn_of(parameters).T + parameters[:3])
+    """(..., N, 3) points from the template's frame to the scan's."""
+    scaled = points * np.exp(parameters[..., None, 4:])
+    return np.asarray(scaled @ turn_of(parameters).swapaxes(-1, -2) + parameters[..., None, :3])
 
 
 def unposed(points: Array, parameters: Array) -> Array:
-    """(..., 3) points from the scan's frame to the template's."""
-    return np.asarray(((points - parameters[:3]) @ turn_of(parameters)) / np.exp(parameters[4:]))
+    """(..., N, 3) points from the scan's frame to the template's."""
+    turned = (points - parameters[..., None, :3]) @ turn_of(parameters)
+    return np.asarray(turned / np.exp(parameters[..., None, 4:]))
 
 
 def directions(normals: Array, parameters: Array) -> Array:
-    """(N, 3) unit normals from the template's frame to the scan's."""
-    turned = (normals / np.exp(parameters[4:])) @ turn_of(parameters).T
-    return np.asarray(turned / np.sqrt(np.einsum("ij,ij->i", turned, turned))[:, None])
+    """(..., N, 3) unit normals from the template's frame to the scan's."""
+    scaled = normals / np.exp(parameters[..., None, 4:])
+    turned = scaled @ turn_of(parameters).swapaxes(-1, -2)
+    return np.asarray(turned / np.sqrt(np.einsum("...i,...i->...", turned, turned))[..., None])
