@@ -34,6 +34,8 @@ MOST_SHAPES: Final = 256
 COARSE_STEPS: Final = 32
 # A box stands for a hull where it adds no more than this share of the tolerance.
 BOX_SHARE: Final = 0.25
+# What stands on a box that is lower than its hull by more stands askew, metres.
+SINK_M: Final = 1e-4
 # A box that is so near to a hull is that hull, metres.
 SAME_BOX_M: Final = 1e-5
 # What lies so deep inside another shape can never be touched, metres.
@@ -157,7 +159,10 @@ def _shapes(
         return tuple(ConvexShape(box, piece.contact, piece.parts, True) for piece, box in pairs)
     hulls = [convex_hull(piece.points) for piece in pieces]
     off = [farthest_corner(box.points, hull) for box, hull in zip(boxes, hulls, strict=True)]
-    fits = [each <= BOX_SHARE * tolerance for each in off]
+    fits = [
+        far <= BOX_SHARE * tolerance and hull.points[:, 2].min() <= box.points[:, 2].min() + SINK_M
+        for far, box, hull in zip(off, boxes, hulls, strict=True)
+    ]
     if method == "auto":
         limits = Limits.of(tolerance)
         asked = [k for k in range(len(pieces)) if fits[k] and off[k] > SAME_BOX_M]
