@@ -78,6 +78,14 @@ def test_no_box_stands_lower_than_what_leans() -> None:
     )
 
 
+def test_what_is_printed_on_a_thing_is_no_shape_of_its_own() -> None:
+    cover = box(0.2, 0.2, 0.02, at=(0, 0, 0.01))
+    title = box(0.1, 0.02, 0.0008, at=(0, -0.08, 0.02))
+    found = collision_shapes([part(cover, name="cover"), part(title, "paper", "title")])
+    assert [shape.parts for shape in found.shapes] == [("cover",)]
+    assert found.uncovered == pytest.approx(0.0004, abs=1e-4)
+
+
 def test_an_l_is_two_boxes_exactly() -> None:
     found = collision_shapes([part(l_shape())])
     assert [shape.box for shape in found.shapes] == [True, True]
