@@ -11,7 +11,7 @@ from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import WELD_M, Component
 from openrooms_usd.physics.cutting import cut
-from openrooms_usd.physics.hulls import quick_hull
+from openrooms_usd.physics.hulls import outside_others, quick_hull
 from openrooms_usd.physics.merging import Cluster, merged
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import FEW_CANDIDATES, bisected, is_level
@@ -27,6 +27,9 @@ MOST_OF_ONE: Final = 64
 MAX_JOINED_COMPONENTS: Final = 1_000
 # Pieces are not cut across sides that are shorter than this share of the tolerance.
 MIN_SIDE_SHARE: Final = 0.5
+# What sticks out of another piece by less than this share of the tolerance is none by itself: books
+# would lie askew on the title of the one below.
+PRINT_SHARE: Final = 0.05
 # What tolerances grow by where there are too many pieces.
 TOLERANCE_GROWTH: Final = 1.5
 # How far faces may stick out that look up, where things stand on the solid, metres.
@@ -98,6 +101,8 @@ def convex_decomposition(
         for component in components
         for piece in _cut(component, solid, limits, min(most, MOST_OF_ONE))
     ]
+    seen = outside_others([piece.points for piece in pieces], PRINT_SHARE * tolerance)
+    pieces = [pieces[k] for k in seen]
     while True:
         pieces = _merged(pieces, solid, limits)
         if len(pieces) <= most:

@@ -13,12 +13,13 @@ from openrooms_usd.physics.collision_error import RESOLUTION_M, as_solid
 from openrooms_usd.physics.components import Component, Part, components
 from openrooms_usd.physics.convex_decomposition import (
     MAX_JOINED_COMPONENTS,
+    PRINT_SHARE,
     Limits,
     Piece,
     convex_decomposition,
     protrusions,
 )
-from openrooms_usd.physics.hulls import convex_hull, half_spaces, oriented_box
+from openrooms_usd.physics.hulls import convex_hull, half_spaces, oriented_box, outside_others
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import squared_distances
 
@@ -34,10 +35,10 @@ MOST_SHAPES: Final = 256
 COARSE_STEPS: Final = 32
 # A box stands for a hull where it adds no more than this share of the tolerance.
 BOX_SHARE: Final = 0.25
+# What stands on a box that is lower than its hull by more stands askew, metres.
+SINK_M: Final = 1e-4
 # A box that is so near to a hull is that hull, metres.
 SAME_BOX_M: Final = 1e-5
-# What lies so deep inside another shape can never be touched, metres.
-HIDDEN_DEPTH_M: Final = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +111,9 @@ def collision_shapes(
         pieces = convex_decomposition(found, solid, tolerance, most)
     else:
         pieces = _whole(found)
-    shapes = _without_hidden(_shapes(pieces, method, solid, tolerance))
+    shapes = _shapes(pieces, method, solid, tolerance)
+    seen = outside_others([shape.mesh.points for shape in shapes], PRINT_SHARE * tolerance)
+    shapes = tuple(shapes[k] for k in seen)
     union = np.concatenate([shape.mesh.points[shape.mesh.triangles] for shape in shapes])
     corners = np.concatenate([component.corners for component in found])
     # Bounds of a crowd are coarse: they would take minutes.
@@ -157,7 +160,10 @@ def _shapes(
         return tuple(ConvexShape(box, piece.contact, piece.parts, True) for piece, box in pairs)
     hulls = [convex_hull(piece.points) for piece in pieces]
     off = [farthest_corner(box.points, hull) for box, hull in zip(boxes, hulls, strict=True)]
-    fits = [each <= BOX_SHARE * tolerance for each in off]
+    fits = [
+        far <= BOX_SHARE * tolerance and hull.points[:, 2].min() <= box.points[:, 2].min() + SINK_M
+        for far, box, hull in zip(off, boxes, hulls, strict=True)
+    ]
     if method == "auto":
         limits = Limits.of(tolerance)
         asked = [k for k in range(len(pieces)) if fits[k] and off[k] > SAME_BOX_M]
@@ -182,21 +188,3 @@ def farthest_corner(points: Array, hull: TriangleMesh) -> float:
     corners = hull.points[hull.triangles]
     squared = squared_distances(np.unique(outside, axis=0)[:, None], corners).min(axis=1)
     return float(np.sqrt(squared.max(initial=0.0)))
-
-
-def _without_hidden(shapes: tuple[ConvexShape, ...]) -> tuple[ConvexShape, ...]:
-    """Shapes that do not lie wholly inside another one."""
-    low = np.array([shape.mesh.points.min(axis=0) for shape in shapes]) + HIDDEN_DEPTH_M
-    high = np.array([shape.mesh.points.max(axis=0) for shape in shapes]) - HIDDEN_DEPTH_M
-    hidden = np.zeros(len(shapes), dtype=np.bool_)
-    for k, shape in enumerate(shapes):
-        around = (low <= low[k] - HIDDEN_DEPTH_M).all(axis=1) & (
-            high >= high[k] + HIDDEN_DEPTH_M
-        ).all(axis=1)
-        hidden[k] = any(_holds(shapes[j].mesh, shape.mesh) for j in np.flatnonzero(around))
-    return tuple(shape for shape, gone in zip(shapes, hidden, strict=True) if not gone)
-
-
-def _holds(outer: TriangleMesh, inner: TriangleMesh) -> bool:
-    planes = half_spaces(outer)
-    return bool((inner.points @ planes[:, :3].T + planes[:, 3]).max() <= -HIDDEN_DEPTH_M)

@@ -1,5 +1,6 @@
 """Convex hulls and boxes as closed meshes, also of flat, thin and tiny sets of points."""
 
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -112,6 +113,29 @@ def half_spaces(hull: TriangleMesh) -> Array:
     sound = lengths > 1e-6 * lengths.max()
     normals = normals[sound] / lengths[sound, None]
     return np.column_stack([normals, -np.einsum("ij,ij->i", normals, corners[sound, 0])])
+
+
+def outside_others(pieces: Sequence[Array], slack: float) -> list[int]:
+    """Which sets of points do not lie inside the hull of another kept one, but for a slack.
+
+    Args:
+        pieces: (N, 3) each, metres.
+        slack: By how much they may stick out of it, metres.
+    """
+    low = np.array([points.min(axis=0) for points in pieces])
+    high = np.array([points.max(axis=0) for points in pieces])
+    kept = np.ones(len(pieces), dtype=np.bool_)
+    planes: dict[int, Array] = {}
+    for k, points in enumerate(pieces):
+        around = (low <= low[k] + slack).all(axis=1) & (high >= high[k] - slack).all(axis=1)
+        around[k] = False
+        for j in np.flatnonzero(around & kept).tolist():
+            if j not in planes:
+                planes[j] = half_spaces(quick_hull(pieces[j])[0])
+            if (points @ planes[j][:, :3].T + planes[j][:, 3]).max() <= slack:
+                kept[k] = False
+                break
+    return np.flatnonzero(kept).tolist()
 
 
 def volume(mesh: TriangleMesh) -> float:

@@ -127,11 +127,19 @@ def _bodies(surface: Enclosure, full: Bools, density: float) -> list[MassPropert
     corners = np.concatenate(
         [surface.corners[full[surface.labels]], surface.lids[full[surface.lid_labels]]]
     )
-    if not len(corners):
-        return []
+    return [enclosed(corners, density)] if len(corners) else []
+
+
+def enclosed(corners: Array, density: float = 1.0) -> MassProperties:
+    """What closed surfaces enclose, by the signed tetrahedra to the origin.
+
+    Args:
+        corners: (M, 3, 3) of triangles that face outwards, metres.
+        density: kg/m3.
+    """
     apex = np.zeros((len(corners), 1, 3))
     masses = density * np.linalg.det(corners) / 6.0
-    return [from_moments(*_moments(np.concatenate([corners, apex], axis=1), masses))]
+    return from_moments(*_moments(np.concatenate([corners, apex], axis=1), masses))
 
 
 def _sheets(

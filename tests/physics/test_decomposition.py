@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from shapely.geometry import Polygon
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import make
@@ -55,8 +56,6 @@ def touches(shapes: Sequence[ConvexShape], points: np.ndarray, radius: float) ->
 
 def l_shape() -> trimesh.Trimesh:
     outline = [[0, 0], [1, 0], [1, 0.2], [0.2, 0.2], [0.2, 1], [0, 1]]
-    from shapely.geometry import Polygon
-
     return trimesh.creation.extrude_polygon(Polygon(outline), 0.5)
 
 
@@ -65,6 +64,26 @@ def test_a_box_is_one_box() -> None:
     assert [shape.box for shape in found.shapes] == [True]
     assert volume(found.shapes[0].mesh) == pytest.approx(0.06)
     assert found.error < 1e-6
+
+
+def test_no_box_stands_lower_than_what_leans() -> None:
+    bar = Polygon([(0, 0), (0.016, 0), (0.016, 0.2), (0, 0.2)]).buffer(-0.003).buffer(0.003, 1)
+    leaning = trimesh.creation.extrude_polygon(bar, 0.3)
+    turn = trimesh.transformations.rotation_matrix(np.radians(12), (0, 0, 1))
+    leaning.apply_transform(trimesh.transformations.euler_matrix(np.pi / 2, 0, 0) @ turn)
+    leaning.apply_translation((0, 0, -leaning.bounds[0, 2]))
+    found = collision_shapes([part(leaning)])
+    assert min(shape.mesh.points[:, 2].min() for shape in found.shapes) == pytest.approx(
+        0, abs=1e-4
+    )
+
+
+def test_what_is_printed_on_a_thing_is_no_shape_of_its_own() -> None:
+    cover = box(0.2, 0.2, 0.02, at=(0, 0, 0.01))
+    title = box(0.1, 0.02, 0.0008, at=(0, -0.08, 0.02))
+    found = collision_shapes([part(cover, name="cover"), part(title, "paper", "title")])
+    assert [shape.parts for shape in found.shapes] == [("cover",)]
+    assert found.uncovered == pytest.approx(0.0004, abs=1e-4)
 
 
 def test_an_l_is_two_boxes_exactly() -> None:
@@ -317,8 +336,6 @@ def test_shapes_are_few_and_within_the_tolerance_both_ways(category: str) -> Non
 
 
 def test_a_door_frame_is_three_boxes() -> None:
-    from shapely.geometry import Polygon
-
     outline = [[0, 0], [0.05, 0], [0.05, 2], [0.85, 2], [0.85, 0], [0.9, 0], [0.9, 2.05], [0, 2.05]]
     frame = trimesh.creation.extrude_polygon(Polygon(outline), 0.1)
     found = collision_shapes([Part("frame", frame.vertices, frame.faces)])
@@ -380,8 +397,6 @@ def test_boxes_too_far_apart_are_not_merged() -> None:
 
 
 def test_steps_are_covered_to_their_corners() -> None:
-    from shapely.geometry import Polygon
-
     steps = [[0.0, 0.0]]
     for k in range(8):
         steps += [[0.25 * k, 0.17 * (k + 1)], [0.25 * (k + 1), 0.17 * (k + 1)]]

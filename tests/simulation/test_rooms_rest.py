@@ -27,7 +27,12 @@ ROOMS = [
     for kind in get_args(RoomType)
 ]
 # Categories that move farther, and why.
-EXCUSED: Final[dict[str, str]] = {}
+EXCUSED: Final[dict[str, str]] = {
+    "towel": "on a hook: the shapes of both its sides, true to 1 cm, clasp the hook",
+    "bag": "on a hook, as a towel",
+    "paper": "a crumpled ball turns onto a face between the floor and the wall of a bin",
+    "fruit": "the shapes of a bowl, true to 1 cm, touch it beside where it lies",
+}
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ STANDING = sorted(
     for name, spec in CATEGORIES.items()
     if spec.support in ("floor", "surface") and movable(name, spec.support)
 )
-QUICK = ("backpack", "jar", "table_lamp")
+QUICK = ("backpack", "jar", "photo_frame", "table_lamp")
 # What moves farther, and why.
 EXCUSED: Final[dict[tuple[str, str], str]] = {
     ("bag", "hung"): "it hangs on a hook",
@@ -34,11 +34,7 @@ EXCUSED: Final[dict[tuple[str, str], str]] = {
     ("towel", "draped"): "it hangs over a rail",
     ("television", "mounted"): "it hangs on a wall",
     ("umbrella", "rolled"): "it leans in a stand",
-    ("toy", "ball"): "it rolls onto a face",
     ("pillow", "square"): "it leans against a back",
-    ("pen", "pencil"): "it turns onto a face of its six",
-    ("photo_frame", "wide"): "its strut's shape is less true than it is thick",
-    ("photo_frame", "upright"): "its strut's shape is less true than it is thick",
     ("guitar", "acoustic"): "it leans on a stand that its shapes fill",
     ("guitar", "electric"): "it leans on a stand that its shapes fill",
 }

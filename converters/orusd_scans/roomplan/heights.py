@@ -1,7 +1,8 @@
 """How high a room of RoomPlan is: along the tops of its walls, or level.
 
 Where walls slope, or where those around a convex floor without walls inside differ in height, the
-ceiling follows their tops. Where two meet it is as high as the higher one, so that nothing captured is above it.
+ceiling follows their tops. Where two meet it is as high as the higher one, so that nothing
+captured is above it.
 """
 
 from collections import defaultdict

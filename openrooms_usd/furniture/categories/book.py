@@ -35,7 +35,7 @@ def lying(size: Size, rng: np.random.Generator) -> Parts:
     )
     front = printed_cover(0.96 * width, depth, rng)
     up = np.eye(4)
-    up[:3, 3] = (-0.46 * width, -0.5 * depth, height - 0.0003)
+    up[:3, 3] = (-0.46 * width, -0.5 * depth, height - 0.0002)
     parts = {"book": volume.cover().transformed(lie), "pages": volume.pages().transformed(lie)}
     return {**parts, **front.parts(up)}
 

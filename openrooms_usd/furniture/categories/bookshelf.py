@@ -12,6 +12,7 @@ from openrooms_usd.furniture.joinery.carcass import BACK, Carcass, plinth_height
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell
 from openrooms_usd.furniture.joinery.fronts import doors, drawn_look
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
+from openrooms_usd.furniture.joinery.posing import seated
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
 from openrooms_usd.geometry.sweeps import tube
@@ -86,7 +87,7 @@ def ladder(size: Size, rng: np.random.Generator) -> Furniture:
     levels = np.linspace(0.09, height - 0.26, count)
     for side in (-x, x):
         front = [(side, -y, 0.0), (side, lean - y, height)]
-        made.add("tube", tube(front, r), tube([(side, y, 0.0), (side, y, height)], r))
+        made.add("tube", seated(tube(front, r)), tube([(side, y, 0.0), (side, y, height)], r))
     cells: list[Cell] = []
     for level, above in zip(levels, [*levels[1:], height + 0.04], strict=True):
         edge = lean * float(level) / height - y

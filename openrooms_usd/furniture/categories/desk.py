@@ -10,6 +10,7 @@ from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, square_
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import Look, drawer, drawn_look
 from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
+from openrooms_usd.furniture.joinery.posing import seated
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import TABLES
 from openrooms_usd.geometry.curves import filleted, rectangle
@@ -205,9 +206,11 @@ def framed(size: Size, rng: np.random.Generator) -> Furniture:
     made.add("tabletop", _tabletop(top, thick, 0.006))
     under, y, x = height - thick, 0.5 * depth - r, 0.5 * width - r
     for s in (-1.0, 1.0):
-        path = [(s * x, -y, under - r), (s * x, -y, r), (s * x, y, r), (s * x, y, under - r)]
-        rounded = filleted(path, 0.03, closed=True)
-        made.add("leg", tube(rounded, r, segments=8, closed=True))
+        # It stands on a flat, not on an edge of the tube.
+        foot = 0.93 * r
+        path = [(s * x, -y, under - r), (s * x, -y, foot), (s * x, y, foot), (s * x, y, under - r)]
+        rounded = filleted(path, 0.03, segments=4, closed=True)
+        made.add("leg", seated(tube(rounded, r, segments=8, closed=True)))
     made.add(
         "frame",
         tube([(-x, y, 0.32 * height), (x, y, 0.32 * height)], r, segments=8),

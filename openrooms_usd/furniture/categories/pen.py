@@ -43,11 +43,12 @@ def pencil(size: Size, rng: np.random.Generator) -> Parts:
     """A pencil of six sides with an eraser."""
     width, long, _ = size
     r = 0.5 * width
+    # What is round stays within the six sides, so that it lies on one of them.
     body = _barrel([(0.0, 0.1), (r, 0.1), (r, 0.93), (0.0, 0.93)], long, 6)
-    cone = _barrel([(0.0, 0.012), (0.15 * r, 0.012), (0.93 * r, 0.103), (0.0, 0.103)], long, 12)
+    cone = _barrel([(0.0, 0.012), (0.15 * r, 0.012), (0.86 * r, 0.103), (0.0, 0.103)], long, 12)
     lead = _barrel([(0.0, 0.0), (0.05 * r, 0.0), (0.16 * r, 0.014), (0.0, 0.014)], long, 8)
     rubber = _barrel(
-        [(0.0, 0.925), (0.95 * r, 0.925), (0.95 * r, 0.99), (0.7 * r, 1.0), (0.0, 1.0)], long, 12
+        [(0.0, 0.925), (0.86 * r, 0.925), (0.86 * r, 0.99), (0.65 * r, 1.0), (0.0, 1.0)], long, 12
     )
     flip = np.diag([1.0, -1.0, 1.0, 1.0])
     parts = {"pen": body, "wood": cone, "tip": lead, "eraser": rubber}

@@ -29,14 +29,13 @@ def standing(size: Size, rng: np.random.Generator, *, build: Build) -> Parts:
     made = build((width, thick, tall), rng)
     parts = made.parts if isinstance(made, Furniture) else made
     front = -0.5 * depth + 0.5 * thick * c
-    stood = {
-        name: turned(mesh, "x", -_LEAN_DEG).moved((0.0, front, 0.5 * thick * s))
-        for name, mesh in parts.items()
-    }
+    leaning = {name: turned(mesh, "x", -_LEAN_DEG) for name, mesh in parts.items()}
+    low = min(mesh.extent[0][2] for mesh in leaning.values())
+    stood = {name: mesh.moved((0.0, front, -low)) for name, mesh in leaning.items()}
     head = (front + 0.55 * height * s / c + 0.4 * thick, 0.55 * height)
     line = np.array([head, (0.5 * depth - 0.002, 0.002)])
     strut = profiled(strip(line, 0.004), 0.3 * width, SIDE, 0.0)
-    return {**stood, "stand": strut}
+    return {**stood, "stand": strut.moved((0.0, 0.0, -strut.extent[0][2]))}
 
 
 CATEGORY: Final = BuiltCategory(

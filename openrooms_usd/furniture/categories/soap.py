@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.construction import filled, row, solid
 from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import seated, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory
 from openrooms_usd.furniture.schemes import scheme
@@ -18,13 +18,15 @@ from openrooms_usd.geometry.uv import metric
 
 
 def _bar(width: float, depth: float, height: float) -> Mesh:
+    """It bulges above alone: on a bulge below it would rock."""
+    crown = 0.15 * height
     bar = cushion(
-        (width, depth, height),
+        (width, depth, height + crown),
         radius=0.3 * height,
-        crown=(0.001, 0.001, 0.15 * height),
+        crown=(0.001, 0.001, crown),
         divisions=2,
     )
-    return bar.moved((0.0, 0.0, 0.5 * height))
+    return seated(bar.moved((0.0, 0.0, 0.5 * (height - crown))))
 
 
 def dish(size: Size, rng: np.random.Generator) -> Parts:

@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import FRONT, SIDE, profiled
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
-from openrooms_usd.furniture.joinery.posing import turned
+from openrooms_usd.furniture.joinery.posing import seated, turned
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -64,7 +64,7 @@ def blocks(size: Size, rng: np.random.Generator) -> Parts:
 
 
 def ball(size: Size, rng: np.random.Generator) -> Parts:
-    """A ball of two colours."""
+    """A ball of two colours, a little flattened where it rests: it would roll away."""
     r = 0.5 * size[2]
     t = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 19)
     whole = np.stack([r * np.cos(t), r + r * np.sin(t)], axis=1)
@@ -81,8 +81,11 @@ def ball(size: Size, rng: np.random.Generator) -> Parts:
         lathe([(0.0, cuts[2][0][1]), *map(tuple, cuts[2])], segments=26, crease=50.0),
     ]
     lean = float(rng.uniform(10.0, 60.0))
-    caps = [turned(meshes[k], "x", lean, (0.0, 0.0, r)) for k in (0, 2)]
-    return {"ball": joined(caps), "stripe": turned(meshes[1], "x", lean, (0.0, 0.0, r))}
+    caps, stripe = (
+        seated(turned(mesh, "x", lean, (0.0, 0.0, r)).moved((0.0, 0.0, -0.03 * r)), 50.0)
+        for mesh in (joined([meshes[0], meshes[2]]), meshes[1])
+    )
+    return {"ball": caps, "stripe": stripe}
 
 
 def car(size: Size, rng: np.random.Generator) -> Parts:

@@ -124,5 +124,5 @@ def printed_cover(width: float, height: float, rng: np.random.Generator) -> Prin
         page.fields.append(page.bar((0.0, float(edges[0])), (1.0, float(edges[1]) + 0.03)))
         page.fields.append(page.bar((0.0, float(edges[2]) + 0.05), (1.0, float(edges[3]) + 0.09)))
         page.titles += _words(page, 0.12, 0.88, 0.78, 0.1, rng, 0)
-    page.lines += _words(page, 0.3, 0.7, 0.05, 0.02, rng, 2)
+    page.lines += _words(page, 0.3, 0.7, 0.05, 0.02, rng, 1)
     return page

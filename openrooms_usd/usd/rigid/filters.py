@@ -38,7 +38,7 @@ def read_filters(
         if prim.IsA(UsdPhysics.CollisionGroup):
             reader.lose(prim.GetPath(), "skipped", _GROUP)
     order = {name: number for number, name in enumerate(called.values())}
-    found = {}
+    found = set()
     for here, there in _said(stage):
         ends = [_links(path, called, colliders) for path in (here, there)]
         for path, end in zip((here, there), ends, strict=True):
@@ -47,8 +47,8 @@ def read_filters(
         for one, other in product(*ends):
             if one[0] != other[0]:
                 first, second = sorted((one, other), key=order.__getitem__)
-                found[first, second] = order[first], order[second]
-    return tuple(sorted(found, key=found.__getitem__))
+                found.add((first, second))
+    return tuple(sorted(found, key=lambda pair: [order[link] for link in pair]))
 
 
 def named_links(bodies: Iterable[Body]) -> dict[Sdf.Path, LinkName]:

@@ -16,7 +16,8 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.hulls import convex_hull
-from openrooms_usd.physics.mass import MassProperties, combined, from_moments
+from openrooms_usd.physics.inertia import enclosed
+from openrooms_usd.physics.mass import MassProperties, combined
 from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader
 
 _REMEDY: Final = "give it a positive physics:mass, or colliders that enclose a volume"
@@ -148,18 +149,13 @@ def _of_one(shapes: Sequence[TriangleMesh]) -> MassProperties | None:
 
 
 def _at_density_one(mesh: TriangleMesh) -> MassProperties | None:
-    """By the divergence theorem, about the middle of the points."""
+    """About the middle of the points; None where they enclose nothing."""
     middle = mesh.points.mean(axis=0)
-    a, b, c = np.moveaxis(mesh.points[mesh.triangles] - middle, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
-    total = a + b + c
-    volume = float(volumes.sum())
-    if volume <= 0.0:
+    corners = mesh.points[mesh.triangles] - middle
+    if float(np.linalg.det(corners).sum()) <= 0.0:
         return None
-    second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, total)) / 20.0
-    first = np.einsum("i,ij->j", volumes, total) / 4.0
-    found = from_moments(volume, first, np.asarray(second))
-    return MassProperties(found.mass, found.centre + middle, found.inertia)
+    found = enclosed(corners)
+    return replace(found, centre=found.centre + middle)
 
 
 def _information(
