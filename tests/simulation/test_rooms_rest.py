@@ -31,6 +31,7 @@ EXCUSED: Final[dict[str, str]] = {
     "towel": "on a hook: the shapes of both its sides, true to 1 cm, clasp the hook",
     "bag": "on a hook, as a towel",
     "paper": "a crumpled ball turns onto a face between the floor and the wall of a bin",
+    "laptop": "the dry friction of its hinge gives by 0.2 degrees in MuJoCo, once",
     "fruit": "the shapes of a bowl, true to 1 cm, touch it beside where it lies",
 }
 
