@@ -50,11 +50,12 @@ def load_bullet(folder: str | Path, client: Any) -> dict[str, Loaded]:
         MissingPackageError: Bullet is not installed.
     """
     p = needed("pybullet")
-    folder, client = Path(folder), getattr(client, "_client", client)
+    # A BulletClient disconnects when nobody holds it any more: it stays in its own variable.
+    folder, number = Path(folder), getattr(client, "_client", client)
     scene = _scene(folder / "scene.json")
-    p.setGravity(*scene["gravity"], physicsClientId=client)
-    bodies = {entry["name"]: _load(p, folder, entry, client) for entry in scene["bodies"]}
-    keep_apart(p, bodies, scene.get("apart", ()), client)
+    p.setGravity(*scene["gravity"], physicsClientId=number)
+    bodies = {entry["name"]: _load(p, folder, entry, number) for entry in scene["bodies"]}
+    keep_apart(p, bodies, scene.get("apart", ()), number)
     return bodies
 
 

@@ -215,7 +215,8 @@ def unread_labels(prim: Usd.Prim) -> Iterator[str]:
                 yield f"its label {listed} is no class of {taxonomy}"
         elif taxonomy not in (*WORDS, *_UNNUMBERED):
             known = ", ".join((*WORDS, *TAXONOMIES))
-            yield f"its label {listed} is left out: {taxonomy} is none of {known}"
+            whose = taxonomy or "a list without a name"
+            yield f"its label {listed} is left out: {whose} is none of {known}"
     if (words := _words(said)) and not _known(words) and TAXONOMIES.keys().isdisjoint(said):
         yield f"its label {', '.join(words)} is no word that is known: it has no class"
     applied = prim.GetAppliedSchemas()

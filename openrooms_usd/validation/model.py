@@ -12,7 +12,7 @@ from openrooms_usd import names
 from openrooms_usd.edits.orphans import edit_layers
 from openrooms_usd.usd.files.diagnostics import UNREADABLE
 from openrooms_usd.usd.files.layers import prim_specs
-from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.semantics import WORDS, own_labels
 from openrooms_usd.validation.roomview import RoomView
 
 Severity = Literal["error", "warning"]
@@ -164,7 +164,11 @@ def _distinct_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
 
 def has_label(prim: Usd.Prim) -> bool:
     """Whether a prim, or one above it, says what it is."""
-    return read_label(prim, names.CATEGORY) is not None
+    while prim and not prim.IsPseudoRoot():
+        if not own_labels(prim).keys().isdisjoint(WORDS):
+            return True
+        prim = prim.GetParent()
+    return False
 
 
 def has_material(prim: Usd.Prim) -> bool:

@@ -13,6 +13,7 @@ from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.doubts import camera_doubts, light_doubts
 from openrooms_usd.usd.files.diagnostics import UNREADABLE, plain, reason
 from openrooms_usd.usd.files.layers import prim_specs
+from openrooms_usd.usd.light.inputs import old_names
 from openrooms_usd.usd.light.lights import read_lights
 from openrooms_usd.usd.places.metrics import find_misfits
 from openrooms_usd.validation.model import (
@@ -98,7 +99,7 @@ def labels(subject: Subject) -> Iterator[Complaint]:
         if not has_label(prim):
             yield (
                 str(prim.GetPath()),
-                f"neither it nor a prim above it has a {names.CATEGORY} label",
+                "neither it nor a prim above it has a label that says what it is",
             )
 
 
@@ -223,6 +224,8 @@ def plausible(subject: Subject) -> Iterator[Complaint]:
         yield from ((str(prim.GetPath()), doubt) for doubt in camera_doubts(prim))
     for light in read_lights(subject.stage):
         yield from ((light.path, doubt) for doubt in light_doubts(light))
+        if old := old_names(subject.stage.GetPrimAtPath(light.path)):
+            yield light.path, f"USD ignores these names of before 21.02: {', '.join(old)}"
 
 
 def referenced_units(subject: Subject) -> Iterator[Complaint]:

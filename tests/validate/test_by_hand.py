@@ -94,3 +94,18 @@ def test_what_they_take_from_our_own_prims_stays_an_error(room: Path) -> None:
         " token[] semantics:labels:category = None\n }\n }\n}\n",
     )
     assert ("error", "label") in {(f.severity, f.code) for f in found}
+
+
+@pytest.mark.parametrize("taxonomy", ["category", "class"])
+def test_words_of_others_are_labels(room: Path, taxonomy: str) -> None:
+    schema = f' (prepend apiSchemas = ["SemanticsLabelsAPI:{taxonomy}"]) {{\n'
+    said = f'    token[] semantics:labels:{taxonomy} = ["statue"]\n'
+    mesh = MESH.format(name="Statue").replace(" {\n", schema + said, 1)
+    found = findings(room, f'over "World" {{\n{mesh}}}\n')
+    assert "label" not in {finding.code for finding in found}
+
+
+def test_names_of_old_lights_are_told(room: Path) -> None:
+    lamp = 'over "World" {\n def SphereLight "Old" {\n float intensity = 100\n }\n}\n'
+    said = [(f.code, f.message) for f in findings(room, lamp) if f.place == "/World/Old"]
+    assert ("plausible", "USD ignores these names of before 21.02: intensity") in said
