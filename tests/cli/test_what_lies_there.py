@@ -269,6 +269,7 @@ def check(case: Case, stock: Path, tmp_path: Path, *, every: bool) -> None:
         refused(case, stock, other, name)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.slow])
 def test_only_what_is_ours_and_unchanged_gives_way(name: str, stock: Path, tmp_path: Path) -> None:
     check(CASES[name], stock, tmp_path, every=False)

@@ -21,6 +21,7 @@ QUICK = [
 ]
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("room_type", "seed"), QUICK)
 def test_a_person_believes_a_room(room_type: str, seed: int) -> None:
     assert unbelievable(room_type, seed, Shapes(seed)) == []

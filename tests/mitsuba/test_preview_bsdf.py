@@ -141,6 +141,7 @@ def furnace(looks: list[dict[str, Any]]) -> small.Stage:
     return made
 
 
+@pytest.mark.slow
 def test_a_picture_in_a_white_furnace(vectorized: str, tmp_path: Any) -> None:
     """Radiance is the albedo: of rows of the table, of pictures, behind a mask, coloured."""
     grey = save_picture(tmp_path / "grey.png", np.full((4, 4, 3), 204, np.uint8))
