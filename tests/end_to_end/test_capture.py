@@ -17,9 +17,8 @@ def test_a_capture_becomes_pictures(tmp_path: Path, fastest: str, cast, opened, 
     room, out, pictures = (tmp_path / name for name in ("room", "out", "pictures"))
     output_of("import", "roomplan", source, "-o", room)
     output_of("compose", room / "room.yaml", "-o", out)
-    # Its table was captured 7 cm beyond a wall: that is warned of, and nothing else.
-    found = json.loads(output_of("validate", "--json", out / "scene.usda"))["findings"]
-    assert [(one["severity"], one["code"]) for one in found] == [("warning", "outside-room")]
+    # Its table was captured 7 cm beyond a wall, and is moved inside.
+    assert json.loads(output_of("validate", "--json", out / "scene.usda"))["findings"] == []
     said = output_of(
         "render",
         out / "scene.usda",
