@@ -77,21 +77,32 @@ def read_stl(path: Path) -> Reading:
 
 def _unused(header: dict[str, Any]) -> list[str]:
     """What a GLB file has and is not used, in a sentence or two."""
-    count = len(header.get("images", []))
+    count = len(_rows(header, "images"))
     notes = [f"{count} textures in the GLB file are left out"] if count else []
     unused = [name for name in ("animations", "skins", "cameras") if header.get(name)]
-    for mesh in header.get("meshes", ()):
-        for primitive in mesh["primitives"]:
-            unused += [name for name in primitive["attributes"] if name not in _ATTRIBUTES]
+    for mesh in _rows(header, "meshes"):
+        for primitive in _rows(mesh, "primitives"):
+            attributes = primitive.get("attributes")
+            named = attributes if isinstance(attributes, dict) else ()
+            unused += [name for name in named if name not in _ATTRIBUTES]
             unused += ["morph targets"] if primitive.get("targets") else []
-            unused += ["points and lines"] if primitive.get("mode", 4) < _STRIPS else []
-    for material in header.get("materials", ()):
-        unused += ["emission"] if any(material.get("emissiveFactor", ())) else []
+            unused += ["points and lines"] if primitive.get("mode", 4) in range(_STRIPS) else []
+    for material in _rows(header, "materials"):
+        glow = material.get("emissiveFactor")
+        unused += ["emission"] if isinstance(glow, list) and any(glow) else []
         unused += ["masks"] if material.get("alphaMode") == "MASK" else []
-    unused += [str(name) for name in header.get("extensionsUsed", ()) if name not in _EXTENSIONS]
+    extensions = header.get("extensionsUsed")
+    listed = map(str, extensions) if isinstance(extensions, list) else ()
+    unused += [name for name in listed if name not in _EXTENSIONS]
     if unused:
         notes.append(f"not used of the GLB file: {', '.join(dict.fromkeys(unused))[:300]}")
     return notes
+
+
+def _rows(header: dict[str, Any], name: str) -> list[dict[str, Any]]:
+    """The objects of a list, which may be anything in a file of others."""
+    rows = header.get(name)
+    return [row for row in rows if isinstance(row, dict)] if isinstance(rows, list) else []
 
 
 def _unused_properties(elements: dict[str, Any]) -> list[str]:

@@ -57,17 +57,18 @@ def main_part(cloud: Cloud, outside: Outside = FEW) -> Cloud:
     from scipy.spatial import KDTree
 
     some = cloud.take(evened(cloud.points)[0])
-    single = some.points
-    if len(single) <= _NEIGHBOUR:
+    if len(some) <= _NEIGHBOUR:
         return cloud
+    # Squares of distances shall not overflow, whatever stands in a file.
+    single = some.points / max(float(np.abs(some.points).max()), 1e-300)
+    single -= np.median(single, axis=0)
     places = single[:: max(len(single) // _PLACES, 1)]
     away = np.asarray(KDTree(single).query(places, k=[_NEIGHBOUR])[0])
     link = _LINK * float(np.percentile(away, 100.0 - outside.percent))
+    if not link > 0.0:
+        return cloud
     cells, cell, counts = np.unique(
-        np.floor((some.points - np.median(single, axis=0)) / link),
-        axis=0,
-        return_inverse=True,
-        return_counts=True,
+        np.floor(single / link), axis=0, return_inverse=True, return_counts=True
     )
     pairs = KDTree(cells).query_pairs(_TOUCHING_CELLS, output_type="ndarray")
     joined = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (len(cells),) * 2)
@@ -77,9 +78,11 @@ def main_part(cloud: Cloud, outside: Outside = FEW) -> Cloud:
     # How many points are near each other: the room is dense, what is outside may have more.
     weight = np.bincount(part, np.minimum(counts, _MOST_COUNTED * usual) ** 2)
     main = weight >= _PART_SHARE * weight.max()
-    kept = some.take(main[part[cell]])
-    compact = _length(some.points) <= outside.longer * _length(kept.points)
-    return cloud if compact or weight[main].sum() < _MAIN_SHARE * weight.sum() else kept
+    inside = main[part[cell]]
+    compact = _length(single) <= outside.longer * _length(single[inside])
+    if compact or weight[main].sum() < _MAIN_SHARE * weight.sum():
+        return cloud
+    return some.take(inside)
 
 
 def _length(points: Array) -> float:

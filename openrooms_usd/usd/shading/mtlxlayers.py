@@ -320,7 +320,7 @@ class _Document:
             return int(numbers[0]) if numbers else None
         if kind == _Types.Float:
             return numbers[0] if numbers else None
-        many = kind.defaultValue.dimension
+        many = getattr(kind.defaultValue, "dimension", 0)
         return _VECTORS[many](*numbers) if len(numbers) == many else None
 
 
