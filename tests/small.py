@@ -172,7 +172,8 @@ def patch(at: tuple[float, float, float] = (0, 0, 0), half: float = 0.01) -> Sta
     made.material("/White", base_color=(1.0, 1.0, 1.0))
     made.quad("/Patch", square(at, half), material="/White")
     x, y, z = at
-    made.camera((x, y - 0.3, z + 0.3), at, fov=50.0 * half, aspect=1.0)
+    away = 30.0 * half
+    made.camera((x, y - away, z + away), at, fov=1.2, aspect=1.0)
     return made
 
 

@@ -4,7 +4,7 @@ Importing this package imports neither USD nor an engine.
 
 - `checking`, `naming`, `frames`, `boxes`, `looks`, `assets`, `objfile`: what the formats
   share; `reports`: what became of every prim;
-- `robot`, `urdf`; `tree`, `mjcf`; `usdphysics`: the three formats;
+- `robot`, `urdf`; `tree`, `springs`, `mjcf`; `usdphysics`: the three formats;
 - `exporters`: as entry points; `packages`, `loading`, `bullet`, `mujoco_engine`: the engines.
 """
 

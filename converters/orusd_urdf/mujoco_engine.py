@@ -26,7 +26,7 @@ from openrooms_usd.engines import (
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.quaternions import pose_of, quaternion
 from openrooms_usd.physics import pair
-from openrooms_usd.physics.world import Body, World
+from openrooms_usd.physics.world import Body, Joint, World
 from orusd_urdf.packages import needed
 
 Array = NDArray[np.float64]
@@ -118,11 +118,15 @@ def _tune(mujoco: Any, model: Any, timestep: float) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Loaded:
-    """A body in MuJoCo: the numbers of its links and joints, and where its base stands."""
+    """A body in MuJoCo: the numbers of its links and joints, and where its base stands.
+
+    Balls have their three hinges, by MuJoCo's number.
+    """
 
     body: Body
     links: Mapping[str, int]
     joints: Mapping[str, int]
+    balls: Mapping[int, tuple[Joint, ...]]
     free: int | None
 
     @property
@@ -155,26 +159,30 @@ class MujocoSimulation:
             for joint in one.body.joints:
                 if joint.speed and joint.name in one.joints:
                     self._data.qvel[self._model.jnt_dofadr[one.joints[joint.name]]] = joint.speed
+            for number, hinges in one.balls.items():
+                at = self._model.jnt_dofadr[number]
+                self._data.qvel[at : at + 3] = sum(each.speed * each.axis for each in hinges)
             if one.free is not None and np.any(one.body.velocity):
                 self.set_velocity(name, *one.body.velocity)
         self._forward()
 
     def _loaded(self, body: Body) -> _Loaded:
-        from orusd_urdf.tree import is_ball, joined, joint_name, link_name, written
+        from orusd_urdf.tree import ball_name, is_ball, joined, joint_name, link_name, written
 
         there = [link for link in body.links if not link.between]
         links = {link.name: self._model.body(link_name(body, link)).id for link in there}
-        # A ball has no angle that could be one number.
-        moving = [
-            joint
-            for joints in joined(body)
-            for joint in written(joints)
-            if not is_ball(joints, joint)
-        ]
-        joints = {joint.name: self._model.joint(joint_name(body, joint)).id for joint in moving}
+        joints, balls = dict[str, int](), dict[int, tuple[Joint, ...]]()
+        for steps in joined(body):
+            for joint in written(steps):
+                # A ball has no angle that could be one number.
+                if is_ball(steps, joint):
+                    first = steps.index(joint)
+                    balls[self._model.joint(ball_name(body, joint)).id] = steps[first : first + 3]
+                else:
+                    joints[joint.name] = self._model.joint(joint_name(body, joint)).id
         base = links[body.links[0].name]
         free = None if body.fixed else int(self._model.body_jntadr[base])
-        return _Loaded(body, links, joints, free)
+        return _Loaded(body, links, joints, balls, free)
 
     @property
     def timestep(self) -> float:
@@ -249,6 +257,8 @@ class MujocoSimulation:
             data.qvel[model.jnt_dofadr[number]] = 0.0
             if name in joints:
                 data.qpos[model.jnt_qposadr[number]] = joints[name]
+        for number in one.balls:
+            data.qvel[model.jnt_dofadr[number] :][:3] = 0.0
         self._forward()
 
     def set_velocity(self, body: str, linear: Array, angular: Array) -> None:

@@ -23,7 +23,7 @@ from orusd_urdf.naming import safe
 _MAX_EFFORT: Final = 1000.0
 _MAX_VELOCITY: Final = 100.0
 # What stands for no limit where there is another, radians or metres.
-_ENDLESS: Final = 1e6
+ENDLESS: Final = 1e6
 _KINDS: Final = {"hinge": "revolute", "rail": "prismatic", "fixed": "fixed"}
 
 
@@ -173,8 +173,8 @@ def _joint(joint: Joint, parent: Link, child: Link) -> Element:
     SubElement(element, "axis", xyz=place(joint.axis))
     limit = SubElement(element, "limit", effort=text(_MAX_EFFORT), velocity=text(_MAX_VELOCITY))
     if not endless:
-        limit.set("lower", text(max(low, -_ENDLESS)))
-        limit.set("upper", text(min(high, _ENDLESS)))
+        limit.set("lower", text(max(low, -ENDLESS)))
+        limit.set("upper", text(min(high, ENDLESS)))
     SubElement(element, "dynamics", damping=text(joint.damping), friction=text(joint.friction))
     return element
 

@@ -1,5 +1,6 @@
 """Bodies as the tree that MuJoCo simulates: nested bodies, joints, inertia and geoms."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePosixPath
@@ -20,11 +21,11 @@ from orusd_urdf.checking import moving_links, sturdy_inertia
 from orusd_urdf.frames import place, relative, text
 from orusd_urdf.looks import PLAIN, Look, Loss
 from orusd_urdf.naming import safe
-from orusd_urdf.robot import coefficient
+from orusd_urdf.robot import ENDLESS, coefficient
 from orusd_urdf.springs import extra_damping
 
-# Hinges that are a ball together, and what stands for no limit where there is another.
-_BALL, _ENDLESS = 3, 1e6
+# Hinges that are a ball together.
+_BALL: Final = 3
 _KINDS: Final = {"hinge": "hinge", "rail": "slide"}
 _STIFF: Final = "its spring is damped more: it is too stiff for the steps"
 # MuJoCo makes a tetrahedron of every mesh, also of those that it only draws.
@@ -62,6 +63,11 @@ def link_name(body: Body, link: Link) -> str:
 def joint_name(body: Body, joint: Joint) -> str:
     """The name of a joint."""
     return f"{safe(body.name)}.{safe(joint.name)}"
+
+
+def ball_name(body: Body, first: Joint) -> str:
+    """The name of three hinges that are a ball: that of the first says about which axis."""
+    return re.sub(r"_rot[XYZ](_\d+)?$", "", joint_name(body, first))
 
 
 def joined(body: Body) -> Iterator[tuple[Joint, ...]]:
@@ -138,9 +144,7 @@ class Tree:
             _set_place(elements[child.name], relative(parent.body_from_link, child.body_from_link))
             for row, joint in enumerate(written(joints)):
                 ball = is_ball(joints, joint)
-                name = joint_name(body, joint)
-                # That of its first hinge says about which axis.
-                name = name.rpartition("_")[0] if ball else name
+                name = ball_name(body, joint) if ball else joint_name(body, joint)
                 extra = extra_damping(body, joint, self.timestep)
                 if extra:
                     self.losses.append((child.path, "approximated", _STIFF))
@@ -239,7 +243,7 @@ def _joint(joint: Joint, name: str, ball: bool) -> Element:
     if not ball:
         element.set("axis", place(joint.axis))
     if np.isfinite(joint.limits).any():
-        element.set("range", text(np.clip(joint.limits, -_ENDLESS, _ENDLESS)))
+        element.set("range", text(np.clip(joint.limits, -ENDLESS, ENDLESS)))
     drive = joint.drive
     if drive and np.isfinite(drive.force):
         # The motor damps, so that it never gives more than it can.

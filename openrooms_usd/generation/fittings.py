@@ -49,8 +49,6 @@ _REACHED_M: Final = 0.32
 _PLUGGED_M: Final = 0.06
 _READ_M: Final = 0.13
 _THERMOSTAT_Z_M: Final = 1.4
-# Nothing electric is nearer to a bath or a shower (IEC 60364-7-701, zone 2), metres.
-_DRY_M: Final = 0.6
 # Half of the hole in a rose, which takes a lamp's canopy; metres.
 _ROSE_HOLE_M: Final = 0.075
 
@@ -304,7 +302,7 @@ class Fitter:
         taken = len(solids) > 0 and bool(overlap(before, solids, 0.001).any())
         taken |= bool(overlap(before, shell.fixed, 0.004).any())
         taken |= bool(overlap(item.box[None], shell.standing, -0.002).any())
-        taken |= bool(overlap(item.box[None], self.room.wet, _DRY_M).any())
+        taken |= self.room.is_splashed(item.box[None])
         return [] if taken else [self._taken(item)]
 
     def _is_cut(self, side: Side, at: float, z: float, size: Size) -> bool:

@@ -71,19 +71,20 @@ def generate_rooms(
     Raises:
         OutputError: A folder cannot be written, or holds another room.
     """
-    numbers = range(seed, seed + (count or 1))
-    names = ("" if count is None else f"{room_type}_{number}" for number in numbers)
-    files = {number: out / name / ROOM for number, name in zip(numbers, names, strict=True)}
+    files = {
+        number: (out if count is None else out / f"{room_type}_{number}") / ROOM
+        for number in range(seed, seed + (count or 1))
+    }
 
     def made(number: int) -> Generated:
         return generate(room_type, number, area, style, clutter)
 
     # Nothing is written where a later room could not be.
+    known = {number: made(number) for number, file in files.items() if os.path.lexists(file)}
+    for number, room in known.items():
+        _check_same(files[number], write(room))
     for number, file in files.items():
-        if os.path.lexists(file):
-            _check_same(file, write(made(number)))
-    for number, file in files.items():
-        room = made(number)
+        room = known.get(number) or made(number)
         write_text(file, write(room))
         yield GeneratedFile(file, room)
 

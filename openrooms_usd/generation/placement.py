@@ -37,6 +37,8 @@ _ROOM: Final = ("floor", "wall", "ceiling")
 # Narrower groups belong into corners, metres.
 _CORNER_WIDTH_M: Final = 0.6
 # Above these nothing hangs: what is splashed, and what is hot.
+# Nothing electric is nearer to a bath or a shower (IEC 60364-7-701, zone 2), metres.
+_DRY_M: Final = 0.6
 _WET: Final = frozenset({"bathtub", "shower"})
 _HOT: Final = frozenset({"hob", "radiator", "stove"})
 # Between a hob and the wall behind it, metres.
@@ -109,6 +111,10 @@ class Arrangement:
             if item.category in _HOT:
                 column[:, 5] += _BEHIND_HOB_M
                 self.hot = np.concatenate([self.hot, column])
+
+    def is_splashed(self, box: Array) -> bool:
+        """Whether a (1, 8) box is where nothing electric may be: near a bath or a shower."""
+        return bool(overlap(box, self.wet, _DRY_M).any())
 
     def shows(self, box: Array, gap: float) -> bool:
         """Whether what hangs in (1, 8) a box is clear of all else, and nothing hides it."""

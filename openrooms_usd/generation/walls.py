@@ -15,8 +15,6 @@ from openrooms_usd.geometry.floorplan import room_centre
 
 # Between what hangs and anything else, metres.
 _HANGING_GAP_M: Final = 0.08
-# Between a lamp and a bath or a shower (IEC 60364-7-701, zone 2), metres.
-_DRY_M: Final = 0.6
 _MAX_TRIES: Final = 30
 # One ceiling lamp for this much floor, square metres; and the least height to walk below it.
 _FLOOR_PER_LAMP_M2: Final = 14.0
@@ -74,7 +72,7 @@ def _is_free(room: Arrangement, item: Item) -> bool:
     away = overlap(box, room.shell.kept, _HANGING_GAP_M).any()
     away |= overlap(box, room.shell.attached, 0.01).any()
     away |= overlap(box, room.shell.walls, -0.002).any()
-    away |= item.category == "wall_lamp" and overlap(box, room.wet, _DRY_M).any()
+    away |= item.category == "wall_lamp" and room.is_splashed(box)
     return not away and room.shows(box, _HANGING_GAP_M)
 
 

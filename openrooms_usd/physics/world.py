@@ -158,7 +158,7 @@ class Body:
     joints: tuple[Joint, ...] = ()
     fixed: bool = False
     category: str = ""
-    velocity: tuple[Array, Array] = (np.zeros(3), np.zeros(3))
+    velocity: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
 
 
 LinkName = tuple[str, str]

@@ -11,6 +11,8 @@ from openrooms_usd.validation.roomview import RoomObject, RoomView
 
 # So near to what carries it does a thing stand or hang, metres.
 REACH_M: Final = 0.01
+# Captures are as exact as this, and their things stand where they were measured, metres.
+_MEASURED_M: Final = 0.05
 # Wainscots and tiles are between a wall and what hangs on it; what yields sinks in so deep, metres.
 _CLADDING_M: Final = 0.03
 _SUNK_M: Final = 0.05
@@ -36,7 +38,8 @@ def floating(room: RoomView) -> Iterator[RoomObject]:
 
 
 def _stands(room: RoomView, thing: RoomObject) -> bool:
-    return room.floor is not None and float(thing.low[2]) <= room.floor + REACH_M
+    reach = _MEASURED_M if thing.is_captured else REACH_M
+    return room.floor is not None and float(thing.low[2]) <= room.floor + reach
 
 
 def _hangs(room: RoomView, thing: RoomObject) -> bool:

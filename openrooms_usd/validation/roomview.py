@@ -38,6 +38,7 @@ class RoomObject:
         meshes: Its surfaces.
         low: (3,) least coordinates of a box around it.
         high: (3,) greatest.
+        is_captured: Whether its place was measured in a capture.
     """
 
     path: str
@@ -46,6 +47,7 @@ class RoomObject:
     meshes: tuple[PlacedMesh, ...]
     low: Array
     high: Array
+    is_captured: bool
 
     @property
     def name(self) -> str:
@@ -153,6 +155,7 @@ class RoomView:
             tuple(meshes),
             corners.min(axis=0),
             corners.max(axis=0),
+            prim.HasAttribute(names.SOURCE_ID),
         )
 
     @cached_property

@@ -339,3 +339,37 @@ def test_a_joint_to_what_is_missing_says_so(stage: Usd.Stage) -> None:
     joined(stage, UsdPhysics.RevoluteJoint, ("nobody", "bar"), HELD[1])
     told = [row[2] for row in read_world(stage).losses]
     assert told[0].startswith("it joins /World/nobody, which is missing")
+
+
+def test_first_speeds_of_joints_are_against_the_parent(stage: Usd.Stage) -> None:
+    """What says nothing moves as its parent does, and so does all that it carries."""
+    names = ("bar", "middle", "end")
+    for number, name in enumerate(names[1:], start=1):
+        bar(stage, name, (LENGTH / 2.0 + 0.6 * number, 0.0, 1.0))
+        ends = (names[number - 1], name)
+        at = ((0.6, 0.0, 0.0), (-0.6, 0.0, 0.0))
+        rail = joined(stage, UsdPhysics.PrismaticJoint, ends, at, f"{name}_rail")
+        limited(rail, "X", (-1.0, 1.0))
+    for name in ("bar", "end"):
+        prim = stage.GetPrimAtPath(f"/World/{name}")
+        UsdPhysics.RigidBodyAPI(prim).CreateVelocityAttr(Gf.Vec3f(1.0, 0.0, 0.0))
+    (body,) = read_world(stage).bodies
+    assert body.velocity[0] == pytest.approx([1.0, 0.0, 0.0])
+    assert [joint.speed for joint in body.joints] == pytest.approx([0.0, 0.0])
+
+
+def test_a_ball_turns_as_it_is_told_at_first(
+    stage: Usd.Stage, run: Callable[[float], Simulation]
+) -> None:
+    joined(stage, UsdPhysics.SphericalJoint, *HELD)
+    prim = stage.GetPrimAtPath("/World/bar")
+    UsdPhysics.RigidBodyAPI(prim).CreateAngularVelocityAttr(Gf.Vec3f(0.0, 0.0, 90.0))
+    simulation, time = run(0.01), 0.01
+    (body,) = (name for name in simulation.poses() if "bar" in simulation.links(name))
+    M = simulation.links(body)["bar"]
+    assert np.degrees(np.arctan2(M[1, 0], M[0, 0])) == pytest.approx(90.0 * time, rel=0.05)
+    simulation.place(body, simulation.poses()[body].world_from_body, {})
+    before = simulation.links(body)["bar"]
+    simulation.step(0.002)
+    still = np.linalg.inv(before[:3, :3]) @ simulation.links(body)["bar"][:3, :3]
+    assert abs(np.degrees(np.arctan2(still[1, 0], still[0, 0]))) < 0.02

@@ -23,7 +23,7 @@ _UPRIGHT: Final = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 
 
 def bar(length: float) -> Mesh:
-    """A bent bar handle SIDE X, 28 mm before the front at y = 0."""
+    """A bent bar handle along X, 28 mm before the front at y = 0."""
     half = 0.5 * length
     path = [(-half, 0.0, 0.0), (-half, -0.0235, 0.0), (half, -0.0235, 0.0), (half, 0.0, 0.0)]
     return tube(path, 0.0045, bend=0.01, segments=10)
@@ -45,7 +45,7 @@ def knob(length: float = 0.0) -> Mesh:
 
 
 def rod(length: float) -> Mesh:
-    """A straight rod SIDE X on two posts, 28 mm before the front at y = 0."""
+    """A straight rod along X on two posts, 28 mm before the front at y = 0."""
     half, inset = 0.5 * length, 0.36 * length
     posts = [tube([(x, 0.0, 0.0), (x, -0.022, 0.0)], 0.004, segments=8) for x in (-inset, inset)]
     grip = tube([(-half, -0.022, 0.0), (half, -0.022, 0.0)], 0.006, segments=10)
@@ -53,7 +53,7 @@ def rod(length: float) -> Mesh:
 
 
 def grip(length: float) -> Mesh:
-    """A flat strip SIDE X bent to a hook in its section, 28 mm before the front at y = 0."""
+    """A flat strip along X bent to a hook in its section, 28 mm before the front at y = 0."""
     section = [
         (0.0, -0.01),
         (0.0, 0.01),

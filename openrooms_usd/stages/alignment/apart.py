@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.library.assets import Asset
 from openrooms_usd.library.models.cads import merged
 from openrooms_usd.scan.models.cad import CadModel
 from openrooms_usd.scan.placement.arrangement import arranged
@@ -38,7 +39,8 @@ def moved_apart(
     free = [thing for thing in things if thing.pose is None]
     if len(free) < 2 or not len(room.walls):
         return list(things)
-    models = {thing.asset.name: _model(thing) for thing in free}
+    assets = {thing.asset.name: thing.asset for thing in free}
+    models = {name: _model(asset) for name, asset in assets.items()}
     objects = [_object(number, thing, room) for number, thing in enumerate(free)]
     corners = np.column_stack([room.walls[:, 0], np.full(len(room.walls), room.floor)])
     height = None if room.ceiling is None else room.ceiling - room.floor
@@ -61,9 +63,9 @@ def moved_apart(
     return [moved.get(thing.name, thing) for thing in things]
 
 
-def _model(thing: Placement) -> CadModel:
-    vertices, faces = merged(thing.asset.build(), np.eye(4))
-    return CadModel(thing.asset.name, "", np.asarray(vertices, np.float64), faces, "none", "Z", 1.0)
+def _model(asset: Asset) -> CadModel:
+    vertices, faces = merged(asset.build(), np.eye(4))
+    return CadModel(asset.name, "", np.asarray(vertices, np.float64), faces, "none", "Z", 1.0)
 
 
 def _object(number: int, thing: Placement, room: Surroundings) -> FoundObject:

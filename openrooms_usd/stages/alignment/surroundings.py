@@ -14,9 +14,9 @@ from pxr import Gf, Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.slopes import heights_over, sloping
-from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.usd.places.frames import TIME, local_to_world, matrix
 from openrooms_usd.usd.places.partitions import read_partitions
+from openrooms_usd.usd.shapes.gprims import read_surface
 
 # Largest distance of an opening's middle from the inner edge of its wall, metres.
 _ON_THE_EDGE: Final = 0.02
@@ -159,14 +159,12 @@ def surroundings(stage: Usd.Stage) -> Surroundings:
 
 
 def _slopes(stage: Usd.Stage, cache: UsdGeom.XformCache) -> Array:
-    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(names.CEILING))
-    if not mesh:
+    prim = stage.GetPrimAtPath(names.CEILING)
+    mesh = read_surface(prim, bare=True).mesh if prim and prim.IsA(UsdGeom.Gprim) else None
+    if mesh is None:
         return np.zeros((0, 3, 3))
-    given = (mesh.GetPointsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
-    points, counts, indices = (np.array(() if (v := a.Get(TIME)) is None else v) for a in given)
-    frame = _in_world(mesh.GetPrim(), cache)
-    corners, _ = triangulate(points.astype(float), counts, indices)
-    return sloping((points @ frame[:3, :3].T + frame[:3, 3])[indices[corners]])
+    frame = _in_world(prim, cache)
+    return sloping((mesh.points @ frame[:3, :3].T + frame[:3, 3])[mesh.triangles])
 
 
 def _in_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> Array:

@@ -231,7 +231,7 @@ def _emission(context: StageContext, root: Usd.Prim, wanted: Lamp, area: float) 
 
 def _hue(color: tuple[float, float, float]) -> tuple[float, float, float]:
     """A colour of luminance 1."""
-    r, g, b = (value / float(luminance(np.array(color))) for value in color)
+    r, g, b = (np.array(color) / luminance(np.array(color))).tolist()
     return r, g, b
 
 

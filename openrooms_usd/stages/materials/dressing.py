@@ -348,8 +348,9 @@ def unknown_names(context: StageContext, roots: Sequence[Usd.Prim]) -> Iterator[
                 said = f"there is no object or opening {name!r}{did_you_mean(name, valid)}"
                 there = ", ".join(list(objects)[:30]) or "none"
                 yield ("materials", key, name), f"{said}; there are: {there}"
-    for name in objects.keys() & section.overrides.keys():
-        yield from _unknown_parts(context, objects[name], section.overrides[name])
+    for name, parts in section.overrides.items():
+        if name in objects:
+            yield from _unknown_parts(context, objects[name], parts)
 
 
 def _unknown_parts(

@@ -15,7 +15,7 @@ from pxr import Gf, Sdf, Usd, UsdPhysics
 from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
-from openrooms_usd.physics.hulls import convex_hull
+from openrooms_usd.physics.hulls import convex_hull, volume
 from openrooms_usd.physics.inertia import enclosed
 from openrooms_usd.physics.mass import MassProperties, combined
 from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader
@@ -150,23 +150,22 @@ def _of_one(shapes: Sequence[TriangleMesh]) -> MassProperties | None:
 
 def _at_density_one(mesh: TriangleMesh) -> MassProperties | None:
     """About the middle of the points; None where they enclose nothing."""
-    middle = mesh.points.mean(axis=0)
-    corners = mesh.points[mesh.triangles] - middle
-    if float(np.linalg.det(corners).sum()) <= 0.0:
+    if volume(mesh) <= 0.0:
         return None
-    found = enclosed(corners)
+    middle = mesh.points.mean(axis=0)
+    found = enclosed(mesh.points[mesh.triangles] - middle)
     return replace(found, centre=found.centre + middle)
 
 
 def _information(
-    volume: MassProperties | None, metres: float
+    solid: MassProperties | None, metres: float
 ) -> UsdPhysics.RigidBodyAPI.MassInformation:
     """What the standard's own rules ask of a collider, in units of the stage."""
     found = UsdPhysics.RigidBodyAPI.MassInformation()
     found.localRot = Gf.Quatf(1.0)
     found.localPos = Gf.Vec3f(0.0)
-    if volume is not None:
-        found.volume = volume.mass / metres**3
-        found.inertia = Gf.Matrix3f(*(volume.inertia / metres**5).reshape(-1).tolist())
-        found.centerOfMass = Gf.Vec3f(*(volume.centre / metres).tolist())
+    if solid is not None:
+        found.volume = solid.mass / metres**3
+        found.inertia = Gf.Matrix3f(*(solid.inertia / metres**5).reshape(-1).tolist())
+        found.centerOfMass = Gf.Vec3f(*(solid.centre / metres).tolist())
     return found

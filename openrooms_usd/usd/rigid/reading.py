@@ -4,7 +4,7 @@ The front end is USD's own parser, which knows how bodies, colliders and joints 
 inside instances, and the standard's own rules for masses.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any, Final, TypeVar
@@ -40,6 +40,7 @@ from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import read_meshes
 
 _Type = UsdPhysics.ObjectType
+_STILL: Final = "nothing that moves is joined by it"
 _SHAPES: Final = tuple(getattr(_Type, name) for name in _Type.names if name.endswith("Shape"))
 # Until USD 26 the parser had the first of these names alone.
 _PARSE: Final = (
@@ -114,8 +115,7 @@ class _Reading:
         self.links |= {path: replace(self.links[path], moves=False) for path in self.anchored}
         order = {path: number for number, path in enumerate(self.frames.ordered(self.links))}
         links = {path: self.links[path] for path in sorted(self.links, key=order.__getitem__)}
-        moving = [edge for edge in found if any(links[end].moves for end in edge.links)]
-        edges, closing = without_loops(links, moving)
+        edges, closing = without_loops(links, list(self._moving(found, links)))
         roots = [p for _, d in self.parsed.get(_Type.Articulation, ()) for p in d.rootPrims]
         taken: set[str] = set()
         bodies = [self._body(tree, taken) for tree in trees(links, edges, roots)]
@@ -126,8 +126,18 @@ class _Reading:
         apart = read_filters(self.stage, bodies, colliders, self.reader)
         called = named_links(bodies)
         closed = tuple(loops(links, closing, called, self.reader))
-        apart += tuple(loop.links for loop in closed if loop.links[0][0] != loop.links[1][0])
+        known = {*apart, *(pair[::-1] for pair in apart)}
+        pairs = (loop.links for loop in closed if loop.links[0][0] != loop.links[1][0])
+        apart += tuple(pair for pair in dict.fromkeys(pairs) if pair not in known)
         return World(tuple(bodies), gravity, tuple(self.reader.losses.values()), apart, closed)
+
+    def _moving(self, edges: Iterable[Edge], links: Mapping[Sdf.Path, Link]) -> Iterator[Edge]:
+        """Joints of what is not anchored at both ends."""
+        for edge in edges:
+            if any(links[end].moves for end in edge.links):
+                yield edge
+            else:
+                self.reader.lose(edge.path, "skipped", _STILL)
 
     def _add(self, path: Sdf.Path, *, moves: bool) -> Sdf.Path:
         if path not in self.links:
@@ -192,7 +202,7 @@ class _Reading:
                     continue
                 ends = [desc.body0, desc.body1]
                 if not any(end in self.moving for end in ends):
-                    self.reader.lose(path, "skipped", "nothing that moves is joined by it")
+                    self.reader.lose(path, "skipped", _STILL)
                     continue
                 freedoms = freedoms_of(self.frames, kind, desc, self.reader)
                 if is_loose(freedoms):
@@ -259,16 +269,17 @@ class _Reading:
         found = {}
         labels = unique_names([safe(edge.path.name) for _, _, edge, _ in tree.joints])
         used = {*named.values(), *labels}
+        moves = {tree.links[0]: self._velocity(tree.links[0])}
         for label, (parent, child, edge, backward) in zip(labels, tree.joints, strict=True):
             frames = (self.links[edge.links[0]].frame, self.links[edge.links[1]].frame)
             told = (label, named[parent], named[child])
             fresh = partial(unique, taken=used)
             joints, at = joints_of(edge, backward, frames, told, fresh, self.reader)
             turn = self.links[child].frame[:3, :3]
-            linear, angular = self._velocity(child)
-            if linear.any() or angular.any():
-                # What says nothing moves as its parent does.
-                linear, angular = np.subtract((linear, angular), self._velocity(parent))
+            said = self._velocity(child)
+            # What says nothing moves as its parent does.
+            moves[child] = said if any(way.any() for way in said) else moves[parent]
+            linear, angular = np.subtract(moves[child], moves[parent])
             ways = (linear if joint.kind == "rail" else angular for joint in joints)
             speeds = [
                 float(way @ turn @ joint.axis) for way, joint in zip(ways, joints, strict=True)
