@@ -5,7 +5,7 @@ earlier run wrote and nobody changed since gives way.
 """
 
 import filecmp
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -82,18 +82,44 @@ def replacing(target: Path) -> Iterator[Path]:
     with writing(target), making(target.parent), naming(target, beside):
         try:
             yield beside
-            if not _is_same(beside, target):
-                check_free([target])
-                appear(beside, target)
+            take_places([(beside, target)])
         finally:
             removal.remove_file(beside)
 
 
+def take_places(files: Iterable[tuple[Path, Path]]) -> None:
+    """Let new files take their places; somebody else's that says the same stays theirs.
+
+    Args:
+        files: Each new one and its target, in their order.
+
+    Raises:
+        OutputError: Somebody else's file would give way; none has taken its place then.
+        OSError: It cannot be renamed.
+    """
+    files = list(files)
+    foreign = {target for _, target in files if not ledger.may_replace(target)}
+    same = {new for new, target in files if target in foreign and _is_same(new, target)}
+    _refuse([target for new, target in files if target in foreign and new not in same])
+    for new, target in files:
+        if new not in same:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            appear(new, target)
+
+
 def _is_same(new: Path, target: Path) -> bool:
-    """Whether somebody else's file says the same: it stays theirs."""
-    return not ledger.may_replace(target) and (
-        target.is_file() and not target.is_symlink() and filecmp.cmp(new, target, shallow=False)
-    )
+    is_file = target.is_file() and not target.is_symlink()
+    return is_file and filecmp.cmp(new, target, shallow=False)
+
+
+def _refuse(lost: Sequence[Path]) -> None:
+    if lost:
+        more = f" (and {len(lost) - 1} more)" if len(lost) > 1 else ""
+        raise OutputError(
+            f"this would be replaced{more}, and no earlier run wrote it as it is now",
+            place=lost[0],
+            remedy="move it away, or choose another output (older versions kept no list of it)",
+        )
 
 
 def write_text(target: Path, text: str) -> None:
@@ -138,13 +164,7 @@ def check_free(targets: Iterable[Path]) -> None:
             check_own(target)
         elif not ledger.may_replace(target):
             lost.append(target)
-    if lost:
-        more = f" (and {len(lost) - 1} more)" if len(lost) > 1 else ""
-        raise OutputError(
-            f"this would be replaced{more}, and no earlier run wrote it as it is now",
-            place=lost[0],
-            remedy="move it away, or choose another output",
-        )
+    _refuse(lost)
 
 
 @contextmanager
@@ -171,12 +191,9 @@ def filling(folder: Path) -> Iterator[Path]:
             files = [path.relative_to(beside) for path in beside.rglob("*") if path.is_file()]
             for file in files:
                 check_replaceable(folder / file)
-            files = [file for file in files if not _is_same(beside / file, folder / file)]
-            check_free(folder / file for file in files)
             # Files in subfolders first: those at the top refer to them.
-            for file in sorted(files, key=lambda path: (-len(path.parts), path)):
-                (folder / file).parent.mkdir(parents=True, exist_ok=True)
-                appear(beside / file, folder / file)
+            ordered = sorted(files, key=lambda path: (-len(path.parts), path))
+            take_places((beside / file, folder / file) for file in ordered)
         finally:
             removal.remove_tree(beside)
 

@@ -119,10 +119,7 @@ def output(target: Path) -> Iterator[None]:
     Raises:
         OutputError: It cannot be written, or is there and not ours.
     """
-    with (
-        atomic.making(target.parent),
-        ledger.kept(target.parent, ledger.name_of(target.name), deep=False),
-    ):
+    with atomic.making(target.parent), ledger.kept(target.parent, _ledger_of(target), deep=False):
         yield
 
 
@@ -133,8 +130,18 @@ def check_output(target: Path) -> None:
         OutputError: What is there is not what an earlier run wrote so, or is no file.
     """
     atomic.check_replaceable(target)
-    with ledger.kept(target.parent, ledger.name_of(target.name), deep=False):
+    with ledger.kept(target.parent, _ledger_of(target), deep=False):
         atomic.check_free([target])
+
+
+def _ledger_of(target: Path) -> str:
+    if ledger.is_unwritable(target.name):
+        raise OutputError(
+            "the name holds a backslash or a line end, and cannot be noted as ours",
+            place=target,
+            remedy="choose another output",
+        )
+    return ledger.name_of(target.name)
 
 
 @contextmanager
@@ -176,6 +183,8 @@ def abandon() -> None:
             removal.remove_file(folder / FILE)
         if folder in _MADE:
             removal.remove_if_empty(folder)
+    for folder in ledger.folders():
+        unfinished.sweep(folder, own=True)
 
 
 def _to_sweep(folder: Path) -> Iterator[Path]:

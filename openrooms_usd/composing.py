@@ -19,7 +19,7 @@ from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.stages import base, checks, runner
 from openrooms_usd.stages.draft import Draft, drafting
-from openrooms_usd.stages.reports import gather
+from openrooms_usd.stages.reports import OVERLAY, REPORT, gather
 
 State = Literal["written", "unchanged"]
 
@@ -100,7 +100,8 @@ def compose_room(
         )
     with claims.claimed(out):
         refuse_foreign(out / names.SCENE)
-        atomic.check_free(_extra_files(out / names.SCENE, flatten, usdz))
+        extra = _extra_files(out / names.SCENE, flatten, usdz)
+        atomic.check_free((*extra, *(out / name for name in (REPORT, OVERLAY))))
         with drafting(out) as draft:
             _check_complete(draft, chosen)
             runner.create_edits(draft)

@@ -175,7 +175,7 @@ def write_stage(
         What became of every prim.
 
     Raises:
-        InputError: No exporter has that name, or the destination has another ending.
+        InputError: No exporter has that name.
         StageError: It is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
@@ -183,7 +183,6 @@ def write_stage(
     from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
-    _check_ending(exporter, to, destination)
     lost: dict[str, str] = {}
     if not getattr(exporter, "keeps_layers", False):
         read_mtlx_layers(stage)

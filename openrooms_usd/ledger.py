@@ -48,6 +48,11 @@ def name_of(output: str) -> str:
     return f".orusd.{name}.sha256"
 
 
+def is_unwritable(name: str) -> bool:
+    """Whether a name would break the format: such a file is never ours."""
+    return bool(_UNWRITABLE.search(name))
+
+
 class Ledger:
     """The ledger of one folder, while one process has the folder to itself.
 
@@ -124,7 +129,7 @@ class Ledger:
 
     def _note(self, source: Path, target: Path) -> None:
         name = self._name(target)
-        if _UNWRITABLE.search(name) or _TIMING.fullmatch(name):
+        if is_unwritable(name) or _TIMING.fullmatch(name):
             return
         with source.open("rb") as file:
             digest = hashlib.file_digest(file, "sha256").hexdigest()
@@ -279,6 +284,11 @@ def _is_inner(path: str) -> bool:
 
 # Those of the folders that this process has to itself now, the innermost last.
 _OPEN: Final[list[Ledger]] = []
+
+
+def folders() -> list[Path]:
+    """The folders of the ledgers that are open."""
+    return [one.folder for one in _OPEN]
 
 
 @contextmanager

@@ -36,6 +36,7 @@ class GltfExporter:
         from openrooms_usd import atomic, claims
         from orusd_gltf.scene import translate
 
+        claims.check_output(destination)
         data, report = translate(stage, asked)
         with claims.output(destination):
             atomic.write_bytes(destination, data)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims, ledger
-from openrooms_usd.errors import InputError, OrusdError, writing
+from openrooms_usd.errors import InputError, OrusdError, OutputError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.rendering.manifest import write_json
@@ -127,7 +127,14 @@ def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
     for name in SUBSETS:
         path, own = root / f"{name}.txt", options.scene.encode()
         # Names of others stay as they are, in whatever encoding.
-        scenes = set(read_bytes(path, "table").split()) if os.path.lexists(path) else set()
+        lines = read_bytes(path, "table").splitlines() if os.path.lexists(path) else []
+        if any(len(line.split()) > 1 for line in lines):
+            raise OutputError(
+                "this is no list of scenes, one a line, and would be written anew",
+                place=path,
+                remedy="move it away",
+            )
+        scenes = {line.strip() for line in lines if line.strip()}
         scenes.discard(own)
         if name == options.subset:
             scenes.add(own)

@@ -44,7 +44,7 @@ def relight(
 
     Raises:
         InputError: It is no view, has no light channels, or a light cannot be as wanted.
-        OutputError: The folder cannot be written, or a render lies there.
+        OutputError: The folder cannot be written, or holds what is not ours.
     """
     from openrooms_usd.rendering import relight as relighting
 

@@ -72,6 +72,8 @@ def plan(file: Path, out: Path | None) -> None:
     from openrooms_usd.dataset.store import write_lines
     from openrooms_usd.description import load_dataset
 
+    if out is not None:
+        claims.check_output(out)
     rows = lines(plan_jobs(load_dataset(file)))
     if out is not None:
         with claims.output(out):

@@ -55,7 +55,7 @@ def prompt_interrupts() -> Iterator[None]:
     try:
         yield
     except Exception:
-        # What was interrupted while it was imported says so in errors of its own.
+        # Code in C++ makes errors of its own of an interruption.
         if answered.is_set():
             leave()
         raise

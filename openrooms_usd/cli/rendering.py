@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import Choice, echo, json_option, named, print_json, progress_bar
+from openrooms_usd.cli.console import (
+    Choice,
+    echo,
+    gathered,
+    json_option,
+    named,
+    print_json,
+    progress_bar,
+)
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.cli.settings import RENDERER, settings_options
 from openrooms_usd.description.rendering import RenderSettings, flag_of
@@ -265,13 +273,14 @@ def _alarms(report: Mapping[str, Any]) -> Iterator[str]:
     """What is likely a mistake of the stage: each once, with the first prim of which it is told."""
     from openrooms_usd.rendering.scene.unseen import is_alarming
 
-    found: dict[str, list[str]] = {}
-    for row in report["losses"]:
-        for sentence in filter(is_alarming, row["reason"].split("; ")):
-            found.setdefault(sentence, []).append(row["prim"])
-    for sentence, prims in list(found.items())[:_MOST_ALARMS]:
-        more = f" (and of {len(prims) - 1} more)" if len(prims) > 1 else ""
-        yield f"{prims[0]}: {sentence}{more}"
+    said = (
+        (sentence, row["prim"])
+        for row in report["losses"]
+        for sentence in filter(is_alarming, row["reason"].split("; "))
+    )
+    found = list(gathered(said))
+    for sentence, prims in found[:_MOST_ALARMS]:
+        yield f"{named(prims)}: {sentence}"
     if len(found) > _MOST_ALARMS:
         yield f"{len(found) - _MOST_ALARMS} more of this kind are in the report"
 

@@ -83,6 +83,8 @@ def run_dataset(
     check_wishes(dataset)
     with to_oneself(root) as (store, check):
         _keep_file(store, file, dataset)
+        # What is written at the end is known to be free at the beginning.
+        atomic.check_free(store.root / name for name in (SPLITS, LICENCES, INDEX))
         run = _Run(root, store, dataset, progress, check)
         run.total = store.write_plan(plan_jobs(dataset))
         fetch_known(store)

@@ -6,8 +6,9 @@
   `alignment`, `materials`, `lights`, `cameras`, `physics`;
 - `dataset`: the model of dataset.yaml, and its `sensor`;
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
-  has none, and the nearest one;
-- `mistakes`, `diagnosis`: what is wrong, in words; `files`, `data`: of a file, of Python;
+  has none;
+- `mistakes`, `diagnosis`, `advice`: what is wrong, in words, and what to write; `files`, `data`:
+  of a file, of Python;
 - `rewriting`: other values for some keys, every other byte as it stands;
 - `schema`: the JSON Schema.
 """

@@ -1,10 +1,13 @@
 """The names of what the parametric library can make: those of the files in its folder."""
 
-import ast
+import re
 from pathlib import Path
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
+# The argument of a record, a text in one or more pieces.
+_WORDS: Final = re.compile(r'\bwords=\(?((?:\s*"[^"]*")+)')
+_QUOTED: Final = re.compile(r'"([^"]*)"')
 _FOLDER: Final = Path(__file__).parents[1] / "furniture" / "categories"
 
 CATEGORIES: Final = tuple(sorted(module.name for module in iter_modules([str(_FOLDER)])))
@@ -21,9 +24,7 @@ def other_words() -> dict[str, str]:
     """The category by each other word for it, as the records of the categories have them."""
     found: dict[str, str] = {}
     for name in CATEGORIES:
-        tree = ast.parse((_FOLDER / f"{name}.py").read_text(encoding="utf-8"))
-        said = (node for node in ast.walk(tree) if isinstance(node, ast.keyword))
-        values = [row.value for row in said if row.arg == "words"]
-        texts = [value.value for value in values if isinstance(value, ast.Constant)]
-        found |= {word: name for text in texts for word in str(text).split()}
+        text = (_FOLDER / f"{name}.py").read_text(encoding="utf-8")
+        for said in _WORDS.findall(text):
+            found |= dict.fromkeys("".join(_QUOTED.findall(said)).split(), name)
     return found

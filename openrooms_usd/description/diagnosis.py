@@ -214,7 +214,7 @@ def _text(row: ErrorDetails, spot: _Spot, found: Any) -> str:
         return f"required key is missing{_meaning(spot)}"
     if kind in _CHOICES:
         allowed = re.findall(r"'([^']*)'", context[_CHOICES[kind]])
-        also = other_words() if len(allowed) == len(CATEGORIES) else None
+        also = other_words() if allowed[0] == CATEGORIES[0] else None
         hint = did_you_mean(found, allowed, also)
         hint = as_linear(spot.path, found) or hint
         return f"found {shown(found)}{hint}; allowed: {_listed(allowed)}"

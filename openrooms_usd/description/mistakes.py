@@ -82,6 +82,10 @@ class MistakesError(DescriptionError):
         self.name, self.mistakes, self.given = name, tuple(mistakes), given
         super().__init__(_listed(name, self.mistakes), place=name)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Workers hand it over.
+        return type(self), (self.name, self.mistakes)
+
 
 class FieldsError(DescriptionError):
     """Fields ask for what cannot be made; who knows the file says where they stand in it.
@@ -94,6 +98,9 @@ class FieldsError(DescriptionError):
         self.found = found
         mistakes = [Mistake(Place(0, i), *row) for i, row in enumerate(found)]
         super().__init__(_listed("the room", mistakes), place="the room")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), self.found
 
 
 def _listed(name: str, mistakes: Iterable[Mistake]) -> str:

@@ -81,7 +81,7 @@ def relight(view: Path, out: Path, relighting: Relighting) -> dict[str, Any]:
 
     Raises:
         InputError: It is no view, has no light channels, or a light cannot be as wanted.
-        OutputError: The folder cannot be written, or a render lies there.
+        OutputError: The folder cannot be written, or holds what is not ours.
     """
     return write_relit(out, relit_view(view, relighting))
 
@@ -113,7 +113,7 @@ def write_relit(out: Path, picture: Relit) -> dict[str, Any]:
         The manifest.
 
     Raises:
-        OutputError: The folder cannot be written, or a render lies there.
+        OutputError: The folder cannot be written, or holds what is not ours.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         shown = preview("radiance", picture.radiance, picture.exposure)

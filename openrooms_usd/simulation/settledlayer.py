@@ -8,7 +8,7 @@ from typing import Final
 
 from pxr import Sdf, Usd
 
-from openrooms_usd import claims, names
+from openrooms_usd import claims, ledger, names
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.files import layers
 
@@ -71,9 +71,9 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
             place=target,
             remedy="give a USD file of its own, such as -o settled.usda",
         )
-    stronger, weaker = (
-        _around(path, {target, own}, source.GetRootLayer()) if composed else ([], [path])
-    )
+    # Poses of an earlier run do not count, wherever these will lie.
+    earlier = {target.resolve(), *([own.resolve()] if composed else [])}
+    stronger, weaker = _around(path, earlier, source.GetRootLayer()) if composed else ([], [path])
     layer = Sdf.Layer.CreateAnonymous(".usda")
     for key in _METADATA:
         if source.GetRootLayer().pseudoRoot.HasInfo(key):
@@ -84,11 +84,16 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
         claims.claimed(path.parent) if ours else nullcontext(),
         layers.stacked(layer, stronger, weaker) as stage,
     ):
+        # Long before it is written.
+        if not ours:
+            claims.check_output(target)
+        elif not ledger.may_replace(target):
+            from openrooms_usd.stages.draft import changed
+
+            raise changed(target)
         for key in _METADATA:
             if layer.pseudoRoot.HasInfo(key):
                 stage.GetRootLayer().pseudoRoot.SetInfo(key, layer.pseudoRoot.GetInfo(key))
-        # Poses of an earlier run do not count, wherever these will lie.
-        earlier = {target.resolve(), own.resolve()} if composed else {target.resolve()}
         for used in stage.GetUsedLayers():
             if used.realPath and Path(used.realPath).resolve() in earlier:
                 stage.MuteLayer(used.identifier)

@@ -14,6 +14,16 @@ from openrooms_usd.ledger import Ledger
 from openrooms_usd.usd.files import layers as usd_layers
 
 
+def changed(layer: Path) -> StageError:
+    """What is raised where somebody has changed a layer that would be written anew."""
+    return StageError(
+        "this layer was changed since it was written, and would be written anew",
+        place=layer,
+        remedy=f"move the change into {names.LAYERS}/{names.EDITS}.usda, the layer that "
+        "people edit, and remove this file",
+    )
+
+
 @dataclass
 class Draft:
     """New layers that lie beside those that they will replace.
@@ -88,12 +98,7 @@ class Draft:
             StageError: Somebody has, and writing it anew would lose that.
         """
         if not self.ledger.may_replace(self._place(name)):
-            raise StageError(
-                "this layer was changed since it was written, and would be written anew",
-                place=self._place(name),
-                remedy=f"move the change into {names.LAYERS}/{names.EDITS}.usda, the layer that "
-                "people edit, and remove this file",
-            )
+            raise changed(self._place(name))
 
     def keep(self, name: str, files: Iterable[str]) -> None:
         """Say what a layer refers to in the folder of its stage; the rest of ours is removed.

@@ -1,6 +1,6 @@
 """Whether something carries a thing: the floor, what stands below it, a wall, or the ceiling."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -25,8 +25,9 @@ def floating(room: RoomView) -> Iterator[RoomObject]:
     """The things of a room that nothing carries."""
     things = room.things
     boxes = np.array([[thing.low, thing.high] for thing in things]).reshape(-1, 2, 3)
+    walls = _walls(room)
     for index, thing in enumerate(things):
-        if _stands(room, thing) or _hangs(room, thing):
+        if _stands(room, thing) or _hangs(room, thing, walls):
             continue
         near = (boxes[:, 0] <= thing.high + REACH_M) & (boxes[:, 1] >= thing.low - _SUNK_M)
         near[:, 2] &= boxes[:, 0, 2] <= thing.high[2]
@@ -42,14 +43,19 @@ def _stands(room: RoomView, thing: RoomObject) -> bool:
     return room.floor is not None and float(thing.low[2]) <= room.floor + reach
 
 
-def _hangs(room: RoomView, thing: RoomObject) -> bool:
+def _walls(room: RoomView) -> list[Any]:
+    import shapely
+
+    walls: list[Any] = [shapely.Polygon(wall.outline) for wall in room.partitions]
+    return walls + ([room.outline.boundary] if room.outline is not None else [])
+
+
+def _hangs(room: RoomView, thing: RoomObject, walls: Sequence[Any]) -> bool:
     """Whether it hangs from the ceiling, or at a wall."""
     import shapely
 
     if room.ceiling is not None and float(thing.high[2]) >= room.ceiling - REACH_M:
         return True
-    walls: list[Any] = [shapely.Polygon(wall.outline) for wall in room.partitions]
-    walls += [room.outline.boundary] if room.outline is not None else []
     box = shapely.box(*thing.low[:2].tolist(), *thing.high[:2].tolist())
     close = [wall for wall in walls if shapely.distance(wall, box) <= _CLADDING_M]
     if not close:

@@ -279,3 +279,30 @@ def test_filling_spares_what_is_no_file(tmp_path: Path) -> None:
 def test_a_folder_that_no_disk_can_have_is_refused(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="too long"), claims.locked(tmp_path / ("x" * 300)):
         pass
+
+
+def test_files_that_say_the_same_stay_and_others_stop_all(tmp_path: Path) -> None:
+    """Where a room was copied without its ledger, as by a version control."""
+    for name in ("a.txt", "b.txt"):
+        (tmp_path / name).write_text("same")
+    with claims.claimed(tmp_path), atomic.filling(tmp_path) as beside:
+        for name in ("a.txt", "b.txt", "c.txt"):
+            (beside / name).write_text("same")
+    before = {path: path.read_text() for path in tmp_path.glob("*.txt")}
+    assert len(before) == 3
+    with (
+        pytest.raises(OutputError, match="no earlier run wrote it") as refused,
+        claims.claimed(tmp_path),
+        atomic.filling(tmp_path) as beside,
+    ):
+        for name in ("b.txt", "c.txt", "d.txt"):
+            (beside / name).write_text("other")
+    assert refused.value.place == str(tmp_path / "b.txt")
+    assert {path: path.read_text() for path in tmp_path.glob("*.txt")} == before
+
+
+@pytest.mark.parametrize("name", ["a\\b.glb", "a\nb.glb"])
+def test_a_name_that_no_ledger_holds_is_refused(name: str, tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match="choose another output"), claims.output(tmp_path / name):
+        atomic.write_text(tmp_path / name, "x")
+    assert not list(tmp_path.iterdir())

@@ -17,7 +17,7 @@ from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.status import CHANGED, EXTRA, MISSING, Damage, status_of, verify
 from openrooms_usd.dataset.store import Store, write_json
 from openrooms_usd.dataset.work import BEGUN, FAILED, FINISHED
-from openrooms_usd.errors import InputError
+from openrooms_usd.errors import InputError, OutputError
 
 Fate = Callable[[str, int], str]
 Pretend = Callable[[Fate], "Pretending"]
@@ -116,6 +116,18 @@ def test_what_fails_or_dies_is_recorded_and_the_rest_goes_on(
     assert done.failed == {f"{GOOD}/view_0": reason}
     assert (done.made, done.kept) == (7, 0)
     assert set(crew.begun.values()) == {1}
+
+
+@pytest.mark.parametrize("name", [run.SPLITS, run.LICENCES, run.INDEX])
+def test_what_would_be_replaced_at_the_end_is_refused_at_the_beginning(
+    name: str, source: Path, tmp_path: Path, pretend: Pretend
+) -> None:
+    crew = pretend(lambda job, view: "")
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).write_text("mine")
+    with pytest.raises(OutputError, match=name):
+        run.run_dataset(source, tmp_path / "out")
+    assert not crew.begun and (tmp_path / "out" / name).read_text() == "mine"
 
 
 def test_what_fails_is_tried_so_often(source: Path, tmp_path: Path, pretend: Pretend) -> None:

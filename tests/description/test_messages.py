@@ -3,11 +3,13 @@
 ``mistakes/NAME.yaml`` is wrong, ``mistakes/NAME.txt`` is what is said about it.
 """
 
+import pickle
 from pathlib import Path
 
 import pytest
 
 from openrooms_usd.description import load_room, parse_room
+from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.errors import DescriptionError, InputError
 
 FOLDER = Path(__file__).parent / "mistakes"
@@ -56,3 +58,12 @@ def test_ten_thousand_mistakes_make_a_short_message() -> None:
     assert lines[-1] == "  and 9,950 more"
     assert "did you mean 'chair_0'?" in lines[1]
     assert len(lines) == 52
+
+
+def test_mistakes_pass_between_processes() -> None:
+    """As from a pool of workers of a person's own."""
+    with pytest.raises(DescriptionError) as told:
+        parse_room("room: nowhere\nseed: many\n", "room.yaml")
+    for error in (told.value, FieldsError((("layout",), "wrong"))):
+        other = pickle.loads(pickle.dumps(error))
+        assert (type(other), str(other)) == (type(error), str(error))

@@ -316,6 +316,10 @@ def test_scenes_of_others_stay_in_the_lists_whatever_their_names(
     (tmp_path / "train.txt").write_bytes(b"r\xe9sidence\n")
     write([render], tmp_path)
     assert (tmp_path / "train.txt").read_bytes() == b"r\xe9sidence\nscene0000_00\n"
+    (tmp_path / "test.txt").write_text("To do: buy milk\n")
+    with pytest.raises(OutputError, match="no list of scenes"):
+        write([render], tmp_path)
+    assert (tmp_path / "test.txt").read_text() == "To do: buy milk\n"
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 3e38, -3e38])

@@ -104,13 +104,15 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
         raise InputError(f"the Mitsuba exporter has no option {known}", remedy="leave it away")
     is_file = destination.suffix.lower() == ".xml"
     file = destination if is_file else destination / "scene.xml"
+    # A folder may hold several scenes: each has a ledger of its own.
+    known = ledger.name_of(file.name)
+    claims.check_refill(file.parent, known, [file.name])
     # What loads the file knows Mitsuba's own plugins alone.
     scene = without_shaping(with_model(translate(stage, default_light=True), "preview"))
     report_simplified(scene)
     report_plain(scene)
     report_principled(scene)
-    # A folder may hold several scenes: each has a ledger of its own.
-    with claims.refilling(file.parent, ledger.name_of(file.name)) as refill:
+    with claims.refilling(file.parent, known) as refill:
         _write_scene(stage, scene, refill.folder / file.name)
     return scene.report
 

@@ -162,8 +162,7 @@ def export_by_content(layer: Sdf.Layer, folder: Path, stem: str, suffix: str) ->
             _export(layer, beside)
             digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:12]
             target = folder / f"{stem}-{digest}{suffix}"
-            atomic.check_free([target])
-            atomic.appear(beside, target)
+            atomic.take_places([(beside, target)])
             return target
         finally:
             removal.remove_file(beside)
