@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.triangulation import TriangleMesh
+from openrooms_usd.physics.hulls import volume
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Joint, Link, World
 
@@ -66,12 +67,6 @@ def sturdy_inertia(mass: MassProperties) -> Array:
     slack = moments[0] + moments[1] - moments[2]
     lacking = max(0.0, 1e-6 * moments[2] - slack)
     return np.asarray(mass.inertia + lacking * np.eye(3))
-
-
-def volume(mesh: TriangleMesh) -> float:
-    """What a closed surface holds, by the divergence theorem."""
-    a, b, c = np.moveaxis(mesh.points[mesh.triangles] - mesh.points.mean(axis=0), 1, 0)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
 def _check_link(link: Link, body: Body, moves: bool) -> None:

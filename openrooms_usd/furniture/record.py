@@ -103,8 +103,8 @@ class BuiltCategory(Category):
         round: Whether it is as deep as it is wide, where its usual size is.
         one_variant_per_room: Whether a room has one make of it: people buy them together, and
             assets are shared.
-        max_per_room: How many of it lie about and hang in a room at most, with those that groups of
-            furniture have; None: any number.
+        max_per_room: How many a room has, those of groups of furniture among them, before no more
+            are laid or hung; None: any number.
         support: What carries it where nobody says.
         mount_height: Height of its base above the floor where it hangs on a wall, metres.
         lumen: The luminous flux of its part ``light_bulb``, where nobody says; 0: it is no lamp.

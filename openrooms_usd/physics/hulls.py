@@ -116,7 +116,7 @@ def half_spaces(hull: TriangleMesh) -> Array:
 
 
 def outside_others(pieces: Sequence[Array], slack: float) -> list[int]:
-    """Which sets of points do not lie inside the hull of another kept one, but for a slack.
+    """Which sets of points do not lie inside the hull of one that is kept so far, but for a slack.
 
     Args:
         pieces: (N, 3) each, metres.

@@ -78,10 +78,9 @@ def _shell(layout: PolygonLayout) -> Iterator[Found]:
 
 
 def _piece(path: Steps, item: LibraryObject) -> Iterator[Found]:
-    spec = furniture.category(item.category)
-    style = spec.styles.get(item.style or "")
-    size = item.size or (style and style.size) or spec.size
-    order = furniture.Order(item.fronts, item.cutouts)
+    from openrooms_usd.stages.alignment.catalogue import asked
+
+    size, order = asked(item)
     try:
         furniture.check(item.category, size, item.style, order)
     except InputError as error:

@@ -6,7 +6,6 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
@@ -66,9 +65,12 @@ def at_rest(parts: Parts, size: Size) -> Parts:
     """
     from scipy.spatial import ConvexHull
 
+    from openrooms_usd.physics.inertia import enclosed
+
     points = np.concatenate([mesh.points for mesh in parts.values()])
-    weights, centres = zip(*map(_volume, parts.values()), strict=True)
-    centre = np.average(centres, axis=0, weights=np.abs(weights))
+    solids = [enclosed(mesh.points[mesh.indices[mesh.triangles()[0]]]) for mesh in parts.values()]
+    weights = [abs(solid.mass) for solid in solids]
+    centre = np.average([solid.centre for solid in solids], axis=0, weights=weights)
     planes = np.unique(np.round(ConvexHull(points).equations, 9), axis=0)
     normals, depths = planes[:, :3], -(planes[:, :3] @ centre + planes[:, 3])
     with np.errstate(divide="ignore"):
@@ -85,15 +87,6 @@ def at_rest(parts: Parts, size: Size) -> Parts:
     R = np.eye(3) + sine * K + (1.0 + float(down[2])) * K @ K
     fit = np.diag(size / np.ptp(points @ R.T, axis=0)) @ R
     return {name: mesh.transformed(fit) for name, mesh in parts.items()}
-
-
-def _volume(mesh: Mesh) -> tuple[float, Array]:
-    """The volume of a closed mesh and its middle."""
-    corners, _ = mesh.triangles()
-    a, b, c = np.moveaxis(mesh.points[mesh.indices[corners]], 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-    total = float(volumes.sum())
-    return total, np.asarray(volumes @ (a + b + c) / (4.0 * total))
 
 
 def oval(mesh: Mesh, size: Size) -> Mesh:

@@ -174,20 +174,19 @@ def _standing_tap(kit: Kit, bath: Item) -> Item:
 
 def laundry(kit: Kit, most: int = 2) -> Group:
     """A washing machine, perhaps a dryer beside it, a basket or bottles on them."""
-    count = kit.whole(1, most)
+    wanted = kit.whole(1, most)
     size, style = kit.make("washing_machine")
     first = kit.item("washing_machine", size=size, style=style)
     pitch = first.size[0] + 0.02
     items = [first]
-    if count > 1 and style not in ("stacked", "dryer"):
+    if wanted > 1 and style not in ("stacked", "dryer"):
         dryer = (size[0], size[1], min(size[2], _DRYER_HEIGHT_M))
         items.append(kit.item("washing_machine", round(pitch, 3), 0.0, size=dryer, style="dryer"))
-    count = len(items)
     on: list[Item] = []
     for machine in items:
         if kit.chance(0.6):
             on += kit.scattered(machine, ("bottle", "basket"), 1, [*items, *on])
-    wide = count * (first.size[0] + 0.02)
+    wide = len(items) * (first.size[0] + 0.02)
     middle = 0.5 * (wide - first.size[0])
     depth = first.size[1]
     return Group("laundry", (*items, *on), zones([zone(middle, -0.5 * depth - 0.35, wide, 0.7)]),

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd.description.alignment import FileObject
+from openrooms_usd.description.alignment import FileObject, LibraryObject
 from openrooms_usd.furniture import (
     CATEGORIES,
     NOTHING_ORDERED,
@@ -27,6 +27,14 @@ from openrooms_usd.stages.base import StageContext, file_digest
 
 # What every piece of furniture runs, beside its category's module.
 _MAKERS: Final = ("openrooms_usd.draws", "openrooms_usd.furniture")
+
+
+def asked(item: LibraryObject) -> tuple[Size, Order]:
+    """The size of an object of a description, and how its fronts are ordered."""
+    spec = category(item.category)
+    style = spec.styles.get(item.style or "")
+    size = item.size or (style and style.size) or spec.size
+    return size, Order(item.fronts, item.cutouts)
 
 
 @dataclass

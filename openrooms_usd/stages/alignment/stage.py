@@ -32,14 +32,14 @@ from openrooms_usd.description.generate import GeneratedAlignment
 from openrooms_usd.description.mistakes import FieldsError, Steps
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture import CATEGORIES, Order, Size, category, part_of
+from openrooms_usd.furniture import CATEGORIES, Size, category, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.models.meshfile import dependencies
 from openrooms_usd.stages.alignment import aligned, placement, poses
 from openrooms_usd.stages.alignment.apart import moved_apart
 from openrooms_usd.stages.alignment.captured import Captured, captured_objects
-from openrooms_usd.stages.alignment.catalogue import Catalogue
+from openrooms_usd.stages.alignment.catalogue import Catalogue, asked
 from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
 from openrooms_usd.stages.base import StageContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
@@ -283,9 +283,7 @@ def placement_of(
         emits = any(part_of(part) == names.LIGHT_BULB for part in model.parts)
     else:
         spec = category(item.category)
-        style = spec.styles.get(item.style or "")
-        size = item.size or (style and style.size) or spec.size
-        order = Order(item.fronts, item.cutouts)
+        size, order = asked(item)
         asset = catalogue.furniture(item.category, size, item.style, order=order)
         emits = spec.emits
     x, y, *z = item.at
