@@ -5,6 +5,7 @@ has no end, a link may lead to either; a path may hold what no file system takes
 bytes calls `read_bytes` or `opened`; whoever hands the path to a library calls `checked` first.
 """
 
+import codecs
 import os
 import stat
 from collections.abc import Iterator
@@ -163,7 +164,7 @@ def read_bytes(path: Path, kind: Kind, *, remedy: str = "check the path") -> byt
 
 
 def read_text(path: Path, kind: Kind = "text", *, remedy: str = "check the path") -> str:
-    """A whole text, with U+FFFD in place of what is not UTF-8; without a byte order mark.
+    """A whole text, as `decoded` has it.
 
     Raises:
         InputError: It is missing, unreadable, no regular file, too large, or the path is unsound.
@@ -172,8 +173,14 @@ def read_text(path: Path, kind: Kind = "text", *, remedy: str = "check the path"
 
 
 def decoded(data: bytes) -> str:
-    """UTF-8 text, with U+FFFD in place of what is none; without a byte order mark."""
-    return data.decode("utf-8-sig", errors="replace")
+    """Text in UTF-8, or in UTF-16 with a byte order mark; U+FFFD stands for what is none."""
+    return data.decode(encoding_of(data), errors="replace")
+
+
+def encoding_of(start: bytes) -> str:
+    """How a text is written that begins so; what reads it leaves out the byte order mark."""
+    wide = start.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return "utf-16" if wide else "utf-8-sig"
 
 
 def check_path(path: Path) -> None:

@@ -163,6 +163,29 @@ def cloud_of(columns: Columns, path: Path, notes: list[str], others: Iterable[st
     )
 
 
+def sound_faces(
+    faces: NDArray[np.int64], count: int, path: Path, notes: list[str]
+) -> NDArray[np.int64] | None:
+    """The triangles whose corners are there; None where there are none.
+
+    Args:
+        faces: (F, 3) numbers of points.
+        count: How many points there are.
+        path: The file, for messages.
+        notes: Receives a sentence about what was left out.
+
+    Raises:
+        InputError: Half of them refer to others, or more.
+    """
+    sound = ((faces >= 0) & (faces < count)).all(axis=1)
+    if lost := int(np.count_nonzero(~sound)):
+        told = f"{lost:,} of {len(faces):,} triangles refer to a vertex that is not there"
+        if 2 * lost >= len(faces):
+            raise broken(path, told, "export the mesh again")
+        notes.append(f"{told}, and are left out")
+    return faces[sound] if sound.any() else None
+
+
 def _three(columns: Columns, names: tuple[tuple[str, ...], ...]) -> list[NDArray[Any]] | None:
     found = next((trio for trio in names if all(name in columns for name in trio)), None)
     return None if found is None else [columns[name] for name in found]
@@ -223,7 +246,9 @@ def _confidence(columns: Columns, notes: list[str]) -> NDArray[np.float32] | Non
     name = next((name for name in _CONFIDENCE if name in columns), None)
     if name is None:
         return None
-    values = _single(columns[name])
+    given = _single(columns[name])
+    # What is no number is trusted least; a damaged line has no place, either.
+    values = np.where(np.isnan(given), np.float32(0.0), given)
     if not ((values >= 0.0) & (values <= 1.0)).all():
         notes.append("the confidence is not from 0 to 1: it was left out")
         return None

@@ -33,6 +33,10 @@ DIALECTS: dict[str, tuple[str | bytes, str]] = {
     ),
     "counted from 0": (V + "f 0 1 2\nf 0 2 3\n", "from 0"),
     "counted from 0, with textures": (V + "f 0/0/0 1/1/0 2/2/0\nf 0 2//1 3/1\n", "from 0"),
+    "counted from 0, continued": (V + "f 0 \\\n1 2 # 3\nf 0 \\\n2 \\\n3\n", "from 0"),
+    "comments behind": (V.replace("5\n", "5 # a b c\n") + "f 1 2 3 # 4\nf 1 3 4# so\n", ""),
+    "a comment that ends in a backslash": ("# c:\\room\\\n" + SQUARE, ""),
+    "UTF-16": (SQUARE.encode("utf-16"), ""),
     "mixed entries": (V + "vn 0 0 1\nvt 0 0\nf 1/1/1 2//1 3/1\nf 1 3 4\n", ""),
     "decimal commas": (SQUARE.replace(".", ","), "decimal commas"),
     "commas between": (SQUARE.replace("v 0 1 0.5", "v 0, 1, 0.5"), "decimal commas"),
@@ -48,9 +52,13 @@ DIALECTS: dict[str, tuple[str | bytes, str]] = {
 }
 
 
-def read(tmp_path: Path, text: str) -> Scanned:
-    (tmp_path / "a.obj").write_bytes(text.encode())
-    return read_obj(tmp_path / "a.obj")
+def saved(tmp_path: Path, text: str | bytes) -> Path:
+    (tmp_path / "a.obj").write_bytes(text if isinstance(text, bytes) else text.encode())
+    return tmp_path / "a.obj"
+
+
+def read(tmp_path: Path, text: str | bytes) -> Scanned:
+    return read_obj(saved(tmp_path, text))
 
 
 @pytest.mark.parametrize("name", DIALECTS)
@@ -69,8 +77,7 @@ def test_dialects(tmp_path: Path, name: str) -> None:
 # Pictures' and normals' numbers of these lead nowhere, which a model needs and a scan does not.
 @pytest.mark.parametrize("name", sorted(DIALECTS.keys() - {"counted from 0, with textures"}))
 def test_models_are_read_alike(tmp_path: Path, name: str) -> None:
-    (tmp_path / "a.obj").write_bytes(DIALECTS[name][0].encode())
-    reading = read_model_obj(tmp_path / "a.obj")
+    reading = read_model_obj(saved(tmp_path, DIALECTS[name][0]))
     assert sum(len(piece.mesh.counts) for piece in reading.pieces) in (1, 2)
     assert reading.pieces[0].mesh.points.tolist() == POINTS
 
@@ -87,6 +94,33 @@ def test_damaged_lines_cost_themselves_alone(tmp_path: Path) -> None:
     assert scanned.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 3]]
     assert "the first is line 3" in scanned.notes[0]
     assert "1 of 4 faces are damaged" in scanned.notes[1]
+
+
+@pytest.mark.parametrize(
+    ("face", "said"),
+    [
+        ("1 2 3 x", "1 of 3 faces are damaged, and left out"),
+        ("1 2 3.5 4", "1 of 3 faces are damaged, and left out"),
+        ("1 2 9", "1 of 3 triangles refer to a vertex that is not there, and are left out"),
+        ("1 2 -9", "1 of 3 triangles refer to a vertex that is not there, and are left out"),
+    ],
+)
+def test_a_damaged_face_costs_itself_alone(tmp_path: Path, face: str, said: str) -> None:
+    scanned = read(tmp_path, f"{SQUARE}f {face}\n")
+    assert scanned.faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert scanned.notes == (said,)
+
+
+def test_a_vertex_without_a_colour_is_grey(tmp_path: Path) -> None:
+    scanned = read(tmp_path, COLORED.replace(".5 1 0 0.5\n", ".5\n", 1))
+    assert scanned.cloud.points.tolist() == POINTS
+    assert scanned.cloud.colors.tolist() == [[128] * 3, *[[255, 0, 128]] * 3]
+
+
+def test_words_after_a_vertex_cost_nothing(tmp_path: Path) -> None:
+    scanned = read(tmp_path, V.replace(".5\n", ".5 so\n") + "v 1 x 2\n" + F)
+    assert scanned.cloud.points[:4].tolist() == POINTS
+    assert "1 of 5 lines" in scanned.notes[0]
 
 
 @pytest.mark.parametrize(

@@ -131,6 +131,13 @@ def test_every_cut_is_refused_and_no_byte_ends_in_a_traceback(tmp_path: Path) ->
         hits_are_told(read_pcd, whole, rng, 120)
 
 
+def test_a_damaged_line_is_told_by_its_number(tmp_path: Path) -> None:
+    lines = written(tmp_path / "a.pcd", "ascii").read_text().splitlines()
+    lines[-1] = "\n\n" + lines[-1].replace(" ", " x", 1)
+    (tmp_path / "a.pcd").write_text("\n".join(lines))
+    assert f"the first is line {len(lines) + 2}," in read_pcd(tmp_path / "a.pcd").notes[0]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

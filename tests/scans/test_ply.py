@@ -129,6 +129,7 @@ STRIP = [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5]]
         ("strip", "int vertex_indices", [[0, 1, 2, 3, -1], [2, 3, 4, 5]], STRIP),
         ("tristrips", "int vertex_indices", [[-1, 0, 1, 2, 2, 3, -1, -1, 4, 5]], [[0, 1, 2]]),
         ("trilist", "int vertex_indices", [[0, 1, 2, 2, 1, 3]], STRIP[:2]),
+        ("trilist", "int vertex_index", [[*STRIP[0], *STRIP[1]], [*STRIP[2], *STRIP[3]]], STRIP),
         ("triangles", "int vertex_index", [[0, 1, 2], [2, 1, 3]], STRIP[:2]),
         ("polygon", "int Vertex_Indices", [[0, 1, 2], [2, 1, 3]], STRIP[:2]),
     ],
@@ -176,6 +177,18 @@ def test_a_damaged_line_costs_a_vertex_or_a_face(tmp_path: Path) -> None:
     assert "line 19, '3 4 3'" in scanned.notes[1]
 
 
+@pytest.mark.parametrize("face", [[0, 1, 9], [0, 1, -1], [0, 1.5, 2]])
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
+def test_a_face_that_leads_nowhere_costs_itself(
+    tmp_path: Path, form: str, face: list[float]
+) -> None:
+    vertices = ("vertex", PLACES, [list(row) for row in SIX])
+    faces = ("face", ["list uchar float vertex_index"], [[face], *([corners] for corners in STRIP)])
+    scanned = read_ply(made(tmp_path / "a.ply", form, vertices, faces))
+    assert scanned.faces.tolist() == STRIP
+    assert "1 of 5 triangles refer to a vertex that is not there" in scanned.notes[0]
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "binary"])
 def test_what_trimesh_writes(tmp_path: Path, encoding: str) -> None:
     mesh = trimesh.Trimesh(VERTICES, FACES, process=False)
@@ -207,6 +220,22 @@ def head(*lines: str) -> bytes:
 
 
 XYZ = ("property float x", "property float y", "property float z")
+SURE = "property float confidence"
+
+
+def test_blank_lines_count_as_lines(tmp_path: Path) -> None:
+    text = head(
+        "element vertex 3", *XYZ, SURE, "element face 3", "property list uchar int vertex_index"
+    )
+    text += b"\n0 0 0 0.5\n\n1 0 0 x\n0 1 0 1\n\n3 0 1 2\n\n3 0 x 2\n3 0 2 1\n"
+    (tmp_path / "a.ply").write_bytes(text)
+    scanned = read_ply(tmp_path / "a.ply")
+    assert [note[note.index("line ") :] for note in scanned.notes] == [
+        "line 14, '1 0 0 x'",
+        "line 19, '3 0 x 2'",
+    ]
+    # A damaged line costs no other its confidence.
+    assert scanned.cloud.confidence.tolist() == [0.5, 0.0, 1.0]
 
 
 @pytest.mark.parametrize(

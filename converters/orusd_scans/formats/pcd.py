@@ -3,14 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orusd_scans.formats.rows import lines_before, read_rows
+from orusd_scans.formats.rows import Counted, lines_before, read_rows
 from orusd_scans.scanned import (
     LONGEST_HEADER,
     Scanned,
@@ -187,7 +186,7 @@ def _ascii(
     width = sum(int(np.prod(row[name].shape, dtype=int)) for name in row.names or ())
     lines = map(partial(str, encoding="latin-1"), lines_of(stream))
     first = lines_before(stream) + 1
-    rows = read_rows(islice(filter(str.strip, lines), count), width, path, first=first)
+    rows = read_rows(Counted(lines, count), width, path, first=first)
     values = rows.values
     notes += rows.told
     if len(values) != count:

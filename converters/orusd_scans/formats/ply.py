@@ -5,18 +5,26 @@ and their properties, then the elements' data in that order.
 """
 
 import struct
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice
 from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from orusd_scans.formats.rows import lines_before, read_rows
-from orusd_scans.scanned import LONGEST_HEADER, Scanned, broken, cloud_of, counted, opened, size_of
+from orusd_scans.formats.rows import Counted, lines_before, read_rows
+from orusd_scans.scanned import (
+    LONGEST_HEADER,
+    Scanned,
+    broken,
+    cloud_of,
+    counted,
+    opened,
+    size_of,
+    sound_faces,
+)
 
 _TYPES: Final = {
     "char": "i1",
@@ -88,7 +96,7 @@ def read_ply(path: Path) -> Scanned:
         for element in elements[: used[-1] + 1] if used else ():
             values = reader.read(element)
             if element.corners is not None:
-                faces.append(_triangles(element.name.lower(), values[element.corners], path))
+                faces.append(_triangles(element.name.lower(), values[element.corners]))
             elif element.name == "vertex":
                 single = {p.name: p.length is None for p in element.properties}
                 columns = {name.lower(): values[name] for name in single if single[name]}
@@ -99,10 +107,8 @@ def read_ply(path: Path) -> Scanned:
     unused = [f"{e.count:,} {e.name[:40]}" for i, e in enumerate(elements) if i not in used]
     if unused:
         notes.append(f"elements that are not used: {', '.join(unused[:_MOST_NAMED])}")
-    every = np.concatenate(faces)
-    if len(every) and not 0 <= every.min() <= every.max() < len(cloud):
-        raise broken(path, "a face refers to a vertex that is not there")
-    return Scanned(cloud, every if len(every) else None, notes=tuple(notes))
+    every = sound_faces(np.concatenate(faces), len(cloud), path, notes)
+    return Scanned(cloud, every, notes=tuple(notes))
 
 
 def _header(stream: BinaryIO, path: Path) -> tuple[str, list[_Element]]:
@@ -259,7 +265,7 @@ class _Ascii:
         if self._stream.tell() + least > self._size:
             raise broken(self._path, f"it ends too early: {element.count:,} lines are announced")
         decoded = map(partial(str, encoding="latin-1"), self._lines())
-        lines = islice(filter(str.strip, decoded), element.count)
+        lines = Counted(decoded, element.count)
         if any(p.length is not None for p in element.properties):
             found, count = self._lists(element, lines)
         else:
@@ -268,7 +274,7 @@ class _Ascii:
             self._notes += rows.told
             found = {p.name: rows.values[:, i] for i, p in enumerate(element.properties)}
             count = len(rows.values)
-        self._line += element.count
+        self._line += lines.passed
         if count < element.count and element.properties:
             told = f"{element.count:,} lines are announced for {element.name!r}"
             raise broken(self._path, f"{told}, but {count:,} are there: it ends too early")
@@ -277,16 +283,20 @@ class _Ascii:
     def _lines(self) -> Iterator[bytes]:
         return iter(partial(self._stream.readline, _LONGEST_LIST), b"")
 
-    def _lists(self, element: _Element, lines: Iterable[str]) -> tuple[dict[str, Any], int]:
+    def _lists(self, element: _Element, lines: Counted) -> tuple[dict[str, Any], int]:
         """The properties of lines with lists, and how many lines there are."""
         found: dict[str, Any] = {p.name: [] for p in element.properties}
         count, lost, said = 0, 0, ""
-        for count, line in enumerate(lines, 1):
+        for line in filter(str.strip, lines):
+            count += 1
             try:
                 row = _row(element, line)
             except (ValueError, IndexError, OverflowError):
                 row = {p.name: np.empty(0) if p.length else np.nan for p in element.properties}
-                said = said or f"the first is line {self._line + count - 1}, {line.strip()[:60]!r}"
+                said = (
+                    said
+                    or f"the first is line {self._line + lines.passed - 1}, {line.strip()[:60]!r}"
+                )
                 lost += 1
             for name, value in row.items():
                 found[name].append(value)
@@ -319,12 +329,13 @@ def _row(element: _Element, line: str) -> dict[str, Any]:
     return row
 
 
-def _triangles(element: str, lists: Any, path: Path) -> NDArray[np.int64]:
+def _triangles(element: str, lists: Any) -> NDArray[np.int64]:
     """(F, 3) the triangles of an element's lists: of strips, of three corners each, or fans."""
     is_list = element.startswith("tri")  # of triangles, or of strips
-    if isinstance(lists, np.ndarray) and lists.ndim == 2 and not is_list and "strip" not in element:
-        return _fans(_whole_corners(lists, path))
-    whole = [_whole_corners(corners, path) for corners in lists]
+    if isinstance(lists, np.ndarray) and lists.ndim == 2 and "strip" not in element:
+        corners = _whole_corners(lists)
+        return corners.reshape(-1, 3) if is_list and lists.shape[1] % 3 == 0 else _fans(corners)
+    whole = [_whole_corners(corners) for corners in lists]
     if "strip" in element:
         return np.concatenate([np.empty((0, 3), np.int64), *map(_strips, whole)])
     by_size: dict[int, list[NDArray[np.int64]]] = {}
@@ -349,14 +360,12 @@ def _strips(corners: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(found[sound])
 
 
-def _are_whole(numbers: NDArray[Any]) -> bool:
-    with np.errstate(invalid="ignore"):
-        return bool(((numbers % 1 == 0) & (np.abs(numbers) <= _LARGEST_UINT)).all())
-
-
-def _whole_corners(corners: NDArray[Any], path: Path) -> NDArray[np.int64]:
-    if corners.dtype.kind == "f" and not _are_whole(corners):
-        raise broken(path, "a face refers to vertices by numbers that are not whole")
+def _whole_corners(corners: NDArray[Any]) -> NDArray[np.int64]:
+    """Corners as whole numbers; negative, which none is, where they are not."""
+    if corners.dtype.kind == "f":
+        with np.errstate(invalid="ignore"):
+            whole = (corners % 1 == 0) & (np.abs(corners) <= _LARGEST_UINT)
+        corners = np.where(whole, corners, -1.0)
     return corners.astype(np.int64)
 
 

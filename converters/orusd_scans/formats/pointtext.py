@@ -4,7 +4,6 @@ Files differ in their marks of order (UTF-8 or UTF-16), separators, decimal comm
 and lines before the first point. What a file does is seen from its first lines.
 """
 
-import codecs
 import io
 from collections import Counter
 from collections.abc import Iterator
@@ -16,6 +15,7 @@ from typing import BinaryIO, Final
 import numpy as np
 
 from openrooms_usd.arrays import Array
+from openrooms_usd.untrusted import encoding_of
 from orusd_scans.formats.columns import guessed, heading_of
 from orusd_scans.formats.ptx import is_ptx, read_stations
 from orusd_scans.formats.rows import ANY, Layout, read_rows
@@ -78,8 +78,7 @@ def _lines(stream: BinaryIO) -> Iterator[str]:
     """The lines of a file; of those that no point needs, the beginning."""
     mark = stream.read(3)
     stream.seek(0)
-    wide = mark[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-    decoded = io.TextIOWrapper(stream, "utf-16" if wide else "utf-8-sig", errors="replace")
+    decoded = io.TextIOWrapper(stream, encoding_of(mark), errors="replace")
     for line in iter(partial(decoded.readline, _LONGEST_LINE), ""):
         yield line
         while len(line) == _LONGEST_LINE and not line.endswith("\n"):

@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -54,10 +54,10 @@ class Layout:
             found.pop()
         return found
 
-    def numbers(self, line: str) -> list[float] | None:
-        """The numbers of a line, NaN for none; None where a field is something else."""
+    def numbers(self, line: str, most: int | None = None) -> list[float] | None:
+        """The first numbers of a line, NaN for none; None where a field is something else."""
         try:
-            return [self._number(field) for field in self.fields(line)]
+            return [self._number(field) for field in self.fields(line)[:most]]
         except ValueError:
             return None
 
@@ -102,6 +102,23 @@ def lines_before(stream: BinaryIO) -> int:
     position = stream.tell()
     stream.seek(0)
     return stream.read(position).count(b"\n")
+
+
+class Counted:
+    """The first lines of others that are not blank, with the blank ones between them.
+
+    Attributes:
+        passed: How many lines were given so far, blank ones among them.
+    """
+
+    def __init__(self, lines: Iterable[str], count: int) -> None:
+        self._lines, self._left, self.passed = iter(lines), count, 0
+
+    def __iter__(self) -> Iterator[str]:
+        while self._left and (line := next(self._lines, None)) is not None:
+            self.passed += 1
+            self._left -= bool(line.strip())
+            yield line
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,10 +176,10 @@ def read_rows(
             damaged = np.zeros(len(kept), bool)
             numbered = ((n, line) for n, line in enumerate(chunk, first) if is_row(line))
             for row, (number, line) in enumerate(numbered):
-                numbers = layout.numbers(line) or []
-                damaged[row] = len(numbers) < width or (len(numbers) > width and not more)
+                numbers = layout.numbers(line, width if more else None) or []
+                damaged[row] = len(numbers) != width
                 if not damaged[row]:
-                    found[row] = numbers[:width]
+                    found[row] = numbers
                 elif not said:
                     said = f"the first is line {number}, {line.strip()[:60]!r}"
             lost.append(damaged)

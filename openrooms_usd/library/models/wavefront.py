@@ -17,7 +17,7 @@ from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.models.pieces import Piece, Reading, colored
-from openrooms_usd.scan.models.objtext import standard_obj
+from openrooms_usd.scan.models.objtext import standard_obj, statements
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.shading.materials import PreviewSurface, Texture
@@ -92,29 +92,23 @@ def read_obj(path: Path) -> Reading:
 def libraries_of(path: Path) -> Iterator[Path]:
     """The material libraries of an OBJ file and their pictures, as far as they are read."""
     text = untrusted.read_text(path, "model")
-    for line in re.findall(r"^[ \t]*mtllib[ \t]+([^#\n]+)", text, re.MULTILINE):
+    for line in re.findall(r"^[ \t]*mtllib[ \t]+([^\n]+)", statements(text), re.MULTILINE):
         library = beside(path, " ".join(line.split()), [])
         if library is not None:
             yield library
             pictures = (
                 words[-1]
-                for _, words in _lines(untrusted.read_text(library, "model"))
+                for _, words in _lines(statements(untrusted.read_text(library, "model")))
                 if words[0] == "map_Kd"
             )
             yield from filter(None, (beside(library, name, []) for name in pictures))
 
 
 def _lines(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Statements with their line numbers; comments dropped, continued lines joined."""
-    pending = ""
+    """The words of statements, with their line numbers."""
     for number, line in enumerate(text.split("\n"), start=1):
-        joined = pending + line.partition("#")[0].strip()
-        if joined.endswith("\\"):
-            pending = joined[:-1] + " "
-            continue
-        pending = ""
-        if joined:
-            yield number, joined.split()
+        if words := line.split():
+            yield number, words
 
 
 def _statement(obj: _Obj, words: list[str]) -> None:
@@ -248,7 +242,7 @@ def _is_in(path: Path, folders: Sequence[Path]) -> bool:
 def _read_mtl(path: Path, notes: list[str]) -> "dict[str, PreviewSurface]":
     blocks: dict[str, dict[str, list[str]]] = {}
     block: dict[str, list[str]] = {}
-    for _, words in _lines(untrusted.read_text(path, "model")):
+    for _, words in _lines(statements(untrusted.read_text(path, "model"))):
         if words[0] == "newmtl":
             block = blocks.setdefault(" ".join(words[1:]), {})
         else:
