@@ -97,6 +97,10 @@ DIALECTS: dict[str, tuple[str | bytes, str, str]] = {
     "colour, normal": (rows(" ", RGB, [[0, 1, 0]] * 3), "colors normals", "nz"),
     "intensity": (rows(" ", [[0.5]] * 3), "", "not used: intensity"),
     "five columns": (rows(" ", [[0.5, 7]] * 3), "", "not used: column 4, column 5"),
+    "sentences": ("# the points are given as x y z\n# a word x y z\n" + rows(), "", ""),
+    "a sentence as wide": ("# the x y z values here\n" + rows(" ", RGB), "colors", ""),
+    "a sentence that begins so": ("// x y z of the points\n" + rows(" ", RGB), "colors", ""),
+    "names behind a word": ("# columns: x y z r g b\n" + rows(" ", RGB), "colors", ""),
     "names of a survey": ("Easting,Northing,Elevation\n" + rows(","), "", ""),
     "COLMAP": (
         "# 3D point list with one line of data per point:\n"
@@ -235,6 +239,33 @@ def test_stations_of_ptx_stand_where_their_matrix_says(tmp_path: Path) -> None:
         read(tmp_path, text[:-150])
     with pytest.raises(InputError, match="no station of a PTX file begins at line 35"):
         read(tmp_path, text + "1 2 3\n")
+
+
+STATION = "2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("0 0 1 0\n", "0 0 nan 0\n", "the matrix from line 7 on is not of numbers"),
+        ("0 0 1 0\n", "0 0 x 0\n", "the matrix from line 7 on is not of numbers"),
+        ("2\n1\n", f"{'9' * 5000}\n1\n", "is no number of directions"),
+        ("2\n1\n", "99999999\n99999\n", "is no number of points"),
+    ],
+)
+def test_nonsense_in_the_head_of_a_station_is_refused(
+    tmp_path: Path, old: str, new: str, said: str
+) -> None:
+    text = STATION.replace(old, new, 1) + "1 2 3 0.5\n4 5 6 0.5\n"
+    with pytest.raises(InputError, match=said):
+        read(tmp_path, text, "a.ptx")
+
+
+def test_a_station_without_colours_leaves_those_of_others(tmp_path: Path) -> None:
+    colored = STATION + "1 2 3 0.5 9 8 255\n4 5 6 0.5 7 6 5\n"
+    scanned = read(tmp_path, STATION + "1 2 3 0.5\n4 5 6 0.5\n" + colored, "a.ptx")
+    assert scanned.cloud.colors.tolist() == [[128] * 3] * 2 + [[9, 8, 255], [7, 6, 5]]
+    assert "2 colours are no numbers: these points are grey" in scanned.notes
 
 
 def test_a_long_table_is_read_in_pieces(tmp_path: Path) -> None:

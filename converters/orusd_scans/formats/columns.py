@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.arrays import Array
-from orusd_scans.formats.rows import ANY, Layout
+from orusd_scans.formats.rows import ANY, COMMENTS, Layout
 from orusd_scans.scanned import broken
 
 _PLACE: Final = ("x", "y", "z")
@@ -35,10 +35,16 @@ _UNITS: Final = {
 }
 _UNIT: Final = re.compile(rf"(.+?)[\s_/]*[\[({{]?\s*({'|'.join(_UNITS)})\s*[\])}}]?")
 _BRACKETS: Final = re.compile(r"\s*[\[({][^\])}]*[\])}]")
+# What leads to a list of names.
+_LEAD: Final = re.compile(r"^[\w ]+:\s+")
 # What begins a list that goes on to the end of the line: COLMAP's points3D.txt.
 _OPEN: Final = "track"
 # Between words: a separator that is in no brackets.
 _WORD: Final = r'(?:"[^"]*"|[^\s\[\](){}]+)(?:\s*[\[({][^\])}]*[\])}])?'
+# Words of sentences, which no column is called.
+_PROSE: Final = frozenset(
+    "the of and are is as in on at with by for from each per given this that to one was".split()
+)
 _UNIT_NORMAL_TOLERANCE: Final = 1e-2
 _NYU40: Final = 40
 _MOST_COLOR: Final = 65535
@@ -100,15 +106,19 @@ def heading_of(lines: Sequence[str], layout: Layout, width: int, path: Path) -> 
         more = () if last.more else tuple(f"column {number}" for number in extra)
         return Heading((*last.names, *more), last.unit, last.more)
     words = layout.fields(lines[-1]) if lines else []
-    if len(words) == width and not lines[-1].lstrip().startswith(("#", "%", "/", "!")):
+    if len(words) == width and not lines[-1].lstrip().startswith(COMMENTS):
         named = ", ".join(words)[:200]
         raise broken(path, f"its columns are called {named}: none are x, y and z", "name these so")
     return None
 
 
 def _heading(line: str, layout: Layout, width: int) -> Heading | None:
-    text = line.strip().lstrip("#%/! \t")
+    text = _LEAD.sub("", line.strip().lstrip(" \t".join(COMMENTS)))
     several = [one for words in _splits(text, layout) if (one := _named(words)) is not None]
+    if line.lstrip().startswith(COMMENTS):  # perhaps words that mention x, y and z
+        several = [
+            one for one in several if one.more or one.names[:3] == _PLACE or len(one.names) <= width
+        ]
     fitting = [one for one in several if len(one.names) == width]
     return next(iter(fitting + several), None)
 
@@ -128,6 +138,8 @@ def _named(words: Sequence[str]) -> Heading | None:
     names, units = list[str](), set[str | None]()
     for word in words:
         name, unit = _plain(word)
+        if name in _PROSE:
+            return None
         if name in _PLACE:
             units.add(unit)
         if name.startswith(_OPEN):

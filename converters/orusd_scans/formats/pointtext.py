@@ -18,10 +18,9 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.untrusted import encoding_of
 from orusd_scans.formats.columns import guessed, heading_of
 from orusd_scans.formats.ptx import is_ptx, read_stations
-from orusd_scans.formats.rows import ANY, Layout, read_rows
+from orusd_scans.formats.rows import ANY, COMMENTS, Layout, read_rows
 from orusd_scans.scanned import Scanned, broken, cloud_of, opened
 
-_COMMENTS: Final = ("#", "%", "//", "!")
 _LONGEST_LINE: Final = 1 << 20
 # Rows that show how a file is written, and lines among which they are looked for.
 _SAMPLE: Final = 100
@@ -88,7 +87,7 @@ def _lines(stream: BinaryIO) -> Iterator[str]:
 def _is_row(line: str) -> bool:
     """Whether a line is neither empty, nor a comment or a count."""
     text = line.strip()
-    return bool(text) and not text.startswith(_COMMENTS) and not text.isdecimal()
+    return bool(text) and not text.startswith(COMMENTS) and not text.isdecimal()
 
 
 def _seen(start: list[str], path: Path) -> tuple[Layout, int, int]:

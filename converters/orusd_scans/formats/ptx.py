@@ -46,8 +46,11 @@ def read_stations(lines: Iterator[str], path: Path) -> Scanned:
             if not "".join(head).strip():
                 break
             raise broken(path, f"no station of a PTX file begins at line {number}")
-        count = counted(path, str(int(head[0]) * int(head[1])))
+        wide, high = (counted(path, line.strip(), "directions") for line in head[:2])
+        count = counted(path, str(wide * high))
         matrix = read_rows(head[-4:], 4, path, first=number + 6).values
+        if not np.isfinite(matrix).all():
+            raise broken(path, f"the matrix from line {number + 6} on is not of numbers")
         number += len(head)
         first = next(lines, "")
         width = min(len(first.split()), len(_NAMES))
@@ -62,7 +65,9 @@ def read_stations(lines: Iterator[str], path: Path) -> Scanned:
         values[:, :3] = values[:, :3] @ matrix[:3, :3] + matrix[3, :3]
         stations.append(values)
         origins.append(matrix[3, :3])
-    width = min(station.shape[1] for station in stations)
-    points = np.concatenate([station[:, :width] for station in stations])
+    points = np.full((sum(map(len, stations)), max(one.shape[1] for one in stations)), np.nan)
+    for end, station in zip(np.cumsum([len(one) for one in stations]), stations, strict=True):
+        # Points of stations without colours are grey, where others have some.
+        points[end - len(station) : end, : station.shape[1]] = station
     cloud = cloud_of(dict(zip(_NAMES, points.T, strict=False)), path, notes)
     return Scanned(replace(cloud, sensor_origins=np.array(origins)), notes=tuple(notes))

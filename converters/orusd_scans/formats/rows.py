@@ -20,6 +20,8 @@ _CHUNK: Final = 1 << 16
 _NO_NUMBER: Final = re.compile(
     r"|[-+]?(1\.?#\w+|nan(\(\w*\))?)|null|none|n/?a|-+|#n/?a|#num!", re.IGNORECASE
 )
+COMMENTS: Final = ("#", "%", "//", "!")
+"""What begins a line that is none of the rows."""
 ANY: Final = ",;\t"
 """Separators of files that use several."""
 
