@@ -314,24 +314,21 @@ def check_scan(capture: Capture, source: Path) -> str:
         InputError: Compose would refuse it in any case; its own words.
     """
     # What finds rooms in points takes a second to import.
-    from openrooms_usd.scan.points.mainpart import main_part
-    from openrooms_usd.scan.points.thinning import thin
-    from openrooms_usd.scan.reconstruction import VOXEL_M
+    from openrooms_usd.scan.reconstruction import standing
     from openrooms_usd.scan.rooms.layout import LayoutOptions, find_layout
-    from openrooms_usd.scan.rooms.levelling import level
 
     assert capture.cloud is not None
-    cloud = thin(main_part(capture.cloud), VOXEL_M)
+    options = LayoutOptions(partial=len(capture.frames) == 1)
     try:
-        stands = level(cloud)
+        flat, stands, storey = standing(capture.cloud, options)
     except InputError as error:
         error.place = error.place or str(source)
         raise
-    if stands.coverage >= _ALL_ROUND:
+    # The walls of other storeys count in the coverage.
+    if storey is None and stands.coverage >= _ALL_ROUND:
         return ""
     try:
-        single = len(capture.frames) == 1
-        find_layout(cloud.moved(stands.level_from_scan), stands, LayoutOptions(partial=single))
+        find_layout(flat, stands, options)
     except InputError as error:
         return f"compose refuses the scan as it is: {error.message}; remedy: {error.remedy}"
     return ""

@@ -106,8 +106,7 @@ def find_rooms(
         InputError: The scan shows too little of a room, or has no such storey.
     """
     options = options or LayoutOptions()
-    thinned, stands, storey = _standing(cloud, options, up)
-    flat = _within(thinned.moved(stands.level_from_scan), storey)
+    flat, stands, storey = standing(cloud, options, up)
     # The largest of those that were seen well: half-seen ones may be larger than they are.
     found = sorted(
         find_layout(flat, stands, options), key=lambda room: -_area(room.corners) * room.coverage
@@ -129,17 +128,30 @@ def without_rooms(
     Raises:
         InputError: The scan has no level floor, or has no such storey.
     """
-    _, stands, storey = _standing(cloud, options or LayoutOptions(), up)
+    _, stands, storey = standing(cloud, options or LayoutOptions(), up)
     return FoundLayout(stands, _within(cloud.moved(stands.level_from_scan), storey), ())
 
 
-def _standing(
-    cloud: Cloud, options: LayoutOptions, up: Array | None
+def standing(
+    cloud: Cloud, options: LayoutOptions, up: Array | None = None
 ) -> tuple[Cloud, Level, Storey | None]:
-    """The thinned cloud, in the scan's frame, with the level frame on the floor of its storey."""
+    """The thinned points of a storey in the level frame on its floor, among which rooms are found.
+
+    Args:
+        cloud: Finite points, metres, anywhere.
+        options: What people may choose.
+        up: (3,) roughly upwards; None: Z.
+
+    Returns:
+        The points, the level frame, and the storey; None where there is but one.
+
+    Raises:
+        InputError: The scan has no level floor, or has no such storey.
+    """
     main, thinned = main_part(cloud), thin(cloud, VOXEL_M)
     inside = thinned if main is cloud else thin(main, VOXEL_M)
-    return thinned, *_storey(inside, level(inside, up), options.storey)
+    stands, storey = _storey(inside, level(inside, up), options.storey)
+    return _within(thinned.moved(stands.level_from_scan), storey), stands, storey
 
 
 def _storey(cloud: Cloud, stands: Level, wanted: int | None) -> tuple[Level, Storey | None]:

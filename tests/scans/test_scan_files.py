@@ -17,6 +17,7 @@ from openrooms_usd.description import load_room
 from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.importing import import_capture
 from openrooms_usd.importing.captures import check_scan
+from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.rooms.levelling import level
 from orusd_scans.formats.arrays import read_npz
 from orusd_scans.formats.laser import read_e57, read_las
@@ -236,6 +237,19 @@ def test_what_shows_little_of_its_room_needs_partial(tmp_path: Path) -> None:
     said = check_scan(read_capture("scan", stored(tmp_path, one_wall.cloud().points)), tmp_path)
     assert "partial: true" in said
     assert "--up" in said
+
+
+@pytest.mark.slow
+def test_the_storey_is_judged_that_compose_takes(tmp_path: Path) -> None:
+    small, large = (
+        RoomScan(
+            size * np.array(CORNERS), spacing=0.05, missing=missing, ceiling=not missing
+        ).cloud()
+        for size, missing in ((1.0, ()), (2.0, (1, 2, 3)))
+    )
+    cloud = Cloud(np.concatenate([small.points, large.points + np.array([0.0, 0.0, 3.0])]))
+    capture = Capture(source="scan", source_from_world=np.eye(4), cloud=cloud)
+    assert "partial: true" in check_scan(capture, tmp_path)
 
 
 def test_a_whole_room_passes(tmp_path: Path) -> None:
