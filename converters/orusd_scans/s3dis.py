@@ -26,6 +26,7 @@ from orusd_scans.worldframe import WorldFrame
 
 _FOLDER: Final = "Annotations"
 _MOST_THINGS: Final = 10_000
+_LONGEST_NUMBER: Final = 1024  # bytes, with blanks before it
 
 
 class S3disImporter:
@@ -43,7 +44,8 @@ class S3disImporter:
         Raises:
             InputError: It is no such folder, or a file holds nonsense; names the place.
         """
-        files, notes = _files(source), list[str]()
+        notes = list[str]()
+        files = _files(source, notes)
         read = [read_text(path) for path in files]
         notes += [
             f"{path.name}: {t}" for path, one in zip(files, read, strict=True) for t in one.notes
@@ -68,21 +70,33 @@ class S3disImporter:
 
     def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
         """The annotated points; the room's own file has the same ones."""
-        return packed_folder(source, _files(source), options)
+        return packed_folder(source, _files(source, []), options)
 
 
-def _files(source: Path) -> list[Path]:
+def _files(source: Path, notes: list[str]) -> list[Path]:
+    """The files of things with points; annotators leave empty ones."""
     untrusted.check_path(source)
     found = sorted((source / _FOLDER).glob("*.txt"))
     # Archives of other systems leave hidden files beside.
     found = [path for path in found if not path.name.startswith(".")]
+    if len(found) <= _MOST_THINGS:
+        full = [path for path in found if not _is_empty(path)]
+        if empty := len(found) - len(full):
+            notes.append(f"{empty} files of things are empty, and left out")
+        found = full
     if not 0 < len(found) <= _MOST_THINGS:
         raise InputError(
-            f"no room of S3DIS: {len(found)} files {_FOLDER}/*.txt are here",
+            f"no room of S3DIS: {len(found)} files {_FOLDER}/*.txt with points are here",
             place=source,
             remedy=f"give the folder of one room, such as Area_1/office_1, with {_FOLDER} in it",
         )
     return found
+
+
+def _is_empty(path: Path) -> bool:
+    """Whether a file holds nothing but blanks."""
+    with untrusted.opened(path, "points") as stream:
+        return not stream.read(_LONGEST_NUMBER).strip()
 
 
 def _colors(read: list[Scanned]) -> NDArray[np.uint8] | None:

@@ -72,6 +72,21 @@ def test_a_damaged_line_costs_one_point(tmp_path: Path, column: int, bad: str) -
     assert found.notes[0].startswith(no_number if bad == "-" else f"chair_1.txt: {said}")
 
 
+@pytest.mark.parametrize("content", ["", "\n \n"])
+def test_an_empty_file_costs_its_thing(tmp_path: Path, content: str) -> None:
+    folder = room(tmp_path / "a")
+    (folder / "Annotations" / "chair_2.txt").write_text(content)
+    found = read(folder)
+    assert found.cloud is not None
+    assert len(found.cloud) == 40 * (len(THINGS) - 1)
+    assert found.notes == ("1 files of things are empty, and left out",)
+    assert len(S3disImporter().pack(folder).contents) == len(THINGS) - 1
+    for path in (folder / "Annotations").glob("*.txt"):
+        path.write_text(content)
+    with pytest.raises(InputError, match="no room of S3DIS"):
+        read(folder)
+
+
 def test_a_copy_has_the_same_files(tmp_path: Path) -> None:
     packed = S3disImporter().pack(room(tmp_path / "office_1"))
     assert packed.file == "office_1"

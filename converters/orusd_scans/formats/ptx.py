@@ -65,9 +65,9 @@ def read_stations(lines: Iterator[str], path: Path) -> Scanned:
         values[:, :3] = values[:, :3] @ matrix[:3, :3] + matrix[3, :3]
         stations.append(values)
         origins.append(matrix[3, :3])
-    points = np.full((sum(map(len, stations)), max(one.shape[1] for one in stations)), np.nan)
-    for end, station in zip(np.cumsum([len(one) for one in stations]), stations, strict=True):
+    table = np.full((sum(map(len, stations)), max(one.shape[1] for one in stations)), np.nan)
+    for end, found in zip(np.cumsum([len(one) for one in stations]), stations, strict=True):
         # Points of stations without colours are grey, where others have some.
-        points[end - len(station) : end, : station.shape[1]] = station
-    cloud = cloud_of(dict(zip(_NAMES, points.T, strict=False)), path, notes)
+        table[end - len(found) : end, : found.shape[1]] = found
+    cloud = cloud_of(dict(zip(_NAMES, table.T, strict=False)), path, notes)
     return Scanned(replace(cloud, sensor_origins=np.array(origins)), notes=tuple(notes))

@@ -85,17 +85,25 @@ class Reading:
 
 def colored(
     title: str, surface: "PreviewSurface | None", colors: Array, notes: list[str]
-) -> "PreviewSurface":
+) -> "PreviewSurface | None":
     """A surface of the colour that a piece's vertices have; of their mean where they differ.
+
+    Colours that are no numbers do not count.
 
     Args:
         title: Of the piece, for notes.
         surface: The material that the file gives it; its constant base colour is a factor.
         colors: (N, 3) of the vertices, scene-linear.
-        notes: Receives a sentence where the colours differ.
+        notes: Receives a sentence where the colours differ or are no numbers.
     """
     from openrooms_usd.usd.shading.materials import PreviewSurface
 
+    sound = np.isfinite(colors).all(axis=1)
+    if not sound.all():
+        notes.append(f"colours of vertices of {title[:60]} are no numbers, and are not used")
+        colors = colors[sound]
+    if not len(colors):
+        return surface
     mean = np.clip(colors.mean(axis=0), 0.0, 1.0)
     if np.ptp(colors, axis=0).max() > _SAME_COLOR:
         notes.append(f"the colours of the vertices of {title[:60]} differ: their mean is taken")

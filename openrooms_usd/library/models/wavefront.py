@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
@@ -75,13 +76,13 @@ def read_obj(path: Path) -> Reading:
     notes: list[str] = []
     if obj.unused:
         notes.append(f"not used of the OBJ file: {', '.join(obj.unused)[:300]}")
-    surfaces = _read_libraries(obj, notes)
+    surfaces, painted = _read_libraries(obj, notes), _colors(obj)
     groups = Counter(group for group, _ in obj.faces)
     pieces = [
         Piece(
             f"{group}_{material}" if groups[group] > 1 and material else group or path.stem,
             _mesh(obj, corners),
-            _painted(obj, corners, group or path.stem, surfaces.get(material), notes),
+            _painted(painted, corners, group or path.stem, surfaces.get(material), notes),
             material=material,
         )
         for (group, material), corners in obj.faces.items()
@@ -172,20 +173,27 @@ def _mesh(obj: _Obj, faces: list[list[Corner]]) -> Mesh:
     )
 
 
+def _colors(obj: _Obj) -> Array | None:
+    """(N, 3) the colours of the vertices, scene-linear; None where not all vertices have one."""
+    if not obj.colors or len(obj.colors) < len(obj.v):
+        return None
+    colors = np.array(obj.colors)
+    is_bytes = bool((colors[np.isfinite(colors)] > 1.0).any())
+    return linear_from_srgb(colors / 255.0 if is_bytes else colors)
+
+
 def _painted(
-    obj: _Obj,
+    colors: Array | None,
     faces: list[list[Corner]],
     title: str,
     surface: "PreviewSurface | None",
     notes: list[str],
 ) -> "PreviewSurface | None":
-    """The surface with the colours of the vertices, where all vertices have one."""
-    if not obj.colors or len(obj.colors) < len(obj.v):
+    """The surface with the colours of the vertices, where these have some."""
+    if colors is None:
         return surface
     rows = sorted({corner[0] for face in faces for corner in face})
-    colors = np.array([obj.colors[row] for row in rows])
-    scale = 255.0 if max(max(color) for color in obj.colors) > 1.0 else 1.0
-    return colored(title, surface, linear_from_srgb(colors / scale), notes)
+    return colored(title, surface, colors[rows], notes)
 
 
 def _gathered(rows: list[list[float]], indices: list[int | None]) -> NDArray[np.float32] | None:
