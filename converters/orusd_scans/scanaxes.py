@@ -110,12 +110,12 @@ def find_unit(
         InputError: What is said is absurd, or the evidence is not clear.
     """
     fits = {
-        name: max(_fit(v, asked, length) for v in found) + _USUAL_LOG_ODDS[name]
+        name: _fit(_likeliest(found, asked, length), asked, length) + _USUAL_LOG_ODDS[name]
         for name, length in UNITS.items()
     }
     best, second = sorted(fits, key=lambda name: -fits[name])[:2]
     said, name = asked.unit or (1.0, "m")
-    own = max(_fit(v, asked, said) for v in found)
+    one, other_one = (_likeliest(found, asked, length) for length in (said, UNITS[best]))
     against = 0.0 if np.isclose(UNITS[best], said) else fits[best] - own
     room, other = _room(found, said), f"`--unit {best}` would make it {_room(found, UNITS[best])}"
     if asked.unit is not None:

@@ -241,6 +241,17 @@ def test_what_lay_in_something_that_is_left_out_comes_back() -> None:
     sound(result)
 
 
+def test_half_is_cut_off_what_would_be_left_out_and_not_off_its_neighbour() -> None:
+    home = room([[0, 0], [2.38, 0], [2.38, 1.32], [0, 1.32]])
+    counter, sofa = (
+        found(1, "counter", (0.46, 0.76, 0)),
+        found(2, "sofa", (1.05, 0.38, 0), coverage=0.9),
+    )
+    kept = run(counter, sofa, home=home, unresolved="leave_out").objects[0]
+    assert kept.instance == 1
+    assert kept.fitted is None or kept.fitted.min() >= 0.8
+
+
 def test_what_floats_in_the_middle_is_left_out_and_beside_a_wall_hangs_on_it() -> None:
     result = without(found(1, "box", (2, 1.5, 1.2)), found(2, "wardrobe", (2, 2.55, 0.9)))
     assert [gone.instance for gone in result.left_out] == [1]

@@ -184,9 +184,7 @@ def _rescued(
 
     Most of its points lie in this room, so there is such a thing here.
     """
-    _fitted(
-        state, [one for one in wrong if {one.instance, one.other} & {*lost}], models, LAST_SHARE
-    )
+    _fitted(state, wrong, models, LAST_SHARE, lost)
     for row, thing in enumerate(state.objects):
         if thing.instance in lost:
             room = state.rooms[row]
@@ -203,10 +201,11 @@ def _fitted(
     wrong: list[settling.Unresolved],
     models: Mapping[str, CadModel],
     share: float = USUAL_SHARE,
+    only: Collection[int] | None = None,
 ) -> list[settling.Unresolved]:
-    """What is wrong still after what has no room was shortened."""
+    """What is wrong still after what has no room was shortened, some of the instances or all."""
     for _ in range(_MAX_FITS):
-        if not fit(state, wrong, models, share):
+        if not fit(state, wrong, models, share, only):
             break
         _spread(state, Spread(state, _FITTED_REACH_M, _FITTED_ROUNDS))
         wrong = settling.violations(state)

@@ -5,7 +5,7 @@ that is cut by a tenth is better than none. An object recedes at the side where 
 something, along its own axis; its far side stays.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -55,6 +55,7 @@ def fit(
     wrong: Sequence[Unresolved],
     models: Mapping[str, CadModel],
     share: float = USUAL_SHARE,
+    only: Collection[int] | None = None,
 ) -> bool:
     """Shorten what reaches into walls and other objects, each object for one reason at a time.
 
@@ -63,11 +64,13 @@ def fit(
         wrong: What is wrong with them.
         models: CADs by their ids.
         share: Largest part of a measured length that is cut off.
+        only: The instances that may be shortened; None: all.
 
     Returns:
         Whether anything was shortened.
     """
     rows = {thing.instance: row for row, thing in enumerate(state.objects)}
+    free = None if only is None else {rows[number] for number in only}
     cut: set[int] = set()
     for one in sorted(wrong, key=lambda one: (one.other is not None, -one.depth, one.instance)):
         whom = {rows[number] for number in (one.instance, one.other) if number is not None}
@@ -75,9 +78,9 @@ def fit(
             continue
         cuts = _of_walls(state, rows[one.instance]) if one.other is None else []
         if one.other is not None:
-            cuts = _of_pair(state, rows[one.instance], rows[one.other], models, share)
+            cuts = _of_pair(state, rows[one.instance], rows[one.other], models, share, free)
         for each in cuts:
-            if _cost(state, each, models, share) < np.inf:
+            if (free is None or each.row in free) and _cost(state, each, models, share) < np.inf:
                 _shorten(state, each)
                 cut.add(each.row)
     return bool(cut)
@@ -98,13 +101,19 @@ def _of_walls(state: Arrangement, row: int) -> list[Cut]:
 
 
 def _of_pair(
-    state: Arrangement, i: int, j: int, models: Mapping[str, CadModel], share: float
+    state: Arrangement,
+    i: int,
+    j: int,
+    models: Mapping[str, CadModel],
+    share: float,
+    free: Collection[int] | None,
 ) -> list[Cut]:
     """The least cut of one of two objects that parts them; none where none does."""
     cuts = sorted(
         (
             (_cost(state, cut, models, share), number, cut)
             for number, cut in enumerate(_ways(state, i, j))
+            if free is None or cut.row in free
         ),
         key=lambda each: each[:2],
     )
