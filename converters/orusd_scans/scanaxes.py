@@ -109,32 +109,34 @@ def find_unit(
     Raises:
         InputError: What is said is absurd, or the evidence is not clear.
     """
+    likeliest = {name: _likeliest(found, asked, length) for name, length in UNITS.items()}
     fits = {
-        name: _fit(_likeliest(found, asked, length), asked, length) + _USUAL_LOG_ODDS[name]
-        for name, length in UNITS.items()
+        name: _fit(one, asked, UNITS[name]) + _USUAL_LOG_ODDS[name]
+        for name, one in likeliest.items()
     }
     best, second = sorted(fits, key=lambda name: -fits[name])[:2]
     said, name = asked.unit or (1.0, "m")
-    one, other_one = (_likeliest(found, asked, length) for length in (said, UNITS[best]))
-    against = 0.0 if np.isclose(UNITS[best], said) else fits[best] - own
-    room, other = _room(found, said), f"`--unit {best}` would make it {_room(found, UNITS[best])}"
+    own = _likeliest(found, asked, said)
+    against = 0.0 if np.isclose(UNITS[best], said) else fits[best] - _fit(own, asked, said)
+    room, better = _room(own, said), _room(likeliest[best], UNITS[best])
+    other = f"`--unit {best}` would make it {better}"
     if asked.unit is not None:
-        if against > _ABSURD_LOG_ODDS and not _is_room(_likeliest(found, said), said):
+        if against > _ABSURD_LOG_ODDS and not _is_room(own, said):
             raise InputError(
                 f"in {_called(name)} the scan would be {room}", place=source, remedy=other
             )
         if against > _CLEAR_LOG_ODDS:
             notes.append(f"in {_called(name)} the scan is {room}; {other}")
         return said, name
-    possible = _is_room(_likeliest(found, UNITS[best]), UNITS[best])
+    possible = _is_room(likeliest[best], UNITS[best])
     alone = fits[best] - fits[second] > _ALONE_LOG_ODDS
     if against > _CLEAR_UNIT_LOG_ODDS and alone and possible:
         notes.append(
-            f"{_called(best)} are taken for the scan's unit: it is {_room(found, UNITS[best])}, and"
-            f" in metres would be {room} (`--unit` says otherwise)"
+            f"{_called(best)} are taken for the scan's unit: it is {better}, and in metres would be"
+            f" {room} (`--unit` says otherwise)"
         )
         return UNITS[best], best
-    if not _is_room(_likeliest(found, said), said):
+    if not _is_room(own, said):
         if possible and _USUAL_LOG_ODDS[best] > _RARE_LOG_ODDS:
             raise InputError(
                 f"the scan's unit is not clear: in metres it would be {room}",
@@ -151,7 +153,7 @@ def find_unit(
         )
     if against > _DOUBTFUL_LOG_ODDS:
         notes.append(f"in metres the scan is {room}, which is taken; {other}")
-    elif _is_odd(_likeliest(found, said), said):
+    elif _is_odd(own, said):
         notes.append(f"in metres the scan is {room}: should its unit be another, `--unit` says so")
     return said, name
 
@@ -206,8 +208,8 @@ def _is_odd(one: Vertical, unit: float) -> bool:
     return size_odds(one, unit) - usual < _ODD_HEIGHT_LOG_ODDS
 
 
-def _likeliest(found: tuple[Vertical, ...], unit: float) -> Vertical:
-    return max(found, key=lambda v: v.line + size_odds(v, unit))
+def _likeliest(found: tuple[Vertical, ...], asked: Asked, unit: float) -> Vertical:
+    return max(found, key=lambda v: _fit(v, asked, unit))
 
 
 def _called(name: str) -> str:
@@ -223,9 +225,8 @@ def _called(name: str) -> str:
     return words.get(name, name)
 
 
-def _room(found: tuple[Vertical, ...], unit: float) -> str:
-    """The scan's size in words, by its likeliest vertical in that unit."""
-    one = _likeliest(found, unit)
+def _room(one: Vertical, unit: float) -> str:
+    """The scan's size in words, by a vertical of it and a unit."""
     return f"{_length(one.extent[1] * unit)} wide and {_length(one.extent[0] * unit)} high"
 
 

@@ -10,8 +10,9 @@ from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import without_rooms
+from openrooms_usd.scan.rooms.verticals import Vertical
 from orusd_scans.plainscan import Standing, find_standing, upright
-from orusd_scans.scanaxes import UNITS, Asked, unit_named
+from orusd_scans.scanaxes import UNITS, Asked, find_unit, unit_named
 from tests.scan.scanned_rooms import RoomScan
 
 Real = Callable[[str], Path]
@@ -72,6 +73,15 @@ def test_what_stands_as_files_do_goes_without_a_word(room: Cloud) -> None:
     found = stands(room)
     assert (found.up == Z).all()
     assert (found.unit, dict(found.settled), found.notes) == (1.0, {}, ())
+
+
+def test_sizes_that_are_told_are_of_the_vertical_that_was_weighed() -> None:
+    as_said = Vertical(Z, 0.0, 5.0, 2.6, (2.6, 6.0))
+    other = Vertical(WAYS[4], 1.9, 5.0, 2.6, (2.6, 5.0))
+    asked = Asked(Z, True, unit_named("ft", Path("s")))
+    with pytest.raises(InputError, match=r"in feet the scan would be 1\.8 m wide") as caught:
+        find_unit((other, as_said), asked, Path("s"), [])
+    assert caught.value.remedy.startswith("`--unit m` would make it 6 m wide")
 
 
 def ball(count: int, center: tuple[float, float, float] = (2.0, 2.0, 1.1)) -> np.ndarray:
