@@ -1,7 +1,7 @@
 """The state of a placement: each object's body, motion and support so far."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -63,6 +63,18 @@ class Arrangement:
 
     def __len__(self) -> int:
         return len(self.objects)
+
+    def copy(self) -> "Arrangement":
+        """The same state, to try what may be undone."""
+        return replace(
+            self,
+            objects=list(self.objects),
+            bodies=list(self.bodies),
+            motions=list(self.motions),
+            supports=list(self.supports),
+            notes=list(self.notes),
+            overlaps=dict(self.overlaps),
+        )
 
     def has_moved(self, row: int) -> bool:
         """Whether an object's motion is not the identity."""

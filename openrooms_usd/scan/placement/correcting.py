@@ -24,6 +24,7 @@ from openrooms_usd.scan.placement.fitting import (
     LeftOut,
     fit,
     left_out,
+    worth_left_out,
 )
 from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest
@@ -111,7 +112,7 @@ def _resolved(
         last = tries == _MAX_TRIES - 1
         out = left_out(state, wrong, with_carried=last)
         if out and remedies:
-            wrong = _rescued(state, wrong, {one.instance for one in out.values()}, models)
+            state, wrong = _rescued(state, wrong, models)
             out = left_out(state, wrong, with_carried=last)
         gone |= {found.instance: found for found in out.values()}
         if not out or last:
@@ -175,25 +176,30 @@ def _mended(
 
 
 def _rescued(
-    state: Arrangement,
-    wrong: list[settling.Unresolved],
-    lost: Collection[int],
-    models: Mapping[str, CadModel],
-) -> list[settling.Unresolved]:
-    """What is wrong still after what would be left out lost half its length, or was moved inside.
+    state: Arrangement, wrong: list[settling.Unresolved], models: Mapping[str, CadModel]
+) -> tuple[Arrangement, list[settling.Unresolved]]:
+    """The same after what would be left out lost half its length, or was moved inside.
 
-    Most of its points lie in this room, so there is such a thing here.
+    Most of its points lie in this room, so there is such a thing here. One by one: what worthier
+    ones would give way to goes itself.
     """
-    _fitted(state, wrong, models, LAST_SHARE, lost)
-    for row, thing in enumerate(state.objects):
-        if thing.instance in lost:
-            room = state.rooms[row]
-            out = room.outward(room.footprint(state.bodies[row]))
-            inwards = -(out.max(axis=0).clip(0.0) + out.min(axis=0).clip(None, 0.0))
-            for each in (row, *state.carried(row)) if np.abs(inwards).max() > MAX_GAP_M else ():
-                state.shift(each, np.append(inwards, 0.0))
-    settling.settle_again(state)
-    return settling.violations(state)
+    tried = set[int]()
+    while lost := sorted(left_out(state, wrong, with_carried=False).keys() - tried):
+        row = lost[0]
+        tried.add(row)
+        trial = state.copy()
+        remains = _fitted(trial, wrong, models, LAST_SHARE, {trial.objects[row].instance})
+        room = trial.rooms[row]
+        out = room.outward(room.footprint(trial.bodies[row]))
+        inwards = -(out.max(axis=0).clip(0.0) + out.min(axis=0).clip(None, 0.0))
+        if np.abs(inwards).max() > MAX_GAP_M:
+            for each in (row, *trial.carried(row)):
+                trial.shift(each, np.append(inwards, 0.0))
+            settling.settle_again(trial)
+            remains = settling.violations(trial)
+        if worth_left_out(trial, remains) < worth_left_out(state, wrong):
+            state, wrong = trial, remains
+    return state, wrong
 
 
 def _fitted(

@@ -252,6 +252,16 @@ def left_out(
     return gone
 
 
+def worth_left_out(state: Arrangement, found: Sequence[Unresolved]) -> float:
+    """How much the room would lack without all that would be left out.
+
+    Args:
+        state: The objects.
+        found: What is wrong with them.
+    """
+    return sum(_worth(state, row) for row in left_out(state, found, with_carried=False))
+
+
 def _worth(state: Arrangement, row: int) -> float:
     """How much a room lacks without an object: by its area, where it was well measured."""
     body = state.bodies[row]
