@@ -184,7 +184,7 @@ def test_files_outside_the_models_folder_are_ignored(tmp_path: Path) -> None:
         ("WOOD.png", "Wood.PNG", "Wood.PNG is taken"),
         ("folder%20a\\b%20c.png", "folder a/b c.png", "b c.png is taken"),
         ("C:\\me\\folder%20a\\b%20c.png", "folder a/b c.png", "b c.png is taken"),
-        ("/home/me/wood.png", "Wood.PNG", "outside the model's folder, Wood.PNG is taken"),
+        ("/maps/me/wood.png", "Wood.PNG", "outside the model's folder, Wood.PNG is taken"),
         ("../me/wood.png", "Wood.PNG", "outside the model's folder, Wood.PNG is taken"),
         ("%2e%2e/outside.png", "", "does not exist"),
         ("empty.png", "", "the file is empty"),
