@@ -1,7 +1,7 @@
-"""What somebody may have meant who wrote a name that is none."""
+"""What somebody may have meant who wrote a name that is none, and names in sentences."""
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
 from typing import Final
 
@@ -34,6 +34,12 @@ def did_you_mean(word: object, known: Iterable[str], also: Mapping[str, str] | N
     """`` (did you mean 'chair'?)``, or nothing where no name is near: see `nearest`."""
     near = nearest(word, known, also) if isinstance(word, str) else None
     return f" (did you mean {near!r}?)" if near else ""
+
+
+def listed(names: Sequence[str], most: int) -> str:
+    """``a, b and 3 more``: the first of several names, and how many there are besides."""
+    more = f" and {len(names) - most:,} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 def _plain(word: str) -> str:

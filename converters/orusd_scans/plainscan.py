@@ -161,7 +161,7 @@ def _room_like(cloud: Cloud) -> tuple[Vertical, ...]:
 
 def _as_said(cloud: Cloud, up: Array) -> Vertical:
     """The direction that is said, of a scan that shows hardly any surface."""
-    points = cloud.points[evened(cloud.points)[0]]
+    points = cloud.points[evened(cloud)[0]]
     heights = points @ up
     across = points - heights[:, None] * up
     along = float(np.ptp(np.percentile(heights, (1.0, 99.0))))
@@ -203,9 +203,10 @@ class ScanImporter:
         if "classes" in options:
             scanned = replace(scanned, cloud=classified(scanned.cloud, Path(options["classes"])))
             notes = [note for note in notes if not note.endswith(OTHER_CLASSES)]
-        stands = _standing(scanned, options, source)
+        placed = _placed(scanned.cloud, source)
+        stands = _standing(scanned, placed, options, source)
         notes += stands.notes
-        frame = _frame(scanned, stands, source)
+        frame = _frame(placed, stands)
         frames: tuple[CapturedFrame, ...] = ()
         if "frames" in options:
             frames = in_world(read_frames(Path(options["frames"])), frame, notes)
@@ -290,7 +291,21 @@ def with_sensor_origins(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Clou
     )
 
 
-def _standing(scanned: Scanned, options: Mapping[str, str], source: Path) -> Standing:
+def _placed(cloud: Cloud, source: Path) -> Cloud:
+    """The points with finite coordinates.
+
+    Raises:
+        InputError: There are none.
+    """
+    finite = np.asarray(np.isfinite(cloud.points).all(axis=1))
+    if not finite.any():
+        raise InputError("no point has finite coordinates", place=source)
+    return cloud if finite.all() else cloud.take(finite)
+
+
+def _standing(
+    scanned: Scanned, placed: Cloud, options: Mapping[str, str], source: Path
+) -> Standing:
     """How the scan stands, by what is said of it and what it shows."""
     said = options.get("up")
     asked = Asked(
@@ -298,13 +313,11 @@ def _standing(scanned: Scanned, options: Mapping[str, str], source: Path) -> Sta
         bool(said),
         unit_named(options.get("unit", scanned.unit or AUTO), source),
     )
-    cloud = scanned.cloud
     if scanned.faces is not None:
+        cloud = scanned.cloud
         cloud, _ = as_cloud(cloud, scanned.faces, _spacing(cloud.points, scanned.faces))
-    whole = cloud.take(np.asarray(np.isfinite(cloud.points).all(axis=1)))
-    if not len(whole):
-        raise InputError("no point has finite coordinates", place=source)
-    return find_standing(whole, asked, source)
+        placed = _placed(cloud, source)
+    return find_standing(placed, asked, source)
 
 
 def _spacing(points: Array, faces: NDArray[np.int64]) -> float:
@@ -315,20 +328,13 @@ def _spacing(points: Array, faces: NDArray[np.int64]) -> float:
     return max(float(np.sqrt(area / _SAMPLES)), 1e-9)
 
 
-def _frame(scanned: Scanned, stands: Standing, source: Path) -> WorldFrame:
+def _frame(cloud: Cloud, stands: Standing) -> WorldFrame:
     """The source's own axes, upright; its own origin unless that is far away."""
-    low, high = _range(scanned.cloud.points)
+    low, high = np.percentile(cloud.points[evened(cloud)[0]], _EXTENT_PERCENTILES, axis=0)
     middle = 0.5 * (low + high)
     far = stands.unit * float(np.abs(middle).max()) > _FAR_FROM_ORIGIN_M
     origin = np.floor(middle) if far else np.zeros(3)
     return WorldFrame(upright(stands.up), origin, stands.unit)
-
-
-def _range(points: Array) -> tuple[Array, Array]:
-    """(3,) each, robust least and greatest coordinates."""
-    sound = points[np.isfinite(points).all(axis=1)]
-    low, high = np.percentile(sound[evened(sound)[0]], _EXTENT_PERCENTILES, axis=0)
-    return low, high
 
 
 def direction(up: str, source: Path) -> Array:

@@ -15,6 +15,7 @@ from openrooms_usd import untrusted
 from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.spelling import listed
 from orusd_scans.plan import Up
 from orusd_scans.records import Node
 
@@ -222,8 +223,7 @@ def _tell_unused(names: Iterable[str], notes: list[str]) -> None:
     known.update(*(trio for trio in (*_PLACE, *_NORMAL, *_COLOR) if {*trio} <= {*given}))
     unused = [name[:40] for name in given if name not in known]
     if unused:
-        rest = f" and {len(unused) - _MOST_NAMED} more" if len(unused) > _MOST_NAMED else ""
-        notes.append(f"columns that are not used: {', '.join(unused[:_MOST_NAMED])}{rest}")
+        notes.append(f"columns that are not used: {listed(unused, _MOST_NAMED)}")
 
 
 def _numbers(

@@ -1,4 +1,4 @@
-"""A mesh as a cloud: its vertices, and samples of large triangles."""
+"""A mesh as a cloud: its vertices, and samples of large triangles; polygons as triangles."""
 
 from dataclasses import replace
 from typing import Any, Final
@@ -82,3 +82,16 @@ def _joined(first: Cloud, second: Cloud) -> Cloud:
 
     names = ("points", "normals", "colors", "label", "instance", "confidence")
     return replace(first, **{name: both(name) for name in names})
+
+
+def fans(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Polygons as fans of triangles.
+
+    Args:
+        corners: (P, C) of polygons that have as many each.
+
+    Returns:
+        (F, 3) triangles; none for two corners or fewer.
+    """
+    found = [corners[:, [0, i, i + 1]] for i in range(1, corners.shape[1] - 1)]
+    return np.concatenate(found) if found else np.empty((0, 3), np.int64)

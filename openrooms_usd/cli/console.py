@@ -14,7 +14,7 @@ import click
 
 from openrooms_usd.errors import printable
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.spelling import did_you_mean
+from openrooms_usd.spelling import did_you_mean, listed
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 Said = TypeVar("Said", bound=Hashable)
@@ -93,8 +93,7 @@ def named(names: Sequence[str]) -> str:
     """A name, or the first of several and how many there are."""
     if len(names) == 1:
         return names[0]
-    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return f"{len(names)} x: {', '.join(names[:_NAMED])}{more}"
+    return f"{len(names)} x: {listed(names, _NAMED)}"
 
 
 def command_line(*words: str | Path) -> str:

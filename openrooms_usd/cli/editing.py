@@ -8,6 +8,7 @@ import click
 
 from openrooms_usd import names
 from openrooms_usd.cli.console import Group, echo, json_option, print_json
+from openrooms_usd.spelling import listed
 
 if TYPE_CHECKING:
     from openrooms_usd.edits.adopting import Adoption
@@ -51,8 +52,7 @@ def adopt(scene: Path, saved: Path | None, dry_run: bool, as_json: bool) -> None
 
 def _print(adoption: "Adoption", dry_run: bool) -> None:
     for change in adoption.changes[:_ROWS]:
-        more = len(change.fields) - _NAMES
-        said = ", ".join(change.fields[:_NAMES]) + (f" and {more} more" if more > 0 else "")
+        said = listed(change.fields, _NAMES)
         echo(f"{'new' if change.new else 'changed':<8} {change.path}: {said}")
     if len(adoption.changes) > _ROWS:
         echo(f"{len(adoption.changes) - _ROWS} more; --json lists all")

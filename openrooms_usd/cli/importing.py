@@ -1,12 +1,17 @@
 """The command ``import``: a capture becomes a folder with a room.yaml beside what was read."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.capture import Importer, option_paths
 from openrooms_usd.cli.console import command_line, echo, echo_notes, json_option, print_json
+
+if TYPE_CHECKING:
+    from openrooms_usd.importing import ImportedRoom
 
 
 class ImporterGroup(click.Group):
@@ -48,7 +53,7 @@ def _command(kind: str) -> click.Command:
         if as_json:
             print_json(imported.as_dict())
             return
-        for line in imported.shown:
+        for line in _shown(imported):
             echo(line)
         echo_notes(imported.notes)
         following = command_line("orusd", "compose", imported.file, "-o", "OUT")
@@ -61,6 +66,25 @@ def _command(kind: str) -> click.Command:
         flag = click.Option([f"--{name}", _field(name)], metavar=metavar, help=text)
         command.params.append(flag)
     return command
+
+
+def _shown(imported: "ImportedRoom") -> Iterator[str]:
+    """What was read, a line each: of points their extent and what each of them has."""
+    found, cloud = imported.counts, imported.capture.cloud
+    for what, count in found.items():
+        if count or cloud is None:
+            yield f"{what:<9} {count}"
+    if cloud is None:
+        return
+    import numpy as np
+
+    from openrooms_usd.scan.points.mainpart import main_part
+
+    size = " x ".join(f"{length:.1f}" for length in np.ptp(main_part(cloud).points, axis=0))
+    told = ("colors", "normals", "label", "instance")
+    has = [word for word in told if getattr(cloud, word) is not None]
+    yield f"size      {size} m"
+    yield f"each has  {', '.join(has) or 'its place alone'}"
 
 
 def _about(importer: Importer) -> str:

@@ -60,28 +60,6 @@ class ImportedRoom:
             "points": 0 if read.cloud is None else len(read.cloud),
         }
 
-    @property
-    def shown(self) -> tuple[str, ...]:
-        """What was read, a line each: of points their extent and what each of them has."""
-        found, cloud = self.counts, self.capture.cloud
-        if cloud is None:
-            return tuple(f"{what:<9} {count}" for what, count in found.items())
-        import numpy as np
-
-        from openrooms_usd.scan.points.mainpart import main_part
-
-        size = " x ".join(f"{length:.1f}" for length in np.ptp(main_part(cloud).points, axis=0))
-        has = [
-            word
-            for word in ("colors", "normals", "label", "instance")
-            if getattr(cloud, word) is not None
-        ]
-        return (
-            *(f"{what:<9} {count}" for what, count in found.items() if count),
-            f"size      {size} m",
-            f"each has  {', '.join(has) or 'its place alone'}",
-        )
-
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for ``--json``."""
         height, notes = self.capture.height, list(self.notes)

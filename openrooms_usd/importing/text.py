@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final, get_args
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.scanned import CAPTURES
+from openrooms_usd.furniture.words import plain
 
 if TYPE_CHECKING:
     import numpy as np
@@ -101,7 +102,7 @@ _OPENINGS: Final = """\
 
 def _use(capture: Capture) -> str:
     """The type of room that the source's word means: diningRoom is a dining_room."""
-    word = re.sub(r"(?<=[a-z])(?=[A-Z])|[\s-]+", "_", capture.use or "").lower()
+    word = plain(capture.use or "")
     return word if word in get_args(RoomType) else "misc"
 
 

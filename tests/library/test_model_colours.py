@@ -172,6 +172,18 @@ def test_broken_sparse_accessors_are_refused(
         glb(tmp_path / "a.glb", arrays, [points, accessor(1, 5125, "SCALAR", 12)])
 
 
+@pytest.mark.parametrize(("mode", "told"), [(6, "triangle fans"), (1, "points and lines")])
+def test_primitives_without_triangles_are_told(tmp_path: Path, mode: int, told: str) -> None:
+    one = {"attributes": {"POSITION": 0}, "indices": 1}
+    model = glb(
+        tmp_path / "a.glb",
+        [POINTS, FACES],
+        [accessor(0, 5126, "VEC3", 4), accessor(1, 5125, "SCALAR", 12)],
+        meshes=[{"primitives": [one, {**one, "mode": mode}]}],
+    )
+    assert any(told in note for note in model.notes)
+
+
 def test_what_is_not_used_is_told(tmp_path: Path) -> None:
     st = np.zeros((4, 2), "<f4")
     model = glb(

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.scan.points.thinning import clean, thin
+from openrooms_usd.scan.points.thinning import clean, evened, thin
 from openrooms_usd.scan.points.voxels import Samples, Table, VoxelSums
 
 ROOMY = 1 << 28
@@ -179,6 +179,12 @@ def test_a_part_of_a_scan_thins_as_the_whole_does() -> None:
     left = full.take(full.points[:, 0] < 1.0)
     whole = thin(full, 0.1)
     assert thin(left, 0.1).points == pytest.approx(whole.points[whole.points[:, 0] < 1.0])
+
+
+def test_a_cloud_is_evened_once() -> None:
+    cloud = Cloud(np.random.default_rng(0).random((2000, 3)))
+    assert evened(cloud) is evened(cloud)
+    assert (evened(Cloud(cloud.points))[0] == evened(cloud)[0]).all()
 
 
 def test_opposite_normals_do_not_vanish() -> None:

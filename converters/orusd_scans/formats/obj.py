@@ -14,6 +14,7 @@ from openrooms_usd import untrusted
 from openrooms_usd.scan.models.objtext import KNOWN, standard_obj
 from orusd_scans.formats.rows import read_rows
 from orusd_scans.scanned import MOST_POINTS, Scanned, broken, cloud_of, sound_faces
+from orusd_scans.surfaces import fans
 
 _NAMES: Final = ("x", "y", "z", "red", "green", "blue")
 
@@ -60,7 +61,7 @@ def _triangles(
     """(F, 3) fans of the faces; negative numbers count back from the vertices before them."""
     corners = [_corners(face) for face in faces]
     sizes = np.array([len(face) for face in corners], dtype=np.int64)
-    fans, lost = [np.empty((0, 3), np.int64)], int((sizes == 0).sum())
+    found, lost = [np.empty((0, 3), np.int64)], int((sizes == 0).sum())
     for size in np.unique(sizes[sizes > 2]).tolist():
         some = np.flatnonzero(sizes == size)
         numbers = np.array([corners[i] for i in some.tolist()])
@@ -68,13 +69,12 @@ def _triangles(
         sound = ((given == numbers) & (given != 0)).all(axis=1)
         lost += int((~sound).sum())
         given, known = given[sound], before[some][sound, None]
-        index = np.where(given > 0, given - 1, known + given)
-        fans += [index[:, [0, i, i + 1]] for i in range(1, size - 1)]
+        found.append(fans(np.where(given > 0, given - 1, known + given)))
     told = f"{lost:,} of {len(faces):,} faces are damaged"
     if lost and 2 * lost >= len(faces):
         raise broken(path, told, "export the mesh again")
     notes += [f"{told}, and left out"] if lost else []
-    return np.concatenate(fans)
+    return np.concatenate(found)
 
 
 def _corners(face: str) -> list[float]:

@@ -14,6 +14,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.spelling import listed
 from orusd_scans.formats.rows import Counted, lines_before, read_rows
 from orusd_scans.scanned import (
     LONGEST_HEADER,
@@ -25,6 +26,7 @@ from orusd_scans.scanned import (
     size_of,
     sound_faces,
 )
+from orusd_scans.surfaces import fans
 
 _TYPES: Final = {
     "char": "i1",
@@ -106,7 +108,7 @@ def read_ply(path: Path) -> Scanned:
         raise broken(path, "it has no vertices")
     unused = [f"{e.count:,} {e.name[:40]}" for i, e in enumerate(elements) if i not in used]
     if unused:
-        notes.append(f"elements that are not used: {', '.join(unused[:_MOST_NAMED])}")
+        notes.append(f"elements that are not used: {listed(unused, _MOST_NAMED)}")
     every = sound_faces(np.concatenate(faces), len(cloud), path, notes)
     return Scanned(cloud, every, notes=tuple(notes))
 
@@ -334,7 +336,7 @@ def _triangles(element: str, lists: Any) -> NDArray[np.int64]:
     is_list = element.startswith("tri")  # of triangles, or of strips
     if isinstance(lists, np.ndarray) and lists.ndim == 2 and "strip" not in element:
         corners = _whole_corners(lists)
-        return corners.reshape(-1, 3) if is_list and lists.shape[1] % 3 == 0 else _fans(corners)
+        return corners.reshape(-1, 3) if is_list and lists.shape[1] % 3 == 0 else fans(corners)
     whole = [_whole_corners(corners) for corners in lists]
     if "strip" in element:
         return np.concatenate([np.empty((0, 3), np.int64), *map(_strips, whole)])
@@ -344,8 +346,8 @@ def _triangles(element: str, lists: Any) -> NDArray[np.int64]:
             by_size.setdefault(3, []).extend(corners.reshape(-1, 3))
         else:
             by_size.setdefault(len(corners), []).append(corners)
-    fans = [_fans(np.array(by_size[size])) for size in sorted(by_size)]
-    return np.concatenate([np.empty((0, 3), np.int64), *fans])
+    found = [fans(np.array(by_size[size])) for size in sorted(by_size)]
+    return np.concatenate([np.empty((0, 3), np.int64), *found])
 
 
 def _strips(corners: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -367,9 +369,3 @@ def _whole_corners(corners: NDArray[Any]) -> NDArray[np.int64]:
             whole = (corners % 1 == 0) & (np.abs(corners) <= _LARGEST_UINT)
         corners = np.where(whole, corners, -1.0)
     return corners.astype(np.int64)
-
-
-def _fans(corners: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(F, 3) fans of polygons; those of two corners or fewer are left out."""
-    fans = [corners[:, [0, i, i + 1]] for i in range(1, corners.shape[1] - 1)]
-    return np.concatenate(fans) if fans else np.empty((0, 3), np.int64)

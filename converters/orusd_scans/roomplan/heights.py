@@ -14,6 +14,7 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.polygons import turns
+from openrooms_usd.spelling import listed
 from orusd_scans.floorplan import MAX_GAP_M
 from orusd_scans.roomplan.records import Record
 from orusd_scans.roomplan.spaces import facets, placed, rectangle
@@ -239,11 +240,7 @@ def _tell_level(tops: Sequence[tuple[str, Array]], height: float, notes: list[st
 
 def _listed(others: Mapping[str, Sequence[str]]) -> str:
     return "; ".join(
-        f"{len(ids)} {'walls are' if len(ids) > 1 else 'wall is'} {what} ({_some(ids)})"
+        f"{len(ids)} {'walls are' if len(ids) > 1 else 'wall is'} {what}"
+        f" ({listed(ids, _MOST_NAMED)})"
         for what, ids in sorted(others.items())
     )
-
-
-def _some(ids: Sequence[str]) -> str:
-    more = f" and {len(ids) - _MOST_NAMED} more" if len(ids) > _MOST_NAMED else ""
-    return ", ".join(ids[:_MOST_NAMED]) + more

@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 
 # Base colour of a material that says none, scene-linear.
 _UNSAID: Final = (0.6, 0.6, 0.6)
-# What is read of GLB and PLY files; primitives below this mode have no triangles.
+# What is read of GLB and PLY files; primitives of these modes have triangles, or strips of them.
 _ATTRIBUTES: Final = ("POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0")
 _EXTENSIONS: Final = ("KHR_draco_mesh_compression",)
-_STRIPS: Final = 4
+_TRIANGLES: Final = (4, 5)
+_FANS: Final = 6
 _PROPERTIES: Final = frozenset(
     "x y z nx ny nz red green blue alpha vertex_indices vertex_index".split()
 )
@@ -86,7 +87,8 @@ def _unused(header: dict[str, Any]) -> list[str]:
             named = attributes if isinstance(attributes, dict) else ()
             unused += [name for name in named if name not in _ATTRIBUTES]
             unused += ["morph targets"] if primitive.get("targets") else []
-            unused += ["points and lines"] if primitive.get("mode", 4) in range(_STRIPS) else []
+            if (mode := primitive.get("mode", _TRIANGLES[0])) not in _TRIANGLES:
+                unused.append("triangle fans" if mode == _FANS else "points and lines")
     for material in _rows(header, "materials"):
         glow = material.get("emissiveFactor")
         unused += ["emission"] if isinstance(glow, list) and any(glow) else []

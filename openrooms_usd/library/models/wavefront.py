@@ -3,11 +3,10 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
-from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -226,25 +225,17 @@ def beside(model: Path, name: str, notes: list[str]) -> Path | None:
     except (InputError, OSError, RuntimeError):  # links in a circle
         notes.append(f"{name[:60]!r} cannot be the path of a file and is ignored")
         return None
+    from openrooms_usd.usd.files.strayed import is_in, meant
+
     allowed = [folder, *(folder.parent / beside for beside in _PICTURE_FOLDERS)]
-    if not _is_in(path, allowed):
-        notes.append(f"{name!r} lies outside the model's folder and is ignored")
-        return None
-    if path.is_file():
+    inside = is_in(path, allowed)
+    if inside and path.is_file():
         return path
-    from openrooms_usd.usd.files.strayed import below
-
-    # Names of other systems: of another case, or with blanks as %20.
-    found = below(folder, unquote(name).replace("\\", "/").split("/"))
-    if found is None or not _is_in(found.resolve(), allowed):
-        notes.append(f"{name!r} does not exist")
-        return None
-    notes.append(f"{name!r} does not exist, {found.name} is taken")
+    found = meant(folder, name, allowed)
+    why = "does not exist" if inside else "lies outside the model's folder"
+    without = "" if inside else " and is ignored"
+    notes.append(f"{name!r} {why}" + (f", {found.name} is taken" if found else without))
     return found
-
-
-def _is_in(path: Path, folders: Sequence[Path]) -> bool:
-    return any(path.is_relative_to(one) for one in folders)
 
 
 def _read_mtl(path: Path, notes: list[str]) -> "dict[str, PreviewSurface]":

@@ -12,7 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-_TYPES: Final = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+TYPES: Final = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""Types of numbers in an accessor."""
 _FLOAT: Final = 5126
 WIDTHS: Final = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 """Numbers in an element of an accessor."""
@@ -69,7 +70,7 @@ def _colours(header: Mapping[str, Any]) -> Iterator[int]:
 
 def _dense(accessor: Mapping[str, Any], views: list[Any], body: bytes) -> NDArray[Any]:
     """(count, width) the values of an accessor."""
-    kind, width = _TYPES[accessor["componentType"]], WIDTHS[accessor["type"]]
+    kind, width = TYPES[accessor["componentType"]], WIDTHS[accessor["type"]]
     count = int(accessor["count"])
     values = np.zeros((count, width), kind)
     if "bufferView" in accessor:
@@ -77,7 +78,7 @@ def _dense(accessor: Mapping[str, Any], views: list[Any], body: bytes) -> NDArra
     if (sparse := accessor.get("sparse")) is None:
         return values
     told, some = sparse["indices"], int(sparse["count"])
-    at = _rows(told, views, body, _TYPES[told["componentType"]], 1, some)[:, 0].astype(np.int64)
+    at = _rows(told, views, body, TYPES[told["componentType"]], 1, some)[:, 0].astype(np.int64)
     if len(at) and (at.max() >= count or (np.diff(at) <= 0).any()):
         raise ValueError("the rows of a sparse accessor are not in order, or not there")
     values[at] = _rows(sparse["values"], views, body, kind, width, some)

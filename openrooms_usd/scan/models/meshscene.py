@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.errors import InputError, MissingPackageError, OrusdError
-from openrooms_usd.scan.models.glbarrays import WIDTHS, with_plain_arrays
+from openrooms_usd.scan.models.glbarrays import TYPES, WIDTHS, with_plain_arrays
 
 # Without a handler, Python prints a library's warnings with their tracebacks.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
@@ -125,7 +125,6 @@ _JSON: Final = 0x4E4F534A
 _HEAD: Final = struct.calcsize("<4sIIII")
 # What a file may require and is understood, or says nothing of shapes.
 _HARMLESS: Final = ("KHR_materials_", "KHR_lights_", "KHR_texture_transform", "KHR_xmp", _DRACO)
-_BYTES: Final = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 # Unpacked arrays have no more bytes than this, or so many times the file; compressed ones have.
 _MIN_ARRAY_BYTES: Final = 64 << 20
 _MAX_COMPRESSION_GAIN: Final = 16
@@ -201,7 +200,7 @@ def _check_amounts(header: Mapping[str, Any], most: int) -> None:
     if any(_whole(view.get("byteStride", 1)) < 1 for view in views):
         raise ValueError("a buffer view has no stride")
     counts = [_whole(accessor["count"]) for accessor in accessors]
-    sizes = [_BYTES[a["componentType"]] * WIDTHS[a["type"]] for a in accessors]
+    sizes = [np.dtype(TYPES[a["componentType"]]).itemsize * WIDTHS[a["type"]] for a in accessors]
     if sum(count * size for count, size in zip(counts, sizes, strict=True)) > most:
         raise ValueError("its accessors announce many times as much as the file holds")
     corners = [

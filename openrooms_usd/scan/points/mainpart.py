@@ -56,7 +56,7 @@ def main_part(cloud: Cloud, outside: Outside = FEW) -> Cloud:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import KDTree
 
-    some = cloud.take(evened(cloud.points)[0])
+    some = cloud.take(evened(cloud)[0])
     if len(some) <= _NEIGHBOUR:
         return cloud
     # Squares of distances shall not overflow, whatever stands in a file.

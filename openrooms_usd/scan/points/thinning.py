@@ -5,6 +5,7 @@ Both sort once: time is nearly linear in the points, memory a few columns of the
 
 from dataclasses import dataclass, replace
 from typing import Any, Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,16 +125,27 @@ def thin(cloud: Cloud, voxel: float) -> Cloud:
     )
 
 
-def evened(points: Array) -> tuple[Rows, float]:
+def evened(cloud: Cloud) -> tuple[Rows, float]:
     """Choose points so that equal areas have about as many, however often they were scanned.
 
+    What was chosen of a cloud is kept as long as the cloud is: several steps ask.
+
     Args:
-        points: (N, 3) finite, in any unit.
+        cloud: N finite points in any unit.
 
     Returns:
         (M,) rows, at most `_MOST_IN_VOXEL` of each voxel and none twice, and the voxels' edge: by
         it the scan falls into about `_PIECES`, or fewer where it has not points enough.
     """
+    if cloud not in _EVENED:
+        _EVENED[cloud] = _evened(cloud.points)
+    return _EVENED[cloud]
+
+
+_EVENED: Final[WeakKeyDictionary[Cloud, tuple[Rows, float]]] = WeakKeyDictionary()
+
+
+def _evened(points: Array) -> tuple[Rows, float]:
     rows = np.flatnonzero(_first_of_equal(points))
     single = points[rows]
     some = single[:: max(len(single) // (_MOST_IN_VOXEL * _PIECES), 1)]

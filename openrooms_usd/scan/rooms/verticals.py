@@ -110,7 +110,7 @@ def _in_voxels(cloud: Cloud) -> tuple[Cloud | None, float]:
     """The points scaled so that they make about the wanted number of surfels, and the factor."""
     if len(cloud) < _FEWEST_PIECES or not np.ptp(cloud.points, axis=0).any():
         return None, 1.0
-    rows, voxel = evened(cloud.points)
+    rows, voxel = evened(cloud)
     some, scale = cloud.points[rows], VOXEL_M / voxel
     label = None if cloud.label is None else cloud.label[rows]
     return Cloud((some - np.median(some, axis=0)) * scale, label=label), scale

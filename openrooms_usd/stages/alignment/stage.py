@@ -8,7 +8,7 @@ stay: a support that is scaled moves what it carries to the scaled places, witho
 
 import os
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -36,6 +36,7 @@ from openrooms_usd.furniture import CATEGORIES, Size, category, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.models.meshfile import dependencies
+from openrooms_usd.spelling import listed
 from openrooms_usd.stages.alignment import aligned, placement, poses
 from openrooms_usd.stages.alignment.apart import moved_apart
 from openrooms_usd.stages.alignment.captured import Captured, captured_objects
@@ -144,7 +145,8 @@ class Following:
                 children[parent].append(name)
         for parent, belonging in children.items():
             if is_off(self._prim(parent)):
-                self.notes.append(f"{parent} is switched off: {_some(belonging)} stay as described")
+                those = listed(belonging, _MAX_LISTED_NAMES)
+                self.notes.append(f"{parent} is switched off: {those} stay as described")
 
     def _described(self, name: str) -> Array:
         """(4, 4) from an object's frame to the room, as it is described."""
@@ -154,11 +156,6 @@ class Following:
 
     def _prim(self, name: str) -> Usd.Prim:
         return self.stage.GetPrimAtPath(f"{names.FURNITURE}/{name}")
-
-
-def _some(members: Sequence[str]) -> str:
-    more = len(members) - _MAX_LISTED_NAMES
-    return ", ".join(members[:_MAX_LISTED_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 class AlignmentStage:

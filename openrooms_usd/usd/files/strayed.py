@@ -39,21 +39,38 @@ def locate(attribute: Usd.Attribute, asset: object) -> tuple[str, str]:
 
 def _beside(layer: Sdf.Layer, stage: Usd.Stage, authored: str) -> str:
     """The file that is meant, within the folder of the stage; empty where there is none."""
-    said = unquote(authored.removeprefix(_SCHEME)).replace("\\", "/")
     if Ar.IsPackageRelativePath(layer.identifier):
+        said = _said(authored)
         return str(Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(layer, said)))
     if not layer.realPath:
         return ""
-    home = Path(layer.realPath).parent
     root = Path(stage.GetRootLayer().realPath or layer.realPath).parent
-    parts = [part for part in said.split("/") if part not in ("", ".")]
+    return str(meant(Path(layer.realPath).parent, authored, [root]) or "")
+
+
+def meant(home: Path, name: str, allowed: Sequence[Path]) -> Path | None:
+    """The file that a path of another system means; None where there is none.
+
+    Args:
+        home: The folder of the file that names it; ends of the path are looked for below it, too.
+        name: As it is written there, with slashes of either kind, ``%20`` or a drive.
+        allowed: Folders in one of which it must lie, links followed.
+    """
+    parts = [part for part in _said(name).split("/") if part not in ("", ".")]
     down = [part for part in parts if part != ".."]
     places = [(_above(home, parts), down), *((home, down[start:]) for start in range(len(down)))]
-    found = (below(folder, names) for folder, names in places)
-    whole = Path(os.path.realpath(root))
-    return next(
-        (str(f) for f in found if f and Path(os.path.realpath(f)).is_relative_to(whole)), ""
-    )
+    found = (_below(folder, names) for folder, names in places)
+    whole = [os.path.realpath(folder) for folder in allowed]
+    return next((f for f in found if f and is_in(Path(os.path.realpath(f)), whole)), None)
+
+
+def is_in(path: Path, folders: Sequence[str | Path]) -> bool:
+    """Whether a path lies in one of some folders; nothing is looked up."""
+    return any(path.is_relative_to(folder) for folder in folders)
+
+
+def _said(name: str) -> str:
+    return unquote(name.removeprefix(_SCHEME)).replace("\\", "/")
 
 
 def _above(folder: Path, parts: Sequence[str]) -> Path:
@@ -64,7 +81,7 @@ def _above(folder: Path, parts: Sequence[str]) -> Path:
     return folder
 
 
-def below(folder: Path, names: Sequence[str]) -> Path | None:
+def _below(folder: Path, names: Sequence[str]) -> Path | None:
     """A file below a folder by names in any case; None where there is none, or they lead above."""
     if ".." in names:
         return None
