@@ -16,6 +16,7 @@ from openrooms_usd.rendering.scene.pictures import (
     Coding,
     Limits,
     Picture,
+    are_directions,
     load,
     made_smaller,
     placed,
@@ -56,7 +57,8 @@ def load_picture(
     if found is None:
         return load(texture, channels, limits, uv, side)
     picked, which, smaller = found
-    if limits[0] < 0.0 and not _is_normal_map(texture, picked):
+    directed = are_directions(channels, limits)
+    if directed and not _is_normal_map(texture, picked):
         return load(texture, channels, limits, uv, side)
     coding = Coding(
         texture.color_space == "sRGB" and 3 not in which,
@@ -64,7 +66,7 @@ def load_picture(
         tuple(texture.bias[index] for index in which),
         limits,
     )
-    black = None if limits[0] < 0.0 else np.zeros(channels, np.uint8)
+    black = None if directed else np.zeros(channels, np.uint8)
     texels, wrap, where, losses = framed(picked, texture, black)
     losses = (made_smaller(texture.file, side), *losses) if smaller else losses
     return Picture(np.ascontiguousarray(texels), wrap, placed(where, uv), losses, coding)

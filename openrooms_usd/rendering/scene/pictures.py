@@ -206,19 +206,26 @@ def load(
             rgba[..., :3] = linear_from_srgb(rgba[..., :3])
         values = rgba * np.array(texture.scale, np.float32) + np.array(texture.bias, np.float32)
     picked = _picked(values, texture.channel, channels)
-    if limits[0] < 0.0:
+    if not np.isfinite(picked).all():
+        least = max(limits[0], 0.0)
+        losses.append(f"{texture.file}: pixels that are no numbers are taken as {least:g}")
+        picked = np.nan_to_num(picked, nan=least, posinf=least, neginf=least)
+    directed = are_directions(channels, limits)
+    if directed:
         picked, reason = _directed(picked)
         losses += [f"{texture.file}: {reason}"] if reason else []
-    if not np.isfinite(picked).all():
-        losses.append(f"{texture.file}: pixels that are no numbers are taken as {limits[0]:g}")
-        picked = np.nan_to_num(picked, nan=limits[0], posinf=limits[0], neginf=limits[0])
     pixels = np.clip(picked, *limits)[::-1]
-    kind = np.float16 if pixels.max() < _HALF_MAX else np.float32
+    kind = np.float16 if np.abs(pixels).max() < _HALF_MAX else np.float32
     beyond = np.array(texture.bias, np.float32).reshape(1, 1, 4)
     black = np.clip(_picked(beyond, texture.channel, channels)[0, 0], *limits)
-    pixels, wrap, where, found = framed(pixels, texture, None if limits[0] < 0.0 else black)
+    pixels, wrap, where, found = framed(pixels, texture, None if directed else black)
     texels = np.ascontiguousarray(pixels, dtype=kind)
     return Picture(texels, wrap, placed(where, uv), (*losses, *found))
+
+
+def are_directions(channels: int, limits: Limits) -> bool:
+    """Whether values are those of a normal map."""
+    return channels == 3 and limits[0] < 0.0
 
 
 def placed(where: Array, uv: Array) -> Array:

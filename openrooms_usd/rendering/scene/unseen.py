@@ -11,6 +11,7 @@ from openrooms_usd.usd.doubts import DOUBT
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.semantics import unread_labels
+from openrooms_usd.usd.shading.materialreader import unmoved_by
 from openrooms_usd.usd.shading.materials import broken_bindings
 
 _PURPOSE: Final = "its purpose is"
@@ -119,14 +120,8 @@ def _losses(prim: Usd.Prim) -> Iterator[str]:
         yield f"its material is missing: there is none at {target}"
     if prim.IsA(UsdGeom.Subset) and (lost := _colourless(UsdGeom.Subset(prim))):
         yield lost
-    if prim.IsA(UsdShade.Material) and _moves(UsdShade.Material(prim)):
-        yield f"{UsdShade.Tokens.outputsDisplacement}: nothing is moved"
-
-
-def _moves(material: UsdShade.Material) -> bool:
-    """Whether it has a displacement of its own, which UsdPreviewSurface tells of itself."""
-    shader = UsdShade.Shader(material.ComputeDisplacementSource()[0])
-    return bool(shader) and shader.GetShaderId() != "UsdPreviewSurface"
+    if prim.IsA(UsdShade.Material) and (name := unmoved_by(UsdShade.Material(prim))):
+        yield f"{name}: nothing is moved"
 
 
 def _says_something(attribute: Usd.Attribute) -> bool:

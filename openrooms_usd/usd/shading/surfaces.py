@@ -129,6 +129,8 @@ class PreviewSurface:
         clearcoat: Weight of a second, white specular lobe.
         clearcoat_roughness: Its perceptual roughness.
         occlusion: Baked ambient occlusion; a path tracer has no use for it.
+        displacement: How far points move along their normals, in units of the stage; only read,
+            and only for who moves them.
         transmission: Part of the light that leaves the other side diffusely, in the hue of the
             base colour; ours (`names.MATERIAL_TRANSMISSION`). Above 0, ``opacity`` is 1, and what
             is authored as opacity stands in for it elsewhere.
@@ -157,6 +159,7 @@ class PreviewSurface:
     clearcoat: float | Texture = 0.0
     clearcoat_roughness: float | Texture = 0.01
     occlusion: float | Texture = 1.0
+    displacement: float | Texture = 0.0
     transmission: float = 0.0
     f0: float | None = None
     pane: Color | None = None
