@@ -22,7 +22,7 @@ from openrooms_usd.rendering.scene.pictures import (
     placed,
 )
 from openrooms_usd.rendering.scene.wrapping import framed
-from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture, chosen
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture, chosen, taken
 from openrooms_usd.usd.shading.textures import read_codes
 
 _OPAQUE_CODE: Final = 255
@@ -62,8 +62,8 @@ def load_picture(
         return load(texture, channels, limits, uv, side)
     coding = Coding(
         texture.color_space == "sRGB" and 3 not in which,
-        tuple(texture.scale[index] for index in which),
-        tuple(texture.bias[index] for index in which),
+        taken(texture, texture.scale, channels),
+        taken(texture, texture.bias, channels),
         limits,
     )
     black = None if directed else np.zeros(channels, np.uint8)

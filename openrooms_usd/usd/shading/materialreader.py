@@ -9,7 +9,7 @@ from openrooms_usd import names
 from openrooms_usd.usd.shading import mdl, uber
 from openrooms_usd.usd.shading.materials import INPUTS
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
-from openrooms_usd.usd.shading.nodegraphs import fold
+from openrooms_usd.usd.shading.nodegraphs import fold, part_of
 from openrooms_usd.usd.shading.surfaces import Color, PreviewSurface, Texture
 from openrooms_usd.usd.shading.uvtextures import mended_normal_map, read_texture_node
 
@@ -210,7 +210,7 @@ def _folded_input(network: Network, shader: UsdShade.Shader, name: str, default:
     found = fold(network, shader, name)
     if not isinstance(found, Texture):
         return network.finite(shader, name, found, default)
-    return replace(found, channel=found.channel[0]) if isinstance(default, float) else found
+    return part_of(found, 0) if isinstance(default, float) else found
 
 
 def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]) -> PreviewSurface:

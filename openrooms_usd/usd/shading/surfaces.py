@@ -1,6 +1,7 @@
 """The inputs of a UsdPreviewSurface as plain data, each a constant or a texture."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final, Literal
 
@@ -72,15 +73,16 @@ class Texture:
             Authored: the asset path as it shall stand in the layer.
         channel: ``rgb`` for colours and normals, or one channel, or three in another order.
         color_space: ``sRGB`` pixels are decoded to linear (alpha never is), ``raw`` ones are not.
-        scale: Factor of r, g, b, a.
-        bias: Offset of r, g, b, a.
+        scale: Factor of r, g, b, a; where colours stand in another order, of what is taken.
+        bias: Offset of the same.
         wrap_s: What lies beyond 0..1 in s.
         wrap_t: What lies beyond 0..1 in t.
         primvar: Name of the texture coordinates.
         uv_scale: Factor of the texture coordinates, applied first.
         uv_rotation: Rotation of the texture coordinates, degrees counter-clockwise, applied second.
         uv_translation: Offset of the texture coordinates, applied last.
-        fallback: Value where the picture cannot be read; None: the default of what it drives.
+        fallback: Value of the same where the picture cannot be read; None: the default of what it
+            drives.
     """
 
     file: str
@@ -108,6 +110,12 @@ class Texture:
         s = 0 is the picture's left edge, t = 0 its lower one.
         """
         return UvTransform(self.uv_scale, self.uv_rotation, self.uv_translation).matrix
+
+
+def taken(texture: Texture, numbers: Sequence[float], channels: int) -> tuple[float, ...]:
+    """A texture's scale, bias or fallback, of so many channels that are taken of it."""
+    which = range(channels) if texture.is_shuffled else chosen(texture.channel, channels)
+    return tuple(numbers[index] for index in which)
 
 
 @dataclass(frozen=True)

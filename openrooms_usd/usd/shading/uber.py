@@ -9,7 +9,7 @@ from pxr import UsdShade
 
 from openrooms_usd.tables import read_table
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
-from openrooms_usd.usd.shading.nodegraphs import Folded, Numbers, affine, fold, product
+from openrooms_usd.usd.shading.nodegraphs import Folded, Numbers, affine, fold, part_of, product
 from openrooms_usd.usd.shading.surfaces import Color, PreviewSurface, Texture, f0_of, ior_of
 from openrooms_usd.usd.shading.uvtextures import mended_normal_map
 
@@ -159,7 +159,7 @@ class _Said:
 
 def _number(value: Folded) -> float | Texture:
     if isinstance(value, Texture):
-        return replace(value, channel=value.channel[0])
+        return part_of(value, 0)
     return value[0]
 
 
