@@ -11,7 +11,7 @@ In the order in which they are needed:
   the same surface: plain ``triangles``, and ``instances`` that share theirs. A stage without any
   light stands in a default one.
 - ``models`` gives all surfaces one reflectance model where a renderer takes no other; ``cameras``
-  says what the stage asks of pictures, and ``framing`` makes one for a large scene without any.
+  says what is lost of the stage's, and ``framing`` makes one for a large scene without any.
 - ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the
   ``surroundings`` that they see and a fit of those
   (``window_lobes``); ``lights`` says, too, which lamps count on which surfaces.

@@ -13,14 +13,14 @@ from openrooms_usd.rendering.scene.painted import Paint, paint, paint_over
 from openrooms_usd.rendering.scene.pictures import Picture, Value, evaluate
 from openrooms_usd.rendering.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.rendering.scene.triangles import Floats, Ints
-from openrooms_usd.usd.shading.materialreader import BARE, read_preview_surface
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import (
     Part,
     bound_materials,
     material_key,
     parts_by_material,
 )
-from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, completed
+from openrooms_usd.usd.shading.surfaces import BARE, PreviewSurface, Texture, completed
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 
 Parts = list[Part]

@@ -176,7 +176,7 @@ class SurfaceReader:
             "emission": None if emission == _DARK else emission,
         }
         ior, losses = _ior(preview.ior)
-        if preview.specular is not None:
+        if preview.specular is not None and preview.f0 is None:
             values |= {"metallic": 0.0, "specular": self._value(preview, "specular", uv)}
         losses += [text for found, text in _LOST if found(preview)]
         values["transmission"], lost = _transmission(preview.transmission, values["base_color"])

@@ -10,7 +10,7 @@ from openrooms_usd.usd.shading import mdl, uber
 from openrooms_usd.usd.shading.materials import INPUTS
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
 from openrooms_usd.usd.shading.nodegraphs import fold, part_of
-from openrooms_usd.usd.shading.surfaces import Color, PreviewSurface, Texture
+from openrooms_usd.usd.shading.surfaces import BARE, Color, PreviewSurface, Texture
 from openrooms_usd.usd.shading.uvtextures import mended_normal_map, read_texture_node
 
 # What primvars may drive.
@@ -20,14 +20,6 @@ _PAINTED: Final = {
     "roughness": "roughness",
     "metallic": "metallic",
 }
-BARE: Final = PreviewSurface(
-    base_color=(0.5, 0.5, 0.5),
-    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity")),
-)
-"""What meshes show whose material nobody can read, or that have none.
-
-Without colours of their own they are grey, as in Storm, hdEmbree and hdPrman.
-"""
 # The same surface, as USD and as MaterialX call it.
 _PREVIEWS: Final = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
 _MATERIALX: Final = "mtlx"

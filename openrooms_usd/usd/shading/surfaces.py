@@ -174,6 +174,14 @@ class PreviewSurface:
     painted: tuple[tuple[str, str], ...] = ()
 
 
+BARE: Final = PreviewSurface(
+    base_color=(0.5, 0.5, 0.5),
+    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity")),
+)
+"""What meshes show whose material nobody can read, or that have none.
+
+Without colours of their own they are grey, as in Storm, hdEmbree and hdPrman.
+"""
 SHUFFLED: Final = "its channels in another order are taken as r, g, b"
 """What is lost where a UsdUVTexture stands for a texture that is shuffled."""
 BLACK: Final = (0.0, 0.0, 0.0, 1.0)
