@@ -484,7 +484,7 @@ def test_every_input_of_materialx_changes_the_surface_or_is_told(folder: Path, k
     inputs = _inputs_of(kind)
     assert len(inputs) > 20
     # Parts that are not there say nothing, a mask alone has a cutoff, a glow needs a colour.
-    there = dict.fromkeys(uber.weights(kind), "0.5") | GLOW
+    there = dict.fromkeys(uber._MODELS[kind].parts.values(), "0.5") | GLOW
     silent: list[str] = []
     known: dict[str, PreviewSurface] = {}
     for name, of in inputs.items():

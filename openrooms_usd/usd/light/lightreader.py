@@ -17,7 +17,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.light import emitters
-from openrooms_usd.usd.light.inputs import has_filters, light_input, old_names
+from openrooms_usd.usd.light.inputs import OLD, has_filters, light_input, old_names
 from openrooms_usd.usd.light.shaping import read_shaping
 from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
@@ -246,7 +246,7 @@ class _Reader:
             if attribute and attribute.HasAuthoredValue() and attribute.Get(_WHEN) != neutral:
                 self.losses.append(f"{name}: {what}")
         if old := old_names(self.prim):
-            self.losses.append(f"names of before USD 21.02 are read: {', '.join(old)}")
+            self.losses.append(f"{OLD} are read: {', '.join(old)}")
         if has_filters(self.prim):
             self.losses.append("light:filters: light filters are left out")
         light = UsdLux.LightAPI(self.prim)

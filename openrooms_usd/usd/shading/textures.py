@@ -201,9 +201,13 @@ def flaw(path: str) -> str:
     return ""
 
 
+UNREADABLE: Final = "cannot be read:"
+"""What stands in each sentence of `told`."""
+
+
 def told(error: InputError) -> str:
     """What is wrong with a picture's file, and the remedy, in the words of reports."""
-    return f"{Path(str(error.place)).name} cannot be read: {error.message} ({error.remedy})"
+    return f"{Path(str(error.place)).name} {UNREADABLE} {error.message} ({error.remedy})"
 
 
 def _unreadable(reason: str, path: str) -> InputError:

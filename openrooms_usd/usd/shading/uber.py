@@ -63,11 +63,6 @@ def is_known(shader: UsdShade.Shader) -> bool:
     return str(shader.GetShaderId() or "") in _MODELS
 
 
-def weights(kind: str) -> frozenset[str]:
-    """The inputs of a kind of surface that say how much of a part there is."""
-    return frozenset(_MODELS[kind].parts.values())
-
-
 def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
     """Read one of the surfaces for which `is_known` holds; what it cannot say here is told.
 
