@@ -13,7 +13,6 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import pose
-from openrooms_usd.rendering.scene.cameras import stage_resolution
 from openrooms_usd.usd.cameras import FLIP, ORTHOGRAPHIC, PinholeCamera, list_cameras, read_camera
 from openrooms_usd.usd.light.lightreader import ellipse_perimeter, ellipsoid_area
 from openrooms_usd.usd.light.lights import (
@@ -26,6 +25,7 @@ from openrooms_usd.usd.light.lights import (
     SphereLight,
 )
 from openrooms_usd.usd.places.frames import TIME
+from openrooms_usd.usd.rendersettings import stage_resolution
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Document, Object, number, numbers
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from openrooms_usd.usd.arrays import array_of, flattened
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import bound_material, material_key, parts_by_material
-from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, completed
+from openrooms_usd.usd.shading.surfaces import BARE, Color, PreviewSurface, Texture, completed
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Document, Object, number, numbers
 from orusd_gltf.geometry import Coordinates
@@ -293,6 +293,6 @@ def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
     primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
     values = array_of(flattened(primvar), np.float64, 3)
     if not len(values) or not np.isfinite(values).all():
-        return (0.18, 0.18, 0.18), "it has no material: taken as grey"
+        return cast(Color, BARE.base_color), "it has no material: taken as grey"
     red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()
     return (red, green, blue), "it has no material: taken as its displayColor"

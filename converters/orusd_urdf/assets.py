@@ -113,14 +113,14 @@ def picture_bytes(texture: "Texture") -> bytes:
 
 def _linear(stored: np.ndarray, texture: "Texture") -> np.ndarray:
     """(H, W, 3) linear values of a picture as its texture takes them."""
-    from openrooms_usd.usd.shading.surfaces import chosen
+    from openrooms_usd.usd.shading.surfaces import chosen, taken
 
     color = stored[..., :3] if stored.shape[2] >= 3 else np.repeat(stored[..., :1], 3, axis=2)
     if texture.color_space == "sRGB":
         color = linear_from_srgb(color)
     alpha = stored[..., -1:] if stored.shape[2] in (2, 4) else np.ones_like(stored[..., :1])
-    rgba = np.concatenate([color, alpha], axis=2) * texture.scale + texture.bias
-    return rgba[..., list(chosen(texture.channel, 3))]
+    rgba = np.concatenate([color, alpha], axis=2)[..., list(chosen(texture.channel, 3))]
+    return rgba * taken(texture, texture.scale, 3) + taken(texture, texture.bias, 3)
 
 
 def _encoded(linear: np.ndarray) -> bytes:

@@ -2,18 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.physics.world import Visual, World
+from openrooms_usd.usd.shading.surfaces import BARE, PreviewSurface, Texture
 
 if TYPE_CHECKING:
     from pxr import Usd
-
-    from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 
 Floats = NDArray[np.float32]
 Color = tuple[float, float, float]
@@ -41,7 +40,7 @@ class Look:
     opacity: float = 1.0
     roughness: float = 0.5
     metallic: float = 0.0
-    texture: "Texture | None" = None
+    texture: Texture | None = None
 
     def coordinates(self, visual: Visual) -> Floats | None:
         """(M, 3, 2) where each corner lies in the picture, which repeats; None without one.
@@ -69,10 +68,6 @@ class Looks:
     losses: tuple[Loss, ...]
 
 
-PLAIN: Final = Look((0.46, 0.46, 0.46))
-"""What has no material: the grey of UsdPreviewSurface without inputs, as screens take it."""
-
-
 def read_looks(stage: "Usd.Stage", world: World) -> Looks:
     """The looks of all visuals of a world.
 
@@ -97,10 +92,8 @@ def read_looks(stage: "Usd.Stage", world: World) -> Looks:
     return Looks(looks, tuple(losses))
 
 
-def look_of(surface: "PreviewSurface") -> Look:
+def look_of(surface: PreviewSurface) -> Look:
     """The look of a preview surface."""
-    from openrooms_usd.usd.shading.surfaces import Texture
-
     base = surface.base_color
     color, texture = (_WHITE, base) if isinstance(base, Texture) else (_encoded(base), None)
     return Look(
@@ -121,9 +114,11 @@ def _encoded(color: Color) -> Color:
     return red, green, blue
 
 
-def _reasons(surface: "PreviewSurface") -> list[str]:
-    from openrooms_usd.usd.shading.surfaces import Texture
+PLAIN: Final = Look(_encoded(cast(Color, BARE.base_color)))
+"""What has no material, as screens take it."""
 
+
+def _reasons(surface: PreviewSurface) -> list[str]:
     pictures = {
         item.name for item in fields(surface) if isinstance(getattr(surface, item.name), Texture)
     }

@@ -23,7 +23,7 @@ from openrooms_usd.usd.places.frames import up_axis
 from openrooms_usd.usd.shading import textures
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import PANE_OPACITY, define_preview_surface
-from openrooms_usd.usd.shading.surfaces import SHUFFLED, PreviewSurface, Texture, ior_of
+from openrooms_usd.usd.shading.surfaces import BARE, SHUFFLED, PreviewSurface, Texture, ior_of
 from openrooms_usd.usd.shading.textures import local_file, read_texture
 from orusd_usdz.profiles import Profile
 
@@ -246,7 +246,7 @@ class _Adaptation:
         if UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]:
             return
         values = flattened(UsdGeom.Gprim(prim).GetDisplayColorPrimvar())
-        colors = np.asarray(values or [PreviewSurface.base_color], dtype=np.float64).reshape(-1, 3)
+        colors = np.asarray(values or [BARE.base_color], dtype=np.float64).reshape(-1, 3)
         red, green, blue = np.clip(np.nan_to_num(colors.mean(axis=0)), 0.0, 1.0).tolist()
         root = prim.GetPath().GetPrefixes()[0]
         path = root.AppendChild(

@@ -10,7 +10,7 @@ from openrooms_usd import claims
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.spelling import did_you_mean
-from openrooms_usd.usd.light.inputs import light_input, old_names
+from openrooms_usd.usd.light.inputs import OLD, light_input, old_names
 from orusd_usdz.profiles import DEFAULT, PROFILES, Profile
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def leave_out(stage: Usd.Stage, profile: Profile) -> tuple[Report, Edit]:
         if asset and asset.path:
             lost.append("it shines evenly: USDZ archives hold no IES profiles")
         if prim.HasAPI(UsdLux.LightAPI) and (old := old_names(prim)):
-            lost.append(f"names of before USD 21.02, which others ignore: {', '.join(old)}")
+            lost.append(f"{OLD}, which others ignore: {', '.join(old)}")
         report.say(prim.GetPath(), lost)
         if prim.GetRelationship(UsdLux.Tokens.portals).HasAuthoredTargets():
             domes.append(prim.GetPath())

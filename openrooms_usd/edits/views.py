@@ -13,13 +13,13 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.edits.scenefile import ByName, SceneFile
-from openrooms_usd.rendering.scene.cameras import stage_resolution
 from openrooms_usd.usd.arrays import array_of
 from openrooms_usd.usd.cameras import Projection, list_cameras, read_camera
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.light.emitters import DistantLight, Light
 from openrooms_usd.usd.light.lightsearch import read_lights
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
+from openrooms_usd.usd.rendersettings import stage_resolution
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.surfaces import Texture
 

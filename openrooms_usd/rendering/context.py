@@ -34,7 +34,7 @@ from openrooms_usd.rendering.given import check_request, choose_method
 from openrooms_usd.rendering.lens import lens_of
 from openrooms_usd.rendering.plan import paths_of
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.cameras import camera_losses, stage_resolution
+from openrooms_usd.rendering.scene.cameras import camera_losses
 from openrooms_usd.rendering.scene.framing import framed, is_framed_here
 from openrooms_usd.rendering.scene.light_records import light_records
 from openrooms_usd.rendering.scene.lights import LightRecord
@@ -49,7 +49,7 @@ from openrooms_usd.usd.cameras import (
     photograph,
     read_camera,
 )
-from openrooms_usd.usd.rendersettings import settings_losses
+from openrooms_usd.usd.rendersettings import settings_losses, stage_resolution
 
 if TYPE_CHECKING:
     from openrooms_usd.exporters import Report

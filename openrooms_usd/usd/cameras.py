@@ -204,7 +204,7 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
         # The window is seen from 1 m, or from the focal length.
         K=_intrinsics(camera, 1.0 / (_TENTH * metres) if parallel else focal, width, height),
         world_from_camera=_pose(prim, frames.world_from_stage(stage)),
-        exposure=read_exposure(camera),
+        exposure=_exposure(camera),
         clipping=_clipping(camera, metres, parallel=parallel),
     )
     if parallel:
@@ -318,18 +318,7 @@ def _pose(prim: Usd.Prim, world: Array) -> Array:
     return pose(nearest_rotation(placed[:3, :3]), placed[:3, 3])
 
 
-def read_optics(prim: Usd.Prim) -> tuple[float, float, float, Projection]:
-    """Focal length and horizontal aperture in metres, f-number and projection of a camera."""
-    camera = UsdGeom.Camera(prim)
-    parallel = camera.GetProjectionAttr().Get(frames.TIME) == UsdGeom.Tokens.orthographic
-    unit = _TENTH * frames.meters_per_unit(prim.GetStage())
-    focal = unit * _number(camera.GetFocalLengthAttr())
-    aperture = unit * _number(camera.GetHorizontalApertureAttr())
-    f_stop = _number(camera.GetFStopAttr())
-    return focal, aperture, f_stop, ORTHOGRAPHIC if parallel else PINHOLE
-
-
-def read_exposure(camera: UsdGeom.Camera) -> float | None:
+def _exposure(camera: UsdGeom.Camera) -> float | None:
     """What previews multiply nits by; None where nobody says."""
     prim = camera.GetPrim()
     said = [x for x in map(prim.GetAttribute, _EXPOSURE) if x and x.HasAuthoredValue()]

@@ -9,13 +9,14 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Usd
 
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.usd.cameras import ORTHOGRAPHIC, read_exposure, read_optics
+from openrooms_usd.errors import StageError
+from openrooms_usd.usd.cameras import ORTHOGRAPHIC, read_camera
 from openrooms_usd.usd.light.emitters import DistantLight, Light
 from openrooms_usd.usd.places.frames import TIME, meters_per_unit
-from openrooms_usd.usd.rendersettings import is_set
+from openrooms_usd.usd.rendersettings import stage_resolution
 
 DOUBT: Final = " is hardly meant: "
 """What stands in each sentence."""
@@ -38,17 +39,19 @@ def camera_doubts(prim: Usd.Prim) -> Iterator[str]:
     Args:
         prim: A ``UsdGeom.Camera``.
     """
-    focal, aperture, f_stop, projection = read_optics(prim)
-    if projection != ORTHOGRAPHIC and 0.0 < focal < math.inf and 0.0 < aperture < math.inf:
-        sharp = is_set(prim.GetStage(), str(prim.GetPath()), "disableDepthOfField")
-        radius = focal / (2.0 * f_stop) if f_stop > 0.0 and not sharp else 0.0
-        if radius > _MOST_LENS_M:
-            yield f"a lens of {radius:.3g} m radius{DOUBT}{_lens(prim)}"
-        field = 2.0 * math.degrees(math.atan(0.5 * aperture / focal))
+    width, height = stage_resolution(prim.GetStage())
+    try:
+        seen = read_camera(prim, width, height)
+    except StageError:
+        # Who asks for its picture reads why there is none.
+        return
+    if seen.projection != ORTHOGRAPHIC:
+        if seen.lens_radius > _MOST_LENS_M:
+            yield f"a lens of {seen.lens_radius:.3g} m radius{DOUBT}{_lens(prim)}"
+        field = 2.0 * math.degrees(math.atan(0.5 * width / float(seen.K[0, 0])))
         if not _LEAST_FIELD_DEG <= field <= _MOST_FIELD_DEG:
             yield f"a field of view of {field:.3g} degrees{DOUBT}{_field(prim)}"
-    exposure = read_exposure(UsdGeom.Camera(prim))
-    if exposure is not None:
+    if (exposure := seen.exposure) is not None:
         stops = math.log2(exposure) if 0.0 < exposure < math.inf else math.inf
         if not _LEAST_STOPS <= stops <= _MOST_STOPS:
             factor = f"an exposure that multiplies nits by {exposure:.3g}"

@@ -11,6 +11,7 @@ from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.places.frames import TIME
 
 _POLICY: Final = "aspectRatioConformPolicy"
+_RESOLUTION: Final = (640, 480)
 _PURPOSES: Final = ("default", "render")
 _WHOLE: Final = (0.0, 0.0, 1.0, 1.0)
 
@@ -41,6 +42,11 @@ def render_settings(stage: Usd.Stage) -> UsdRender.Settings | None:
     found = UsdRender.Settings.GetStageRenderSettings(stage)
     found = found or UsdRender.Settings(stage.GetPrimAtPath(names.RENDER_SETTINGS))
     return found or None
+
+
+def stage_resolution(stage: Usd.Stage) -> tuple[int, int]:
+    """Width and height of a stage's pictures: what it asks for, or 640 x 480."""
+    return asked_resolution(stage) or _RESOLUTION
 
 
 def asked_resolution(stage: Usd.Stage) -> tuple[int, int] | None:

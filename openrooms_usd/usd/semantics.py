@@ -45,6 +45,9 @@ TAXONOMIES: Final[dict[str, dict[int, str]]] = {
 WORDS: Final = (names.CATEGORY, "class")
 """Taxonomies whose labels are words for what a thing is: ours, and that of Isaac Sim."""
 
+LABEL: Final = "its label"
+"""How each sentence of `unread_labels` begins."""
+
 _SAYING: Final = frozenset((*WORDS, *TAXONOMIES))
 _UNNUMBERED: Final = frozenset((names.PART, names.CAPTURED))
 _LABELS: Final = "semantics:labels:"
@@ -212,15 +215,15 @@ def unread_labels(prim: Usd.Prim) -> Iterator[str]:
         listed = ", ".join(words)
         if taxonomy in TAXONOMIES:
             if not any(_listed(word, taxonomy) in _NUMBERS[taxonomy] for word in words):
-                yield f"its label {listed} is no class of {taxonomy}"
+                yield f"{LABEL} {listed} is no class of {taxonomy}"
         elif taxonomy not in (*WORDS, *_UNNUMBERED):
             known = ", ".join((*WORDS, *TAXONOMIES))
             whose = taxonomy or "a list without a name"
-            yield f"its label {listed} is left out: {whose} is none of {known}"
+            yield f"{LABEL} {listed} is left out: {whose} is none of {known}"
     if (words := _words(said)) and not _known(words) and TAXONOMIES.keys().isdisjoint(said):
-        yield f"its label {', '.join(words)} is no word that is known: it has no class"
+        yield f"{LABEL} {', '.join(words)} is no word that is known: it has no class"
     applied = prim.GetAppliedSchemas()
     for attribute in prim.GetAuthoredPropertiesInNamespace(_LABELS.rstrip(":")):
         name = attribute.GetName()
         if f"SemanticsLabelsAPI:{name.removeprefix(_LABELS)}" not in applied:
-            yield f"its label {name} is left out: its SemanticsLabelsAPI is not applied"
+            yield f"{LABEL} {name} is left out: its SemanticsLabelsAPI is not applied"

@@ -1,7 +1,7 @@
 """What is hardly meant is told with its numbers, and what is usual is not."""
 
 import pytest
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom, UsdRender
 
 from openrooms_usd.rendering.scene.cameras import camera_losses
 from openrooms_usd.rendering.scene.translate import translate
@@ -64,6 +64,16 @@ def test_extremes_are_told(said: dict[str, float], number: str) -> None:
 @pytest.mark.parametrize("said", [{}, {"exposure": -7.0}, {"focalLength": 600.0}, {"fStop": 22.0}])
 def test_what_is_usual_is_not(said: dict[str, float]) -> None:
     assert doubts(camera(0.01, **said)) == []
+
+
+def test_the_field_is_that_of_the_picture() -> None:
+    """As the stage's render settings conform apertures."""
+    made = camera(focalLength=0.24, horizontalAperture=20.955, verticalAperture=0.2)
+    assert "degrees" in doubts(made)[0]
+    settings = UsdRender.Settings.Define(made.GetPrim().GetStage(), "/Render")
+    settings.CreateAspectRatioConformPolicyAttr("adjustApertureWidth")
+    made.GetPrim().GetStage().SetMetadata("renderSettingsPrimPath", "/Render")
+    assert doubts(made) == []
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import cmath
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenImageIO
@@ -211,6 +212,28 @@ def test_specular_workflow(stage: Usd.Stage) -> None:
     assert read_preview_surface(material)[0].specular == (0.5, 0.5, 0.5)
     node.GetInput("specularColor").GetAttr().Clear()
     assert read_preview_surface(material)[0].specular == (0.0, 0.0, 0.0)
+
+
+def test_a_picture_of_many_inputs_is_opened_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Until its file is another."""
+    file = tmp_path / "orm.png"
+    write_picture(file, np.zeros((2, 2, 3), np.uint8))
+    rough, metal = (Texture(str(file), channel) for channel in "gb")
+    stage, packed = Usd.Stage.CreateInMemory(), PreviewSurface(roughness=rough, metallic=metal)
+    material = define_preview_surface(stage, "/M", packed)
+    opened: list[str] = []
+    real = textures._opened
+
+    def counted(path: str) -> Any:
+        opened.append(path)
+        return real(path)
+
+    monkeypatch.setattr(textures, "_opened", counted)
+    assert read_preview_surface(material)[1] == () and opened == [str(file)]
+    file.write_bytes(b"none")
+    assert "cannot be read" in read_preview_surface(material)[1][0]
 
 
 @pytest.mark.parametrize(

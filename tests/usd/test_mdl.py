@@ -8,8 +8,9 @@ import pytest
 from pxr import Sdf, Usd, UsdShade
 
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.usd.shading.materialreader import BARE, read_preview_surface
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.surfaces import (
+    BARE,
     NORMAL_BIAS,
     NORMAL_SCALE,
     PreviewSurface,

@@ -96,10 +96,13 @@ CASES = {
     "an input of a node": (
         SCALED.format(kind="float", channels="b", by="0.5"), ROUGH, "b", (0.5,),
     ),
-    "a colour's input of a node": (
-        SCALED.format(kind="color3", channels="bgr", by="0.5, 0.25, 0.125"),
-        COLOR, "bgr", (0.5, 0.25, 0.125),
-    ),
+    **{
+        f"a tint of {c}": (
+            SCALED.format(kind="color3", channels=c, by="0.5, 0.25, 0.125"),
+            COLOR, c, (0.5, 0.25, 0.125),
+        )
+        for c in ("bgr", "rrr", "ggr")
+    },
     "an input of the surface": (
         '<output name="o" type="color4" nodename="packed"/>',
         ROUGH.replace("/>", ' channels="g"/>'), "g", (1.0,),

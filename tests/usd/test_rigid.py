@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdShade
+from pxr import Gf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade
 
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.physics.mass import MassProperties
@@ -46,6 +46,19 @@ def placed(world: World, name: str) -> np.ndarray:
     found = next(item for item in world.bodies if item.name == name)
     points = np.concatenate([shape.mesh.points for shape in found.links[0].shapes])
     return points @ found.world_from_body[:3, :3].T + found.world_from_body[:3, 3]
+
+
+def test_what_a_body_is_by_words_of_others() -> None:
+    """The nearest that says it, whether on the body or above it."""
+    stage = new()
+    for name, taxonomy, word in (("a", "class", "Sofa"), ("b", "category", "lamp"), ("c", "", "")):
+        prim = stage.GetPrimAtPath(body(stage, name))
+        if taxonomy:
+            UsdSemantics.LabelsAPI.Apply(prim, taxonomy).CreateLabelsAttr([word])
+    root = stage.GetDefaultPrim()
+    UsdSemantics.LabelsAPI.Apply(root, "class").CreateLabelsAttr(["chair"])
+    found = {one.name: one.category for one in read_world(stage).bodies}
+    assert found == {"a": "sofa", "b": "lamp", "c": "chair"}
 
 
 def test_masses_follow_from_volume_and_density_or_from_what_is_said() -> None:

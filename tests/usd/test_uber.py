@@ -11,6 +11,7 @@ import pytest
 from pxr import Usd, UsdShade
 
 from openrooms_usd.colorimetry import linear_from_srgb
+from openrooms_usd.rendering.scene.codes import load_picture
 from openrooms_usd.rendering.scene.pictures import load
 from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.usd.shading import uber
@@ -324,6 +325,37 @@ def test_coordinates_by_the_formulas_of_materialx(folder: Path, order: int) -> N
     assert texture.wrap_s == "repeat"
 
 
+TINT = "color3f inputs:in2 = (1, 0.5, 0.25)"
+NUMBER = node("F", "ND_image_float", "asset inputs:file = @a.png@", "float outputs:out")
+
+
+@pytest.mark.parametrize("by", ["weight", "node", "parts"])
+def test_a_number_that_is_tinted_is_a_colour(folder: Path, by: str) -> None:
+    weight = "float inputs:base.connect = </M/F.outputs:out>"
+    color = "color3f inputs:base_color.connect = </M/T.outputs:out>"
+    given, nodes = f"float inputs:base = 1\n{color}", NUMBER
+    if by == "weight":
+        given = f"{weight}\ncolor3f inputs:base_color = (1, 0.5, 0.25)"
+    elif by == "node":
+        red = "color3f inputs:in1.connect = </M/F.outputs:out>"
+        nodes += node("T", "ND_multiply_color3", f"{red}\n{TINT}")
+    else:
+        parts = ""
+        for number, share in enumerate((1.0, 0.5, 0.25), 1):
+            by_share = f"float inputs:in1.connect = </M/F.outputs:out>\nfloat inputs:in2 = {share}"
+            nodes += node(f"P{number}", "ND_multiply_float", by_share, "float outputs:out")
+            parts += f"float inputs:in{number}.connect = </M/P{number}.outputs:out>\n"
+        nodes += node("T", "ND_combine3_color3", parts)
+    surface, losses = read(folder, STANDARD, given, nodes)
+    texture = surface.base_color
+    assert isinstance(texture, Texture) and losses == ""
+    expected = 0.2 * np.array([1.0, 0.5, 0.25])
+    whole = load(texture, 3, (0.0, 1.0), np.eye(3))
+    coded = load_picture(texture, 3, (0.0, 1.0), np.eye(3), {})
+    for picture in (whole, coded):
+        assert picture.lookup(np.zeros(2)) == pytest.approx(expected, abs=1e-3)
+
+
 def test_displacement_is_told(folder: Path) -> None:
     given = "token outputs:mtlx:displacement.connect = </M/S.outputs:out>"
     assert "mtlx:displacement: nothing is moved" in read(folder, STANDARD, "", "", given)[1]
@@ -452,7 +484,7 @@ def test_every_input_of_materialx_changes_the_surface_or_is_told(folder: Path, k
     inputs = _inputs_of(kind)
     assert len(inputs) > 20
     # Parts that are not there say nothing, a mask alone has a cutoff, a glow needs a colour.
-    there = dict.fromkeys(uber.weights(kind), "0.5") | GLOW
+    there = dict.fromkeys(uber._MODELS[kind].parts.values(), "0.5") | GLOW
     silent: list[str] = []
     known: dict[str, PreviewSurface] = {}
     for name, of in inputs.items():

@@ -13,14 +13,17 @@ import pytest
 from pxr import Gf, Usd, UsdGeom, UsdLux, UsdShade
 
 import openrooms_usd as ou
+from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.demo import copy_example
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import convert_stage
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import bound_material
-from openrooms_usd.usd.shading.surfaces import Texture
+from openrooms_usd.usd.shading.surfaces import BARE, Texture
 from openrooms_usd.usd.shapes.meshes import read_meshes
+from orusd_gltf.materials import Looks
+from orusd_urdf.looks import PLAIN
 from orusd_usdz import UsdzExporter
 from orusd_usdz.profiles import PROFILES
 from tests.pictures import save_picture
@@ -175,6 +178,20 @@ def test_what_a_phone_does_not_know_is_told(tmp_path: Path) -> None:
     after = triangles(theirs)
     assert after.keys() == before.keys() - {"/World/Plane", "/World/Cups[0]"}
     assert all(np.allclose(after[path], before[path], atol=1e-6) for path in after)
+
+
+def test_without_a_material_every_form_has_the_same_grey(tmp_path: Path) -> None:
+    made = Stage(path=tmp_path / "scene.usda")
+    made.box("/World/Bare", 1.0)
+    made.stage.SetDefaultPrim(made.stage.GetPrimAtPath("/World"))
+    made.stage.Save()
+    theirs, _ = written(tmp_path / "scene.usda", tmp_path / "out.usdz", "arkit")
+    shown, _ = read_preview_surface(bound_material(theirs.GetPrimAtPath("/World/Bare")))
+    (mesh,) = read_meshes(made.stage)
+    ((_, glb),) = Looks().parts(mesh)
+    robots = linear_from_srgb(np.array(PLAIN.color))
+    for grey in (shown.base_color, glb.preview.base_color, robots):
+        assert grey == pytest.approx(BARE.base_color)
 
 
 def test_mistakes_are_told(composed_demo: Path, tmp_path: Path) -> None:

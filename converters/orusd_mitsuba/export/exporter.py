@@ -16,7 +16,7 @@ from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
-from openrooms_usd.rendering.scene.cameras import camera_losses, stage_resolution
+from openrooms_usd.rendering.scene.cameras import camera_losses
 from openrooms_usd.rendering.scene.instances import Instances
 from openrooms_usd.rendering.scene.models import (
     report_plain,
@@ -29,6 +29,7 @@ from openrooms_usd.rendering.scene.pictures import Array, Picture
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera
+from openrooms_usd.usd.rendersettings import stage_resolution
 from orusd_mitsuba.plugins.descriptions import (
     Description,
     describe_area,

@@ -14,12 +14,12 @@ from openrooms_usd import atomic, claims, names
 from openrooms_usd.errors import StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.cameras import stage_resolution
 from openrooms_usd.rendering.scene.light_records import light_records
 from openrooms_usd.rendering.scene.models import without_shaping
 from openrooms_usd.rendering.scene.sources import sources_of
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera, list_cameras, read_camera
+from openrooms_usd.usd.rendersettings import stage_resolution
 from orusd_openrooms.cameras import layout_transforms, pose, write_cameras, write_intrinsics
 from orusd_openrooms.images import write_rgbe
 from orusd_openrooms.lights import ELSEWHERE, Light, light_of

@@ -16,12 +16,13 @@ from openrooms_usd.rendering.scene.pictures import (
     Coding,
     Limits,
     Picture,
+    are_directions,
     load,
     made_smaller,
     placed,
 )
 from openrooms_usd.rendering.scene.wrapping import framed
-from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture, chosen
+from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture, chosen, taken
 from openrooms_usd.usd.shading.textures import read_codes
 
 _OPAQUE_CODE: Final = 255
@@ -56,15 +57,16 @@ def load_picture(
     if found is None:
         return load(texture, channels, limits, uv, side)
     picked, which, smaller = found
-    if limits[0] < 0.0 and not _is_normal_map(texture, picked):
+    directed = are_directions(channels, limits)
+    if directed and not _is_normal_map(texture, picked):
         return load(texture, channels, limits, uv, side)
     coding = Coding(
         texture.color_space == "sRGB" and 3 not in which,
-        tuple(texture.scale[index] for index in which),
-        tuple(texture.bias[index] for index in which),
+        taken(texture, texture.scale, channels),
+        taken(texture, texture.bias, channels),
         limits,
     )
-    black = None if limits[0] < 0.0 else np.zeros(channels, np.uint8)
+    black = None if directed else np.zeros(channels, np.uint8)
     texels, wrap, where, losses = framed(picked, texture, black)
     losses = (made_smaller(texture.file, side), *losses) if smaller else losses
     return Picture(np.ascontiguousarray(texels), wrap, placed(where, uv), losses, coding)

@@ -4,29 +4,45 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from pxr import UsdGeom
 
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.rendering.scene.pictures import Array, load
+from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.triangles import Ints
-from openrooms_usd.usd.shading.surfaces import Texture
+from openrooms_usd.usd.places.frames import meters_per_unit
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 
+MOVED: Final = "displacement moves the points of its mesh, and nothing between them"
+"""What is approximated of every mesh that is displaced."""
 _LARGE: Final = 1e6
+# Instances of one form differ by what rounding leaves of their turns.
+_DIGITS: Final = 5
 
 
-def displaced(mesh: PlacedMesh, rows: Ints, by: float | Texture, losses: list[str]) -> PlacedMesh:
+def unit_ball(mesh: PlacedMesh) -> Array:
+    """(3, 3) symmetric: the world's ball of a unit of the stage, in the frame of a mesh.
+
+    The step by one along a normal n there is `unit_ball @ n / sqrt(n @ unit_ball @ n)`. Instances
+    that are turned and moved share it, so that it is rounded.
+    """
+    turn = meters_per_unit(mesh.prim.GetStage()) * np.linalg.pinv(mesh.world_from_local[:3, :3])
+    ball = turn @ turn.T
+    size = np.abs(ball).max()
+    step = 10.0 ** (np.floor(np.log10(size)) - _DIGITS) if 0.0 < size < np.inf else 1.0
+    # Without negative zeros.
+    return np.asarray(np.round(ball / step) * step + 0.0)
+
+
+def displaced(own: TriangleMesh, rows: Ints, heights: Array, ball: Array) -> TriangleMesh:
     """A mesh with some of its triangles moved along their normals, by the points that it has.
 
     Where faces of different directions meet, their point moves along the mean of these.
 
     Args:
-        mesh: Where it stands.
+        own: It.
         rows: Which of its triangles are wanted.
-        by: How far, in units of the stage.
-        losses: What was approximated is added.
+        heights: (len(rows), 3) how far their corners move, in units of the stage.
+        ball: `unit_ball` of where it stands.
     """
-    own, turn = mesh.mesh, np.linalg.inv(mesh.world_from_local[:3, :3])
     triangles = own.triangles[rows]
     a, b, c = np.moveaxis(own.points[triangles], 1, 0)
     crosses = np.cross(b - a, c - a)
@@ -34,29 +50,14 @@ def displaced(mesh: PlacedMesh, rows: Ints, by: float | Texture, losses: list[st
     if own.normals is not None:
         normals = own.normals[rows].astype(np.float64)
     areas = np.linalg.norm(crosses, axis=1)
-    along, far, weight = _at_points(own, triangles, normals, _heights(own, rows, by), areas)
-    metres = UsdGeom.GetStageMetersPerUnit(mesh.prim.GetStage())
-    # Normals go by the inverse transpose; the way back is for points.
-    steps = (metres * far / weight)[:, None] * unit(unit(along) @ turn) @ turn.T
-    losses.append("displacement moves the points of its mesh, and nothing between them")
+    along, far, weight = _at_points(own, triangles, normals, heights, areas)
+    steps = along @ ball
+    steps /= np.sqrt(np.maximum((steps * along).sum(axis=1, keepdims=True), 1e-300))
+    steps *= (far / weight)[:, None]
     moved = own.points + np.where(np.isfinite(steps) & (np.abs(steps) < _LARGE), steps, 0.0)
     # Flat faces keep their normals where all move alike; else they are those of what was moved.
-    kept = own.normals if isinstance(by, float) else _smoothed(own, moved)
-    return replace(mesh, mesh=replace(own, points=moved, normals=kept))
-
-
-def _heights(own: TriangleMesh, rows: Ints, by: float | Texture) -> Array:
-    """(M, 3) how far the corners move."""
-    if isinstance(by, float):
-        return np.full((len(rows), 3), by)
-    st = own.uvs.get(by.primvar, own.st)
-    if st is None:
-        st = np.zeros((len(own.triangles), 3, 2), np.float32)
-    channel = "rgba".index("r" if by.channel == "rgb" else by.channel)
-    plain = replace(by, scale=(1.0,) * 4, bias=(0.0,) * 4)
-    picture = load(plain, 1, (0.0, np.inf), by.uv_matrix)
-    looked_up = picture.lookup(st[rows].astype(np.float64))[..., 0]
-    return np.asarray(looked_up * by.scale[channel] + by.bias[channel])
+    kept = own.normals if np.ptp(heights) == 0.0 else _smoothed(own, moved)
+    return replace(own, points=moved, normals=kept)
 
 
 def _at_points(

@@ -8,19 +8,19 @@ import numpy as np
 from pxr import UsdShade
 
 from openrooms_usd.exporters import Report
-from openrooms_usd.rendering.scene.displaced import displaced
+from openrooms_usd.rendering.scene.displaced import MOVED, displaced, unit_ball
 from openrooms_usd.rendering.scene.painted import Paint, paint, paint_over
-from openrooms_usd.rendering.scene.pictures import Picture
+from openrooms_usd.rendering.scene.pictures import Picture, Value, evaluate
 from openrooms_usd.rendering.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.rendering.scene.triangles import Floats, Ints
-from openrooms_usd.usd.shading.materialreader import BARE, read_displacement, read_preview_surface
+from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import (
     Part,
     bound_materials,
     material_key,
     parts_by_material,
 )
-from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, completed
+from openrooms_usd.usd.shading.surfaces import BARE, PreviewSurface, Texture, completed
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 
 Parts = list[Part]
@@ -46,7 +46,8 @@ class MeshSurfaces:
         self._passed_on = passed_on
         self._report = report
         self._previews: dict[str, tuple[PreviewSurface, tuple[str, ...]]] = {}
-        self._moves: dict[str, float | Texture] = {}
+        self._heights: dict[str, Value] = {}
+        self._moved: dict[tuple[object, ...], TriangleMesh] = {}
         self._materials: dict[str, Surface] = {}
         self._paints: dict[tuple[object, ...], Paint | None] = {}
         self._dyed: dict[tuple[object, ...], Surface] = {}
@@ -65,7 +66,6 @@ class MeshSurfaces:
                 if material is not None and material_key(material) not in self._previews:
                     preview, lost = read_preview_surface(material, moves=True)
                     self._previews[material_key(material)] = completed(preview), lost
-                    self._moves[material_key(material)] = read_displacement(material)
         self._reader.prefetch(preview for preview, _ in self._previews.values())
         return found
 
@@ -95,8 +95,21 @@ class MeshSurfaces:
             material: Of the part, which `bind` gave.
             losses: What was approximated is added.
         """
-        by = 0.0 if material is None else self._moves[material_key(material)]
-        return mesh if by == 0.0 else displaced(mesh, rows, by, losses)
+        name = "" if material is None else material_key(material)
+        by, texture = self._heights[name], self._previews[name][0].displacement
+        if by == 0.0:
+            return mesh
+        losses.append(MOVED)
+        st, ball = np.zeros((len(rows), 3, 2), np.float32), unit_ball(mesh)
+        if isinstance(texture, Texture):
+            whole, lost = _coordinates(mesh.mesh, texture.primvar)
+            st = whole[rows]
+            losses += lost
+        key = id(mesh.mesh), name, rows.tobytes(), ball.tobytes()
+        if key not in self._moved:
+            heights = evaluate(by, st.astype(np.float64), 1)[..., 0]
+            self._moved[key] = displaced(mesh.mesh, rows, heights, ball)
+        return replace(mesh, mesh=self._moved[key])
 
     def _texture_coordinates(self, mesh: PlacedMesh, surface: Surface, losses: list[str]) -> Floats:
         """(M, 3, 2) for a surface; instances of one mesh share them."""
@@ -115,8 +128,14 @@ class MeshSurfaces:
         if key not in self._materials:
             preview, lost = self._previews.setdefault(key, (BARE, ()))
             made = self._materials[key] = self._reader.read(preview)
+            height = self._heights[key] = self._reader.height(preview)
             if material is not None:
-                self._report.say(str(material.GetPath()), [*lost, *made.losses])
+                lost = (
+                    *lost,
+                    *made.losses,
+                    *(height.losses if isinstance(height, Picture) else ()),
+                )
+                self._report.say(str(material.GetPath()), lost)
                 self.owners.append((str(material.GetPath()), made))
         surface, (preview, _) = self._materials[key], self._previews[key]
         found = {
@@ -166,15 +185,20 @@ class MeshSurfaces:
 
 def _texture_coordinates(mesh: TriangleMesh, surface: Surface) -> tuple[Floats, list[str]]:
     """(M, 3, 2) with the surface's common transform worked in, and what was lost."""
-    losses: list[str] = []
-    st = mesh.uvs.get(surface.primvar)
-    if st is None:
-        st = mesh.st
-        if surface.is_textured:
-            instead = "others are" if st is not None else "none are there; 0 is"
-            losses.append(f"texture coordinates {surface.primvar} are missing, {instead} used")
-    if st is None:
-        st = np.zeros((len(mesh.triangles), 3, 2), dtype=np.float32)
+    st, losses = _coordinates(mesh, surface.primvar)
+    losses = losses if surface.is_textured else []
     if np.array_equal(surface.uv, np.eye(3)):
         return st, losses
     return (st @ surface.uv[:2, :2].T + surface.uv[:2, 2]).astype(np.float32), losses
+
+
+def _coordinates(mesh: TriangleMesh, primvar: str) -> tuple[Floats, list[str]]:
+    """(M, 3, 2) of a primvar, and what was lost where others have to do."""
+    st = mesh.uvs.get(primvar)
+    if st is not None:
+        return st, []
+    instead = "others are" if mesh.st is not None else "none are there; 0 is"
+    losses = [f"texture coordinates {primvar} are missing, {instead} used"]
+    if mesh.st is None:
+        return np.zeros((len(mesh.triangles), 3, 2), dtype=np.float32), losses
+    return mesh.st, losses

@@ -113,5 +113,5 @@ def _shown_as(model: Model, surface: Surface) -> tuple[Surface, str]:
         lost = f"UsdPreviewSurface is taken as OpenRooms' model with F0 {f0:.3g}"
         lost += "; its clearcoat is left out" if surface.clearcoat else ""
         lost += "; its specularColor has no hue" if surface.specular is not None else ""
-        return replace(surface, f0=f0), lost
+        return replace(surface, f0=f0, specular=None), lost
     return surface, ""

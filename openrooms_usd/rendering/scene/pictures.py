@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.wrapping import framed
-from openrooms_usd.usd.shading.surfaces import BLACK, Texture, chosen
+from openrooms_usd.usd.shading.surfaces import BLACK, Texture, chosen, taken
 from openrooms_usd.usd.shading.textures import read_texture, told
 
 Array = NDArray[np.float64]
@@ -194,7 +194,8 @@ def load(
         stored = read_texture(texture.file)
     except InputError as error:
         losses.append(told(error))
-        values = np.array(texture.fallback or BLACK, dtype=np.float32).reshape(1, 1, 4)
+        instead = taken(texture, texture.fallback or BLACK, channels)
+        picked = np.array(instead, dtype=np.float32).reshape(1, 1, channels)
     else:
         if max(stored.shape[:2]) > side:
             losses.append(made_smaller(texture.file, side))
@@ -204,21 +205,31 @@ def load(
         rgba = _rgba(within(stored, side))
         if texture.color_space == "sRGB":
             rgba[..., :3] = linear_from_srgb(rgba[..., :3])
-        values = rgba * np.array(texture.scale, np.float32) + np.array(texture.bias, np.float32)
-    picked = _picked(values, texture.channel, channels)
-    if limits[0] < 0.0:
+        scale, bias = (
+            np.array(taken(texture, numbers, channels), np.float32)
+            for numbers in (texture.scale, texture.bias)
+        )
+        picked = rgba[..., list(chosen(texture.channel, channels))] * scale + bias
+    if not np.isfinite(picked).all():
+        least = max(limits[0], 0.0)
+        losses.append(f"{texture.file}: pixels that are no numbers are taken as {least:g}")
+        picked = np.nan_to_num(picked, nan=least, posinf=least, neginf=least)
+    directed = are_directions(channels, limits)
+    if directed:
         picked, reason = _directed(picked)
         losses += [f"{texture.file}: {reason}"] if reason else []
-    if not np.isfinite(picked).all():
-        losses.append(f"{texture.file}: pixels that are no numbers are taken as {limits[0]:g}")
-        picked = np.nan_to_num(picked, nan=limits[0], posinf=limits[0], neginf=limits[0])
     pixels = np.clip(picked, *limits)[::-1]
-    kind = np.float16 if pixels.max() < _HALF_MAX else np.float32
-    beyond = np.array(texture.bias, np.float32).reshape(1, 1, 4)
-    black = np.clip(_picked(beyond, texture.channel, channels)[0, 0], *limits)
-    pixels, wrap, where, found = framed(pixels, texture, None if limits[0] < 0.0 else black)
+    kind = np.float16 if np.abs(pixels).max() < _HALF_MAX else np.float32
+    beyond = np.array(taken(texture, texture.bias, channels), np.float32)
+    black = np.clip(beyond, *limits)
+    pixels, wrap, where, found = framed(pixels, texture, None if directed else black)
     texels = np.ascontiguousarray(pixels, dtype=kind)
     return Picture(texels, wrap, placed(where, uv), (*losses, *found))
+
+
+def are_directions(channels: int, limits: Limits) -> bool:
+    """Whether values are those of a normal map."""
+    return channels == 3 and limits[0] < 0.0
 
 
 def placed(where: Array, uv: Array) -> Array:
@@ -268,10 +279,6 @@ def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
     color = stored[..., :3] if count >= 3 else np.repeat(stored[..., :1], 3, axis=2)
     alpha = stored[..., -1:] if count in (2, 4) else np.ones_like(stored[..., :1])
     return np.concatenate([color, alpha], axis=2)
-
-
-def _picked(rgba: NDArray[np.float32], channel: str, channels: int) -> NDArray[np.float32]:
-    return rgba[..., list(chosen(channel, channels))]
 
 
 def made_smaller(file: str, side: int) -> str:

@@ -20,6 +20,8 @@ from openrooms_usd.usd.shading.textures import texture_size
 _UNIT_RANGE: Final = (0.0, 1.0)
 _POSITIVE_RANGE: Final = (0.0, math.inf)
 _NORMAL_RANGE: Final = (-1.0, 1.0)
+_HEIGHT_RANGE: Final = (-1e6, 1e6)
+_HEIGHT: Final = "displacement"
 # Below the least roughness GGX is so sharp that paths hit its peak only by luck.
 _ROUGHNESS_RANGE: Final = (0.01, 1.0)
 # What each input of a preview surface needs of a texture.
@@ -34,6 +36,7 @@ _NEEDS: Final[dict[str, tuple[int, Limits]]] = {
     # Of these a mean is taken.
     "clearcoat": (1, _UNIT_RANGE),
     "clearcoat_roughness": (1, _UNIT_RANGE),
+    _HEIGHT: (1, _HEIGHT_RANGE),
 }
 _MOST_IOR: Final = 20.0
 # What pictures may take together, of which each channel of a texel takes a code and a half float.
@@ -150,6 +153,10 @@ class SurfaceReader:
             self._surfaces[preview] = self._read(preview)
         return self._surfaces[preview]
 
+    def height(self, preview: PreviewSurface) -> Value:
+        """How far it moves points along their normals, at the coordinates of its own texture."""
+        return self._value(preview, _HEIGHT, np.eye(3))
+
     def _read(self, preview: PreviewSurface) -> Surface:
         if preview.pane is not None:
             # Its opacity stands in for it where panes are not known.
@@ -169,7 +176,7 @@ class SurfaceReader:
             "emission": None if emission == _DARK else emission,
         }
         ior, losses = _ior(preview.ior)
-        if preview.specular is not None:
+        if preview.specular is not None and preview.f0 is None:
             values |= {"metallic": 0.0, "specular": self._value(preview, "specular", uv)}
         losses += [text for found, text in _LOST if found(preview)]
         values["transmission"], lost = _transmission(preview.transmission, values["base_color"])
@@ -267,12 +274,15 @@ def _pictures_of(preview: PreviewSurface) -> Iterator[_Need]:
 
 
 def _need(texture: Texture, name: str, uv: Array) -> _Need:
-    return texture, *_NEEDS[name], _relative(texture, uv).tobytes()
+    # Points move before what a mesh's coordinates become for its surface.
+    matrix = texture.uv_matrix if name == _HEIGHT else _relative(texture, uv)
+    return texture, *_NEEDS[name], matrix.tobytes()
 
 
 def _textures(preview: PreviewSurface) -> list[Texture]:
-    """All textures, the normal map first: tangents hang on its coordinates."""
-    values = [preview.normal, *(getattr(preview, item.name) for item in fields(preview))]
+    """What is seen of textures, the normal map first: tangents hang on its coordinates."""
+    seen = [item.name for item in fields(preview) if item.name != _HEIGHT]
+    values = [preview.normal, *(getattr(preview, name) for name in seen)]
     return [value for value in values if isinstance(value, Texture)]
 
 

@@ -36,7 +36,6 @@ from openrooms_usd.usd.light.lights import (
     read_portals,
 )
 from openrooms_usd.usd.light.lightsearch import is_light
-from openrooms_usd.usd.light.profiles import Shaping
 from openrooms_usd.usd.places.frames import odd_frame
 from openrooms_usd.usd.rendersettings import asked_purposes
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
@@ -201,9 +200,10 @@ class _Translation:
             stands = str(surface.GetPath()) if is_body else light.path
             row = self._labels.row(stands, None)
             dark = _UNSEEN if light.unseen else _BLACK if is_body else _LAMP
-            group = self._group(light.path, dark, radiance, shaping=light.shaping)
-            group.unseen = light.unseen
-            group.add(lamps.shape(light, row))
+            made = Gathered(
+                dark, radiance, False, light.shaping, light.path, (), unseen=light.unseen
+            )
+            self._group(made).add(lamps.shape(light, row))
             losses += lost
         else:
             self._report.add(light.path, "skipped", "; ".join(losses))
@@ -226,26 +226,18 @@ class _Translation:
                 losses.append("it emits from its front side only")
             piece = self._labels.row(mesh.path, material_path(material))
             sheet = surface.pane is not None and mesh.double_sided
-            bent = None if radiance is None else shaping
+            # What emits is a shape of its own, so that it is sampled as one light.
+            bent, lamp = (None, "") if radiance is None else (shaping, mesh.path)
             unlit = self._links.unlit_by(mesh.path)
-            group = self._group(mesh.path, surface, radiance, sheet, bent, unlit)
+            group = self._group(Gathered(surface, radiance, sheet, bent, lamp, unlit))
             group.place(self._surfaces.moved(mesh, rows, material, losses), rows, st, piece)
         if losses or whole:
             self._report.say(mesh.path, losses)
 
-    def _group(
-        self,
-        path: str,
-        surface: Surface,
-        radiance: Value | None,
-        is_sheet: bool = False,
-        shaping: Shaping | None = None,
-        unlit: tuple[str, ...] = (),
-    ) -> Gathered:
-        # What emits is a shape of its own, so that it is sampled as one light.
-        lamp = "" if radiance is None else path
-        made = Gathered(surface, radiance, is_sheet, shaping, lamp, unlit)
-        return self._groups.setdefault((id(surface), lamp, is_sheet, unlit), made)
+    def _group(self, made: Gathered) -> Gathered:
+        """The group of this kind: an earlier one, or else this."""
+        key = id(made.surface), made.lamp, made.is_sheet, made.unlit_by
+        return self._groups.setdefault(key, made)
 
 
 def _folder(stage: Usd.Stage) -> Path | None:

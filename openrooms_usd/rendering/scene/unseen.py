@@ -8,15 +8,19 @@ from pxr import Sdf, Usd, UsdGeom, UsdLux, UsdShade
 from openrooms_usd.exporters import Report
 from openrooms_usd.usd import mapping
 from openrooms_usd.usd.doubts import DOUBT
+from openrooms_usd.usd.files.strayed import MISSING
+from openrooms_usd.usd.light.inputs import OLD
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import asked_purposes
-from openrooms_usd.usd.semantics import unread_labels
+from openrooms_usd.usd.semantics import LABEL, unread_labels
+from openrooms_usd.usd.shading.materialreader import unmoved_by
 from openrooms_usd.usd.shading.materials import broken_bindings
+from openrooms_usd.usd.shading.textures import UNREADABLE
 
 _PURPOSE: Final = "its purpose is"
 # Point instancers may take prototypes that are mere overs or classes.
 _PROTOTYPES: Final = Usd.PrimIsActive & Usd.PrimIsLoaded
-_ALARMING: Final = ("its label ", "before USD 21.02", " is missing", " cannot be read: ", DOUBT)
+_ALARMING: Final = (LABEL, OLD, MISSING, UNREADABLE, DOUBT)
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:
@@ -116,17 +120,11 @@ def _losses(prim: Usd.Prim) -> Iterator[str]:
             yield f"{name}: {row.becomes}"
     yield from unread_labels(prim)
     for target in broken_bindings(prim):
-        yield f"its material is missing: there is none at {target}"
+        yield f"its material {MISSING}: there is none at {target}"
     if prim.IsA(UsdGeom.Subset) and (lost := _colourless(UsdGeom.Subset(prim))):
         yield lost
-    if prim.IsA(UsdShade.Material) and _moves(UsdShade.Material(prim)):
-        yield f"{UsdShade.Tokens.outputsDisplacement}: nothing is moved"
-
-
-def _moves(material: UsdShade.Material) -> bool:
-    """Whether it has a displacement of its own, which UsdPreviewSurface tells of itself."""
-    shader = UsdShade.Shader(material.ComputeDisplacementSource()[0])
-    return bool(shader) and shader.GetShaderId() != "UsdPreviewSurface"
+    if prim.IsA(UsdShade.Material) and (name := unmoved_by(UsdShade.Material(prim))):
+        yield f"{name}: nothing is moved"
 
 
 def _says_something(attribute: Usd.Attribute) -> bool:

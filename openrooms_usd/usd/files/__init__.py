@@ -1,4 +1,4 @@
 """Files: looked through before USD opens them, stacked, and what is wrong with them.
 
-Modules: `preflight`, `crate_reader`, `diagnostics`, `layers`.
+Modules: `preflight`, `crate_reader`, `diagnostics`, `layers`, `strayed`.
 """

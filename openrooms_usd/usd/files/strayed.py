@@ -13,6 +13,9 @@ from urllib.parse import unquote
 
 from pxr import Ar, Sdf, Usd
 
+MISSING: Final = "is missing"
+"""What stands in each sentence of what is not where a path leads."""
+
 _SCHEME: Final = "file://"
 
 
@@ -33,8 +36,8 @@ def locate(attribute: Usd.Attribute, asset: object) -> tuple[str, str]:
         return resolved, ""
     for spec in attribute.GetPropertyStack():
         if found := _beside(spec.layer, attribute.GetStage(), authored):
-            return found, f"{authored} is missing, {Path(found).name} beside its layer is taken"
-    return "", f"{authored} is missing"
+            return found, f"{authored} {MISSING}, {Path(found).name} beside its layer is taken"
+    return "", f"{authored} {MISSING}"
 
 
 def _beside(layer: Sdf.Layer, stage: Usd.Stage, authored: str) -> str:

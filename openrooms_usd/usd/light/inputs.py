@@ -9,6 +9,9 @@ from typing import Final
 
 from pxr import Usd, UsdGeom
 
+OLD: Final = "names of before USD 21.02"
+"""How it is told of a light that it has `old_names`."""
+
 _PREFIX: Final = "inputs:"
 _BESIDE: Final = ("ShapingAPI", "ShadowAPI")
 _FILTERS: Final = "filters"

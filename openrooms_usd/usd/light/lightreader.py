@@ -17,7 +17,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.light import emitters
-from openrooms_usd.usd.light.inputs import has_filters, light_input, old_names
+from openrooms_usd.usd.light.inputs import OLD, has_filters, light_input, old_names
 from openrooms_usd.usd.light.shaping import read_shaping
 from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
@@ -81,7 +81,8 @@ class _Reader:
     def __init__(self, prim: Usd.Prim, world: Matrix | None) -> None:
         self.prim = prim
         self.losses: list[str] = []
-        self.normalize = self.thin = False
+        self.thin = False
+        self.normalize = bool(self.value("inputs:normalize", False))
         self.world = emitters.world_from_prim(prim) if world is None else world
 
     # Kinds: each reads what is its own, and what all have in common at the end.
@@ -100,7 +101,7 @@ class _Reader:
     def mesh(self) -> emitters.Light:
         glow, tinted = self.glow()
         area = emitters.world_area(self.prim)
-        if area == 0.0 and self.value("inputs:normalize", False):
+        if area == 0.0 and self.normalize:
             self.losses.append(
                 "inputs:normalize: the area of such a shape is not known; 1 is taken"
             )
@@ -179,14 +180,14 @@ class _Reader:
             self.losses.append(f"{name}: {value:g} is no length; 0 is taken")
         return max(value, 0.0)
 
-    def thick(self, name: str, default: float, hint: str = "inputs:normalize") -> float:
+    def thick(self, name: str, default: float, hint: str = "") -> float:
         """A length. What has none is taken as thin and unseen, of the flux that it has.
 
         Without a surface there is no radiance: the intensity of points and lines counts as if it
         was normalized. Other lights without a surface send something only where they are so.
         """
         length = self.size(name, default)
-        if length > 0.0 or not (self.value(hint, False) or self.value("inputs:normalize", False)):
+        if length > 0.0 or not (self.normalize or (hint and self.value(hint, False))):
             return length
         self.normalize = self.thin = True
         self.losses.append(f"{name}: it is taken as {1e3 * _THIN_METRES:g} mm thick, and not seen")
@@ -197,7 +198,7 @@ class _Reader:
         """(3,) nits of each primary."""
         stops = min(self.number("inputs:exposure", 0.0), _MOST_STOPS)
         scale = self.number("inputs:intensity", 1.0) * 2.0**stops
-        if (self.normalize or self.value("inputs:normalize", False)) and size > 0:
+        if self.normalize and size > 0:
             scale /= size
         color = self.color()
         if self.value("inputs:enableColorTemperature", False):
@@ -245,7 +246,7 @@ class _Reader:
             if attribute and attribute.HasAuthoredValue() and attribute.Get(_WHEN) != neutral:
                 self.losses.append(f"{name}: {what}")
         if old := old_names(self.prim):
-            self.losses.append(f"names of before USD 21.02 are read: {', '.join(old)}")
+            self.losses.append(f"{OLD} are read: {', '.join(old)}")
         if has_filters(self.prim):
             self.losses.append("light:filters: light filters are left out")
         light = UsdLux.LightAPI(self.prim)

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdPhysics
 
-from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import inverse
@@ -36,7 +35,7 @@ from openrooms_usd.usd.rigid.joints import (
 from openrooms_usd.usd.rigid.masses import read_mass
 from openrooms_usd.usd.rigid.shapes import Frames, ShapeReader, safe
 from openrooms_usd.usd.rigid.trees import Link, Tree, loops, trees, without_loops
-from openrooms_usd.usd.semantics import read_label
+from openrooms_usd.usd.semantics import read_category
 from openrooms_usd.usd.shapes.meshes import read_meshes
 
 _Type = UsdPhysics.ObjectType
@@ -255,8 +254,8 @@ class _Reading:
         steps = {named[path]: joints for path, (joints, _) in joined.items()}
         links = [one for link in links for one in with_between(link, steps.get(link.name, ()))]
         joints = [joint for found in steps.values() for joint in found]
-        prim = self.stage.GetPrimAtPath(root)
-        category = read_label(prim, names.CATEGORY) or ""
+        above = map(self.stage.GetPrimAtPath, reversed(root.GetPrefixes()))
+        category = read_category(above) or ""
         name = unique(safe(root.name), taken)
         velocity = self._velocity(base.path)
         place, path = base.frame, str(root)

@@ -9,8 +9,8 @@ from openrooms_usd import names
 from openrooms_usd.usd.shading import mdl, uber
 from openrooms_usd.usd.shading.materials import INPUTS
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
-from openrooms_usd.usd.shading.nodegraphs import fold
-from openrooms_usd.usd.shading.surfaces import Color, PreviewSurface, Texture
+from openrooms_usd.usd.shading.nodegraphs import fold, part_of
+from openrooms_usd.usd.shading.surfaces import BARE, Color, PreviewSurface, Texture
 from openrooms_usd.usd.shading.uvtextures import mended_normal_map, read_texture_node
 
 # What primvars may drive.
@@ -20,14 +20,6 @@ _PAINTED: Final = {
     "roughness": "roughness",
     "metallic": "metallic",
 }
-BARE: Final = PreviewSurface(
-    base_color=(0.5, 0.5, 0.5),
-    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity")),
-)
-"""What meshes show whose material nobody can read, or that have none.
-
-Without colours of their own they are grey, as in Storm, hdEmbree and hdPrman.
-"""
 # The same surface, as USD and as MaterialX call it.
 _PREVIEWS: Final = ("UsdPreviewSurface", "ND_UsdPreviewSurface_surfaceshader")
 _MATERIALX: Final = "mtlx"
@@ -46,22 +38,25 @@ def read_preview_surface(
 
     Args:
         material: Any material, of our own or of a foreign stage.
-        moves: Whether the caller moves what is displaced (`read_displacement`).
+        moves: Whether the caller moves what is displaced, and tells what is not (`unmoved_by`).
 
     Returns:
         The surface, and one sentence for each thing that was lost.
     """
     network = Network()
     shader = _any_surface(network, material)
-    if shader is None:
-        return BARE, tuple(network.losses)
+    surface = BARE if shader is None else _read_surface(network, material, shader)
+    height = _displacement(network, material, shader, moves=moves)
+    return replace(surface, displacement=height), tuple(network.losses)
+
+
+def _read_surface(
+    network: Network, material: UsdShade.Material, shader: UsdShade.Shader
+) -> PreviewSurface:
     if mdl.is_known(shader):
-        return mdl.read_omni_pbr(network, shader), tuple(network.losses)
+        return mdl.read_omni_pbr(network, shader)
     if uber.is_known(shader):
-        moved = material.GetDisplacementOutput(_MATERIALX)
-        if moved and moved.HasConnectedSource():
-            network.losses.append(f"{moved.GetAttr().GetPath()}: nothing is moved")
-        return uber.read_uber_surface(network, shader), tuple(network.losses)
+        return uber.read_uber_surface(network, shader)
     values = {
         item.name: _read_input(network, shader, INPUTS[item.name][0], item.default)
         for item in fields(PreviewSurface)
@@ -72,30 +67,46 @@ def read_preview_surface(
         values["opacity"] = 1.0
     f0 = _part_of_light(network, material, names.MATERIAL_F0)
     pane = _tint(network, material)
-    told = moves and _displacer(material)
-    if not told and _read_input(network, shader, "displacement", 0.0) != 0.0:
-        network.lost(shader, "displacement", "it is left out")
-    completed = replace(
+    return replace(
         _completed(network, shader, values),
         transmission=transmission,
         f0=f0,
         pane=pane,
         painted=_painted(network, shader),
     )
-    return completed, tuple(network.losses)
 
 
-def read_displacement(material: UsdShade.Material) -> float | Texture:
-    """How far a material moves its surface along the normals, in units of the stage.
+def unmoved_by(material: UsdShade.Material) -> str:
+    """The output whose displacement nobody here reads; empty where there is none."""
+    if _displacer(material):
+        return ""
+    for context in (UsdShade.Tokens.universalRenderContext, _MATERIALX):
+        if material.ComputeDisplacementSource(context)[0]:
+            return f"outputs:{context}:displacement".replace("::", ":")
+    return ""
 
-    Its UsdPreviewSurface says so where ``outputs:displacement`` leads to it, too.
-    """
-    shader = _displacer(material)
-    found: float | Texture = 0.0
-    return found if shader is None else _read_input(Network(), shader, "displacement", found)
+
+def _displacement(
+    network: Network, material: UsdShade.Material, surface: UsdShade.Shader | None, *, moves: bool
+) -> float | Texture:
+    """How far points move; 0 where nobody moves them, which is told."""
+    shader = _displacer(material) if material else None
+    said = shader or surface
+    none: float | Texture = 0.0
+    height = none
+    if said and str(said.GetShaderId() or "") in _PREVIEWS:
+        height = _read_input(network, said, "displacement", none)
+    if shader and moves:
+        return height
+    if height != none:
+        network.lost(said, "displacement", "it is left out")
+    if material and not moves and (name := unmoved_by(material)):
+        network.losses.append(f"{material.GetPath()}.{name}: nothing is moved")
+    return none
 
 
 def _displacer(material: UsdShade.Material) -> UsdShade.Shader | None:
+    """The UsdPreviewSurface that ``outputs:displacement`` leads to."""
     shader = UsdShade.Shader(material.ComputeDisplacementSource()[0])
     return shader if shader and shader.GetShaderId() in _PREVIEWS else None
 
@@ -191,7 +202,7 @@ def _folded_input(network: Network, shader: UsdShade.Shader, name: str, default:
     found = fold(network, shader, name)
     if not isinstance(found, Texture):
         return network.finite(shader, name, found, default)
-    return replace(found, channel=found.channel[0]) if isinstance(default, float) else found
+    return part_of(found, 0) if isinstance(default, float) else found
 
 
 def _completed(network: Network, shader: UsdShade.Shader, values: dict[str, Any]) -> PreviewSurface:

@@ -109,25 +109,52 @@ def affine(value: Folded, factor: Numbers, offset: Numbers = (0.0,)) -> Folded:
         many = max(len(value), len(factor), len(offset))
         a, b, c = (_widened(numbers, many, numbers[-1]) for numbers in (value, factor, offset))
         return _bounded(a * b + c)
-    by, plus = (
-        _of_source(value.channel, _widened(numbers, 4, rest))
-        for numbers, rest in ((factor, 1.0), (offset, 0.0))
-    )
-    made = {"scale": np.array(value.scale) * by, "bias": np.array(value.bias) * by + plus}
+    by, plus = _widened(factor, 4, 1.0), _widened(offset, 4, 0.0)
+    if len(value.channel) == 1:
+        if np.ptp(by[:3]) or np.ptp(plus[:3]):
+            # A number that is tinted is a colour.
+            value = _side_by_side([value] * 3)
+        else:
+            by, plus = np.full(4, by[0]), np.full(4, plus[0])
+    return _with_numbers(value, lambda numbers, share: np.array(numbers) * by + share * plus)
+
+
+def _with_numbers(
+    value: Texture, become: Callable[[Numbers, float], Sequence[float] | NDArray[np.float64]]
+) -> Texture:
+    """A texture with other numbers: a function of each kind, and of its share of an offset."""
+    made = {"scale": become(value.scale, 0.0), "bias": become(value.bias, 1.0)}
     if value.fallback is not None:
-        made["fallback"] = np.array(value.fallback) * by + plus
-    return replace(value, **cast(Any, {name: _bounded(part) for name, part in made.items()}))
+        made["fallback"] = become(value.fallback, 1.0)
+    bounded = {name: _bounded(np.array(numbers)) for name, numbers in made.items()}
+    return replace(value, **cast(Any, bounded))
 
 
-def _of_source(channel: str, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What becomes of r, g, b and a of a picture, of whose channels numbers are in another order.
+def part_of(value: Texture, index: int) -> Texture:
+    """One channel of a texture; a single one itself."""
+    if len(value.channel) == 1 or not 0 <= index < 4:
+        return value
+    name = f"{value.channel}a"[index]
+    if value.is_shuffled:
+        place = "rgba".index(name)
+        value = _with_numbers(
+            value, lambda numbers, _: (*numbers[:place], numbers[index], *numbers[place + 1 :])
+        )
+    return replace(value, channel=name)
 
-    What one channel has two numbers for has the last; a single channel has the first.
-    """
-    found = numbers.copy()
-    for place, name in enumerate(channel):
-        found["rgba".index(name)] = numbers[place]
-    return found
+
+def _side_by_side(parts: Sequence[Texture]) -> Texture:
+    """Three single channels of one picture as a colour."""
+    places = ["rgba".index(part.channel) for part in parts]
+    kinds = {
+        name: [getattr(part, name) for part in parts] for name in ("scale", "bias", "fallback")
+    }
+    made = {
+        name: (*(numbers[place] for numbers, place in zip(found, places, strict=True)), found[0][3])
+        for name, found in kinds.items()
+        if None not in found
+    }
+    return replace(parts[0], channel="".join(part.channel for part in parts), **cast(Any, made))
 
 
 def _widened(numbers: Numbers, many: int, rest: float) -> NDArray[np.float64]:
@@ -241,8 +268,7 @@ def _swizzle(node: _Node) -> Folded | None:
 def _part(value: Folded | None, index: int) -> Folded | None:
     """One channel; of a number itself."""
     if isinstance(value, Texture):
-        single = len(value.channel) == 1 or not 0 <= index < 4
-        return value if single else replace(value, channel=f"{value.channel}a"[index])
+        return part_of(value, index)
     return (value[min(max(index, 0), len(value) - 1)],) if value else None
 
 
@@ -260,13 +286,15 @@ def _together(node: _Node, parts: Sequence[Folded | None]) -> Folded | None:
     if len(parts) == 1:
         return first
     # Alpha says nothing to a colour.
-    kept = parts[:3]
-    if len(kept) == 3 and all(
-        isinstance(part, Texture) and replace(part, channel=first.channel) == first for part in kept
-    ):
-        return replace(first, channel="".join(cast(Texture, part).channel[0] for part in kept))
+    kept = [part_of(part, 0) for part in parts[:3] if isinstance(part, Texture)]
+    if len(kept) == 3 and len({_picture_of(part) for part in kept}) == 1:
+        return _side_by_side(kept)
     node.lost("in", "no single picture holds its channels; those of the first are taken")
     return replace(first, channel="rgb")
+
+
+def _picture_of(value: Texture) -> Texture:
+    return replace(value, channel="r", scale=Texture.scale, bias=Texture.bias, fallback=None)
 
 
 def _normal_map(node: _Node) -> Folded | None:

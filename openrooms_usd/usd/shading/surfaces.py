@@ -1,6 +1,7 @@
 """The inputs of a UsdPreviewSurface as plain data, each a constant or a texture."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final, Literal
 
@@ -72,15 +73,16 @@ class Texture:
             Authored: the asset path as it shall stand in the layer.
         channel: ``rgb`` for colours and normals, or one channel, or three in another order.
         color_space: ``sRGB`` pixels are decoded to linear (alpha never is), ``raw`` ones are not.
-        scale: Factor of r, g, b, a.
-        bias: Offset of r, g, b, a.
+        scale: Factor of r, g, b, a; where colours stand in another order, of what is taken.
+        bias: Offset of the same.
         wrap_s: What lies beyond 0..1 in s.
         wrap_t: What lies beyond 0..1 in t.
         primvar: Name of the texture coordinates.
         uv_scale: Factor of the texture coordinates, applied first.
         uv_rotation: Rotation of the texture coordinates, degrees counter-clockwise, applied second.
         uv_translation: Offset of the texture coordinates, applied last.
-        fallback: Value where the picture cannot be read; None: the default of what it drives.
+        fallback: Value of the same where the picture cannot be read; None: the default of what it
+            drives.
     """
 
     file: str
@@ -110,6 +112,12 @@ class Texture:
         return UvTransform(self.uv_scale, self.uv_rotation, self.uv_translation).matrix
 
 
+def taken(texture: Texture, numbers: Sequence[float], channels: int) -> tuple[float, ...]:
+    """A texture's scale, bias or fallback, of so many channels that are taken of it."""
+    which = range(channels) if texture.is_shuffled else chosen(texture.channel, channels)
+    return tuple(numbers[index] for index in which)
+
+
 @dataclass(frozen=True)
 class PreviewSurface:
     """The inputs of a UsdPreviewSurface; the defaults are the specification's.
@@ -129,6 +137,8 @@ class PreviewSurface:
         clearcoat: Weight of a second, white specular lobe.
         clearcoat_roughness: Its perceptual roughness.
         occlusion: Baked ambient occlusion; a path tracer has no use for it.
+        displacement: How far points move along their normals, in units of the stage; only read,
+            and only for who moves them.
         transmission: Part of the light that leaves the other side diffusely, in the hue of the
             base colour; ours (`names.MATERIAL_TRANSMISSION`). Above 0, ``opacity`` is 1, and what
             is authored as opacity stands in for it elsewhere.
@@ -157,12 +167,21 @@ class PreviewSurface:
     clearcoat: float | Texture = 0.0
     clearcoat_roughness: float | Texture = 0.01
     occlusion: float | Texture = 1.0
+    displacement: float | Texture = 0.0
     transmission: float = 0.0
     f0: float | None = None
     pane: Color | None = None
     painted: tuple[tuple[str, str], ...] = ()
 
 
+BARE: Final = PreviewSurface(
+    base_color=(0.5, 0.5, 0.5),
+    painted=(("base_color", "displayColor"), ("opacity", "displayOpacity")),
+)
+"""What meshes show whose material nobody can read, or that have none.
+
+Without colours of their own they are grey, as in Storm, hdEmbree and hdPrman.
+"""
 SHUFFLED: Final = "its channels in another order are taken as r, g, b"
 """What is lost where a UsdUVTexture stands for a texture that is shuffled."""
 BLACK: Final = (0.0, 0.0, 0.0, 1.0)

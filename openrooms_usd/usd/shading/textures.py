@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, cast
 
@@ -36,12 +37,14 @@ class PictureFacts:
         channels: Values in a pixel.
         is_float: Whether values are floating point numbers, which are linear by custom, rather
             than whole numbers, which hold encoded colours.
+        is_8_bit: Whether values are whole numbers of 8 bits.
     """
 
     width: int
     height: int
     channels: int
     is_float: bool
+    is_8_bit: bool
 
     @property
     def has_alpha(self) -> bool:
@@ -55,10 +58,32 @@ def picture_facts(path: str) -> PictureFacts:
     Raises:
         InputError: There is no such file, or it is not a picture that can be read.
     """
+    stamp = _stamp(path)
+    return _facts(path) if stamp is None else _known_facts(path, stamp)
+
+
+def _stamp(path: str) -> tuple[int, ...] | None:
+    """What changes with a file, or with its package; None where there is none."""
+    outer = Ar.SplitPackageRelativePathOuter(path)[0] if Ar.IsPackageRelativePath(path) else path
+    try:
+        about = Path(outer).stat()
+    except (OSError, ValueError):
+        return None
+    return about.st_ino, about.st_mtime_ns, about.st_size
+
+
+@lru_cache(maxsize=4096)
+def _known_facts(path: str, _stamp: tuple[int, ...]) -> PictureFacts:
+    """Many materials ask the same of one picture."""
+    return _facts(path)
+
+
+def _facts(path: str) -> PictureFacts:
     with _opened(path) as picture:
         spec = picture.spec()
-        is_float = str(spec.format) in ("half", "float", "double")
-        return PictureFacts(spec.width, spec.height, spec.nchannels, is_float)
+        kind = str(spec.format)
+        is_float = kind in ("half", "float", "double")
+        return PictureFacts(spec.width, spec.height, spec.nchannels, is_float, kind == "uint8")
 
 
 def _shape(path: str) -> tuple[int, int, int]:
@@ -127,9 +152,8 @@ def color_space(path: str) -> ColorSpace:
     Raises:
         InputError: There is no such file, or it is not a picture that can be read.
     """
-    with _opened(one_of(path)) as picture:
-        spec = picture.spec()
-        return "sRGB" if str(spec.format) == "uint8" and spec.nchannels >= 3 else "raw"
+    facts = picture_facts(one_of(path))
+    return "sRGB" if facts.is_8_bit and facts.channels >= 3 else "raw"
 
 
 @contextmanager
@@ -177,9 +201,13 @@ def flaw(path: str) -> str:
     return ""
 
 
+UNREADABLE: Final = "cannot be read:"
+"""What stands in each sentence of `told`."""
+
+
 def told(error: InputError) -> str:
     """What is wrong with a picture's file, and the remedy, in the words of reports."""
-    return f"{Path(str(error.place)).name} cannot be read: {error.message} ({error.remedy})"
+    return f"{Path(str(error.place)).name} {UNREADABLE} {error.message} ({error.remedy})"
 
 
 def _unreadable(reason: str, path: str) -> InputError:

@@ -9,7 +9,7 @@ from pxr import UsdShade
 
 from openrooms_usd.tables import read_table
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
-from openrooms_usd.usd.shading.nodegraphs import Folded, Numbers, affine, fold, product
+from openrooms_usd.usd.shading.nodegraphs import Folded, Numbers, affine, fold, part_of, product
 from openrooms_usd.usd.shading.surfaces import Color, PreviewSurface, Texture, f0_of, ior_of
 from openrooms_usd.usd.shading.uvtextures import mended_normal_map
 
@@ -61,11 +61,6 @@ _MODELS: Final[Mapping[str, _Model]] = {
 def is_known(shader: UsdShade.Shader) -> bool:
     """Whether a shader is one of the surfaces that are read here."""
     return str(shader.GetShaderId() or "") in _MODELS
-
-
-def weights(kind: str) -> frozenset[str]:
-    """The inputs of a kind of surface that say how much of a part there is."""
-    return frozenset(_MODELS[kind].parts.values())
 
 
 def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
@@ -159,7 +154,7 @@ class _Said:
 
 def _number(value: Folded) -> float | Texture:
     if isinstance(value, Texture):
-        return replace(value, channel=value.channel[0])
+        return part_of(value, 0)
     return value[0]
 
 

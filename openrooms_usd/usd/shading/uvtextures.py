@@ -12,23 +12,22 @@ from pxr import UsdShade
 
 from openrooms_usd import names
 from openrooms_usd.geometry.rotations import in_plan
-from openrooms_usd.usd.files.strayed import locate
+from openrooms_usd.usd.files.strayed import MISSING, locate
 from openrooms_usd.usd.shading import textures
 from openrooms_usd.usd.shading.networks import Network
 from openrooms_usd.usd.shading.surfaces import (
+    BLACK,
     NORMAL_BIAS,
     NORMAL_SCALE,
-    Channel,
     ColorSpace,
     Texture,
     UvTransform,
     Wrap,
 )
 
-_CHANNELS: Final[dict[str, Channel]] = {"r": "r", "g": "g", "b": "b", "a": "a"}
+_SINGLE: Final = ("r", "g", "b", "a")
 # useMetadata asks the picture's file, which hardly ever says anything but "repeat".
 _WRAPS: Final[dict[str, Wrap]] = {"clamp": "clamp", "mirror": "mirror", "black": "black"}
-_BLACK: Final = (0.0, 0.0, 0.0, 1.0)
 # The longest chain of transforms that is followed, so that a cycle ends.
 _MAX_CHAIN: Final = 16
 
@@ -51,7 +50,7 @@ def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> T
     said = network.constant(node, "fallback", None) is not None
     texture = Texture(
         file=file,
-        channel=_CHANNELS.get(output, "rgb"),
+        channel=output if output in _SINGLE else "rgb",
         color_space=_color_space(network, node, file),
         scale=network.vector(node, "scale", Texture.scale),
         bias=network.vector(node, "bias", Texture.bias),
@@ -61,7 +60,7 @@ def read_texture_node(network: Network, node: UsdShade.Shader, output: str) -> T
         uv_scale=transform.scale,
         uv_rotation=transform.rotation,
         uv_translation=transform.translation,
-        fallback=network.vector(node, "fallback", _BLACK) if said else None,
+        fallback=network.vector(node, "fallback", BLACK) if said else None,
     )
     return over_tiles(network, node, texture)
 
@@ -104,7 +103,7 @@ def picture_file(network: Network, node: UsdShade.Shader, name: str = "file") ->
     (attribute, *_) = UsdShade.Utils.GetValueProducingAttributes(node.GetInput(name))
     if textures.is_udim(authored):
         file = textures.resolved(attribute, authored)
-        losses = ["" if file else f"{authored} is missing"]
+        losses = ["" if file else f"{authored} {MISSING}"]
     else:
         file, lost = locate(attribute, asset)
         losses = [lost]

@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from pxr import Sdf, UsdGeom, UsdShade
 
+from openrooms_usd.exporters import Report
+from openrooms_usd.rendering.scene.mesh_surfaces import MeshSurfaces
+from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.rendering.scene.translate import translate
+from openrooms_usd.usd.shapes.meshes import read_meshes
 from tests import small
 from tests.pictures import save_picture
 
@@ -21,7 +25,9 @@ def material(made: small.Stage, by: Any, *, connected: bool = True) -> str:
     else:
         texture = UsdShade.Shader.Define(made.stage, "/Moved/Height")
         texture.CreateIdAttr("UsdUVTexture")
-        file, scale, bias = by
+        file, scale, bias, *fallback = by
+        if fallback:
+            texture.CreateInput("fallback", Sdf.ValueTypeNames.Float4).Set((*fallback, 0, 0, 0))
         texture.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(file)
         texture.CreateInput("wrapS", Sdf.ValueTypeNames.Token).Set("clamp")
         texture.CreateInput("wrapT", Sdf.ValueTypeNames.Token).Set("clamp")
@@ -72,3 +78,53 @@ def test_nothing_moves_where_no_output_leads_to_it() -> None:
     scene = translate(made.stage)
     assert not scene.triangles.corners[..., 2].any()
     assert any("left out" in why for path, _, why in scene.report.losses())
+
+
+@pytest.mark.parametrize(
+    ("code", "fallback", "expected"), [(None, -0.25, -0.25), (None, 0.5, 0.5), (102, 9.0, 0.2)]
+)
+def test_heights_of_any_sign_and_of_missing_pictures(
+    tmp_path: Any, code: int | None, fallback: float, expected: float
+) -> None:
+    """Scale and bias are of pictures, not of what stands in; as normal maps have them, too."""
+    file = tmp_path / "height.png"
+    if code is not None:
+        save_picture(file, np.full((2, 2, 3), code, np.uint8))
+    else:
+        file.write_bytes(b"none")
+    made = small.Stage()
+    by = (str(file), 2.0, -0.6 if code else -1.0, fallback)
+    made.quad("/Quad", small.square((0, 0, 0), 1), material=material(made, by))
+    scene = translate(made.stage)
+    assert np.allclose(scene.triangles.corners[..., 2], expected, atol=1e-3)
+    told = [why for path, _, why in scene.report.losses() if path == "/Moved"]
+    assert ["cannot be read" in why for why in told] == [True] * (code is None)
+
+
+def test_a_unit_that_is_no_length_is_usds() -> None:
+    made = small.Stage(metres=0.0)
+    made.quad("/Quad", small.square((0, 0, 0), 1), material=material(made, 0.5))
+    assert np.allclose(translate(made.stage).triangles.corners[..., 2], 0.005)
+
+
+def test_instances_of_one_form_share_what_was_moved() -> None:
+    made = small.Stage()
+    made.quad("/Proto/Quad", small.square((0, 0, 0), 1), material=material(made, 0.5))
+    for turn, size in ((0.0, 1.0), (30.0, 1.0), (70.0, 1.0), (0.0, 2.0)):
+        prim = UsdGeom.Xform.Define(made.stage, f"/World/I{turn:g}_{size:g}")
+        prim.GetPrim().GetReferences().AddInternalReference("/Proto")
+        prim.GetPrim().SetInstanceable(True)
+        prim.AddTranslateOp().Set((turn, 0, 0))
+        prim.AddRotateXOp().Set(turn)
+        prim.AddScaleOp().Set((size,) * 3)
+    placed = list(read_meshes(made.stage))
+    report = Report()
+    surfaces = MeshSurfaces(SurfaceReader(), frozenset(), report)
+    moved = []
+    for mesh, ((rows, material_of),) in surfaces.bind(placed):
+        surfaces.read(mesh, material_of, [])
+        moved.append(surfaces.moved(mesh, rows, material_of, []))
+        far = moved[-1].world_points() - mesh.world_points()
+        assert np.allclose(np.linalg.norm(far, axis=1), 0.5)
+    # One that stands by itself, and two sizes.
+    assert len(moved) == 5 and len({id(one.mesh) for one in moved}) == 3

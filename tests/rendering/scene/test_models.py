@@ -5,6 +5,7 @@ from pxr import Gf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.models import MODELS, Model, with_model
+from openrooms_usd.rendering.scene.surfaces import SurfaceReader
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.shading.materials import define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, ior_of
@@ -16,16 +17,16 @@ LOOKS = {
 }
 
 
-def scene() -> Scene:
+def scene(**more: PreviewSurface) -> Scene:
     """A triangle of each look, and one without any."""
-    stage = Usd.Stage.CreateInMemory()
-    for name in (*LOOKS, "Bare"):
+    stage, looks = Usd.Stage.CreateInMemory(), LOOKS | more
+    for name in (*LOOKS, "Bare", *more):
         mesh = UsdGeom.Mesh.Define(stage, f"/{name}Mesh")
         mesh.CreatePointsAttr([Gf.Vec3f(0, 0, 0), Gf.Vec3f(1, 0, 0), Gf.Vec3f(0, 1, 0)])
         mesh.CreateFaceVertexCountsAttr([3])
         mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
-        if name in LOOKS:
-            define_preview_surface(stage, f"/{name}", LOOKS[name])
+        if name in looks:
+            define_preview_surface(stage, f"/{name}", looks[name])
             look = UsdShade.Material.Get(stage, f"/{name}")
             UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(look)
     return translate(stage)
@@ -69,3 +70,13 @@ def test_nothing_else_changes(model: Model) -> None:
     for one, other in zip(before.patches, after.patches, strict=True):
         kept = ("base_color", "roughness", "metallic", "ior", "clearcoat", "opacity")
         assert all(getattr(one.surface, n) == getattr(other.surface, n) for n in kept)
+
+
+def test_openrooms_model_has_no_specular_colour() -> None:
+    """Neither of a material of it, which stays a metal, nor of one that is taken as it."""
+    ours = PreviewSurface(f0=0.05, metallic=1.0, specular=(0.3, 0.2, 0.1))
+    found = SurfaceReader().read(ours)
+    assert (found.specular, found.metallic) == (None, 1.0)
+    theirs = scene(Theirs=PreviewSurface(specular=(0.3, 0.2, 0.1), metallic=1.0))
+    taken = with_model(theirs, "openrooms").patches[-1].surface
+    assert (taken.specular, taken.metallic, taken.f0) == (None, 0.0, pytest.approx(0.2))

@@ -103,7 +103,12 @@ def test_a_volume_of_a_material_is_named_where_something_makes_it() -> None:
 
 def test_a_displacement_is_named_where_its_shader_does_not_tell_of_it() -> None:
     stage = Usd.Stage.CreateInMemory()
-    for name, kind in (("Preview", "UsdPreviewSurface"), ("Other", "ND_displacement_float")):
+    kinds = {
+        "Preview": "UsdPreviewSurface",
+        "Same": "ND_UsdPreviewSurface_surfaceshader",
+        "Other": "ND_displacement_float",
+    }
+    for name, kind in kinds.items():
         material = UsdShade.Material.Define(stage, f"/{name}")
         shader = UsdShade.Shader.Define(stage, f"/{name}/Shader")
         shader.CreateIdAttr(kind)
