@@ -192,7 +192,9 @@ def _rescued(
         room = trial.rooms[row]
         out = room.outward(room.footprint(trial.bodies[row]))
         inwards = -(out.max(axis=0).clip(0.0) + out.min(axis=0).clip(None, 0.0))
-        if np.abs(inwards).max() > MAX_GAP_M:
+        half = 0.5 * np.ptp(trial.bodies[row].outline, axis=0) + MAX_GAP_M
+        # What is farther outside is another room's.
+        if np.abs(inwards).max() > MAX_GAP_M and (np.abs(inwards) < half).all():
             for each in (row, *trial.carried(row)):
                 trial.shift(each, np.append(inwards, 0.0))
             settling.settle_again(trial)

@@ -112,7 +112,7 @@ def _of_pair(
     cuts = sorted(
         (
             (_cost(state, cut, models, share), number, cut)
-            for number, cut in enumerate(_ways(state, i, j))
+            for number, cut in enumerate(_ways(state, i, j, free))
             if free is None or cut.row in free
         ),
         key=lambda each: each[:2],
@@ -120,9 +120,9 @@ def _of_pair(
     return [cuts[0][2]] if cuts and cuts[0][0] < np.inf else []
 
 
-def _ways(state: Arrangement, i: int, j: int) -> Iterator[Cut]:
+def _ways(state: Arrangement, i: int, j: int, free: Collection[int] | None) -> Iterator[Cut]:
     a, b = state.bodies[i], state.bodies[j]
-    if max(state.moved(i), state.moved(j)) > _MAX_MOVED_M:
+    if any(state.moved(row) > _MAX_MOVED_M for row in (i, j) if free is None or row in free):
         return
     found = penetration(a, b, _TOUCHING_M, FINE_LINES)
     for direction, depth in found.ways if found else ():
