@@ -3,7 +3,7 @@
 A new command without a case fails, since the commands are asked for what they take.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -245,7 +245,12 @@ def depth(name: str) -> tuple[int, str]:
     return name.count("/"), name
 
 
-def check(case: Case, stock: Path, tmp_path: Path, *, every: bool) -> None:
+def of_each_kind(names: list[str]) -> list[str]:
+    """One of those that lie in one folder and end alike."""
+    return list({(Path(name).parts[:2][:-1], Path(name).suffix): name for name in names}.values())
+
+
+def check(case: Case, stock: Path, tmp_path: Path, tried: Callable[[list[str]], list[str]]) -> None:
     if case.before:
         output_of(*words(case.before, stock))
     here = tmp_path / "here"
@@ -257,12 +262,12 @@ def check(case: Case, stock: Path, tmp_path: Path, *, every: bool) -> None:
     names = sorted((name for name in written if not name.startswith(case.others)), key=depth)
     # Times belong to who the manifest belongs to.
     noted = [name for name in names if not name.endswith("timing.json")]
-    for name in noted if every else noted[:1]:
+    for name in tried(noted):
         ours = (here / name).read_bytes()
         (here / name).write_bytes(b"changed by hand")
         refused(case, stock, here, name)
         (here / name).write_bytes(ours)
-    for name in names if every else names[-1:]:
+    for name in tried(names[::-1]):
         other = tmp_path / name.replace("/", "_")
         (other / name).parent.mkdir(parents=True)
         (other / name).write_bytes(b"a stranger's")
@@ -272,10 +277,19 @@ def check(case: Case, stock: Path, tmp_path: Path, *, every: bool) -> None:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.slow])
 def test_only_what_is_ours_and_unchanged_gives_way(name: str, stock: Path, tmp_path: Path) -> None:
-    check(CASES[name], stock, tmp_path, every=False)
+    check(CASES[name], stock, tmp_path, lambda names: names[:1])
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in CASES if name != "demo"])
+def test_so_does_each_kind_of_file(name: str, stock: Path, tmp_path: Path) -> None:
+    # What goes on beside what it finds works through all of it each time.
+    tried = (lambda names: names[:1]) if CASES[name].resumes else of_each_kind
+    check(CASES[name], stock, tmp_path, tried)
+
+
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_so_does_every_file(name: str, stock: Path, tmp_path: Path) -> None:
-    check(CASES[name], stock, tmp_path, every=True)
+    check(CASES[name], stock, tmp_path, lambda names: names)
