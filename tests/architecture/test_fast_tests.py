@@ -83,3 +83,10 @@ def test_what_is_skipped_is_counted_by_reason(tmp_path: Path) -> None:
 def test_of_many_cases_few_are_fast(tmp_path: Path) -> None:
     passed, _, said = outcomes(tmp_path, "-m", "not slow", "-k", "cases or marked")
     assert passed == {"test_cases[a]", "test_cases[d]"}, said
+
+
+def test_what_shares_something_goes_to_one_worker(tmp_path: Path) -> None:
+    # As pytest and pytest-xdist agree on it: else each worker composes each room.
+    words = ("-n", "2", "--dist", "loadgroup", "-m", "not slow", "-k", "cases", "-v")
+    _, _, said = outcomes(tmp_path, *words)
+    assert len(set(re.findall(r"\[(gw\d)\].* PASSED .*test_cases", said))) == 1, said
