@@ -166,6 +166,7 @@ def target(room: np.ndarray) -> np.ndarray:
     return 0.07 * around / np.linalg.norm(around, axis=1, keepdims=True) + (3.0, 2.0, 1.2)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("unit", ["m", "mm", "cm", "ft"])
 @pytest.mark.parametrize("outside", [strays, street, target])
 def test_what_lies_outside_changes_nothing(room: Cloud, outside: Callable, unit: str) -> None:
@@ -256,6 +257,7 @@ def test_a_real_scan_on_every_side_and_in_every_unit(real: Real, name: str) -> N
         assert outcome(scan, Z, scale) != "wrong"
 
 
+@pytest.mark.slow
 def test_a_capture_that_lies_on_its_side(real: Real) -> None:
     lounge = read_capture("scan", real("real_dev/data/arkit_lounge/textured.obj"))
     assert lounge.settled == {"up": "0,1,0"}

@@ -72,7 +72,8 @@ def _is_matte(surface: Surface) -> bool:
 def _as_openrooms(surface: Surface) -> Surface:
     if surface.f0 is not None and not surface.lets_through:
         return surface
-    return replace(surface, f0=surface.f0 or DEFAULT_F0, opacity=1.0, one_sided=False)
+    f0 = DEFAULT_F0 if surface.f0 is None else surface.f0
+    return replace(surface, f0=f0, opacity=1.0, one_sided=False)
 
 
 def _table(
