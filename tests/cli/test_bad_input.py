@@ -139,7 +139,7 @@ def _with(value: float) -> np.ndarray:
         ("nan.exr", _with(np.nan), "pixel (2, 1) has G = nan, which is no radiance"),
         ("square.exr", np.ones((4, 4, 3), np.float32), "4 x 4 pixels are no latitude-longitude"),
         ("bright.exr", np.full((4, 8, 3), 3e38, np.float32), "more than a float can hold"),
-        ("empty.hdr", b"", "not a readable picture"),
+        ("empty.hdr", b"", "not a picture: the file is empty"),
         ("text.hdr", b"this is a text\n", "not a readable picture"),
         ("binary.exr", bytes(range(256)), "not a readable picture"),
         ("cut.hdr", SKY, "unreadable picture"),
