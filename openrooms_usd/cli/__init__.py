@@ -18,6 +18,7 @@ _COMMANDS: Final = {
     "init": ("describing", "init", "Write a small room.yaml to start from."),
     "doctor": ("describing", "doctor", "Say what this machine can do, and what it lacks."),
     "schema": ("describing", "schema", "Print the JSON Schema of room.yaml or dataset.yaml."),
+    "completion": ("describing", "completion", "Print what completes commands in a shell."),
     "channels": ("channels", "channels", "Print the table of ground-truth channels."),
     "import": ("importing", "import_", "Turn a capture into a room.yaml."),
     "generate": ("generating", "generate", "Write the room.yaml of a room from nothing."),

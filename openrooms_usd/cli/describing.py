@@ -1,4 +1,4 @@
-"""The commands ``init``, ``schema`` and ``doctor``."""
+"""The commands ``init``, ``schema``, ``doctor`` and ``completion``."""
 
 import sys
 from pathlib import Path
@@ -61,3 +61,19 @@ def _print_table(title: str, rows: dict[str, str]) -> None:
     echo(title)
     for key, value in rows.items():
         echo(f"  {key:<16} {value}")
+
+
+@click.command()
+@click.argument("shell", type=Choice(["bash", "zsh", "fish"]))
+@click.pass_context
+def completion(context: click.Context, shell: str) -> None:
+    """Print what completes commands and options in a shell.
+
+    For bash, ~/.bashrc has a line: eval "$(orusd completion bash)". docs/installing.md has those of
+    other shells.
+    """
+    from click.shell_completion import get_completion_class
+
+    script = get_completion_class(shell)
+    assert script is not None
+    echo(script(context.find_root().command, {}, "orusd", "_ORUSD_COMPLETE").source(), nl=False)

@@ -2,8 +2,8 @@
 
 import ast
 import json
-import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -150,10 +150,17 @@ def test_the_documented_exit_codes_are_those_that_there_are() -> None:
     assert all(meaning.split()[0] in output_of("--help") for meaning in EXIT_CODES.values())
 
 
-def test_shells_complete_commands() -> None:
-    """As the line of docs/installing.md has it."""
+def test_a_shell_completes_commands(tmp_path: Path) -> None:
+    """By what `orusd completion` prints, in a real one."""
+    bash = shutil.which("bash") or pytest.skip("no bash")
+    command = tmp_path / "orusd"
     code = "from openrooms_usd.cli import orusd; orusd(prog_name='orusd')"
-    env = {**os.environ, "_ORUSD_COMPLETE": "bash_source"}
-    command = [sys.executable, "-c", code]
-    done = subprocess.run(command, env=env, capture_output=True, text=True, check=True)
-    assert "_ORUSD_COMPLETE=bash_complete" in done.stdout
+    command.write_text(f'#!/bin/sh\nexec "{sys.executable}" -c "{code}"\n')
+    command.chmod(0o755)
+    script = output_of("completion", "bash")
+    words = "COMP_WORDS=(orusd com); COMP_CWORD=1"
+    asked = f'{script}\n{words}; _orusd_completion {command}; echo "${{COMPREPLY[@]}}"'
+    done = subprocess.run([bash, "-c", asked], capture_output=True, text=True, check=True)
+    assert {"compose", "compare"} < {*done.stdout.split()}
+    for shell in ("zsh", "fish"):
+        assert f"_ORUSD_COMPLETE={shell}_complete" in output_of("completion", shell)

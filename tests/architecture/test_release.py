@@ -1,0 +1,27 @@
+"""What a public project says of itself agrees with what it is."""
+
+import tomllib
+from pathlib import Path
+
+import yaml
+
+from openrooms_usd.version import __version__
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def test_the_citation_names_this_version_and_the_paper() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == __version__
+    (paper,) = citation["references"]
+    assert (paper["year"], len(paper["authors"])) == (2021, 17)
+
+
+def test_each_python_that_is_tested_is_named() -> None:
+    workflow = (ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8")
+    tested = yaml.safe_load(workflow)["jobs"]["tests"]["strategy"]["matrix"]["python"]
+    stem = "Programming Language :: Python :: 3."
+    named = [row.removeprefix(stem[:-2]) for row in PROJECT["classifiers"] if row.startswith(stem)]
+    assert tested == named
+    assert PROJECT["requires-python"] == f">={named[0]}"
