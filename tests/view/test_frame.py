@@ -135,7 +135,7 @@ def test_a_copy_is_free_and_selected_and_a_collision_is_said(scene: Path, shown:
         )
         page.wait(idle)
     assert page.evaluate("document.getElementById('told').className") == "wrong"
-    assert "in table" in text(page, "told")
+    assert "overlaps table by" in text(page, "told")
     for key in ("Control+z", "Control+z", "Control+z"):
         page.key(key)
         page.wait(idle)
