@@ -253,7 +253,7 @@ def _text(name: str, row: Mapping[str, Any]) -> str:
     if kind in expected:
         return f"{found!r} is not {expected[kind]}"
     if name in ("resolution", "grid"):
-        return f"{shown(found)} is not a size like 640x480"
+        return f"{shown(found)} is not two whole numbers, such as (640, 480)"
     return f"{shown(found)} is not allowed: {row['msg']}"
 
 

@@ -103,7 +103,7 @@ def letters(size: Size, rng: np.random.Generator) -> Parts:
 
 def crumpled(size: Size, rng: np.random.Generator) -> Parts:
     """A sheet crumpled to a ball."""
-    ball = sphere(0.5, segments=14)
+    ball = sphere(0.5 * float(np.mean(size)), segments=14)
     dents = 1.0 + 0.22 * rng.uniform(-1.0, 1.0, len(ball.points))
     same = np.unique(ball.points.round(6), axis=0, return_inverse=True)[1].ravel()
     return at_rest({"ball": replace(ball, points=ball.points * dents[same][:, None])}, size)

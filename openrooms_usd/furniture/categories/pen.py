@@ -62,7 +62,7 @@ CATEGORY: Final = BuiltCategory(
     size=(0.0105, 0.142, 0.0145),
     min_size=(0.005, 0.06, 0.005),
     max_size=(0.03, 0.25, 0.04),
-    styles={"ballpoint": Style(ballpoint), "pencil": Style(pencil, size=(0.0085, 0.175, 0.00807))},
+    styles={"ballpoint": Style(ballpoint), "pencil": Style(pencil, size=(0.0085, 0.175, 0.00736))},
     size_variation=STANDARD,
     support="surface",
     mass_range=(0.003, 0.04),

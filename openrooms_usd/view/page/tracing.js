@@ -46,9 +46,9 @@ export function tracing(room, stand) {
   };
 
   return [section("Path-traced picture", "tracing",
-    choice("trace-size", "size", [[0.25, "a quarter"], [0.5, "half"], [1, "as it is"]], 0.5, (value) => { asked.share = Number(value); }),
+    choice("trace-size", "size", [[0.25, "a quarter"], [0.5, "half"], [1, "full size"]], 0.5, (value) => { asked.share = Number(value); }),
     choice("trace-samples", "samples", [4, 16, 64, 256, 1024], 64, (value) => { asked.samples = Number(value); }),
-    tick("trace-denoise", "without noise", true, (on) => { asked.denoise = on; }),
+    tick("trace-denoise", "denoise", true, (on) => { asked.denoise = on; }),
     element("div", { className: "buttons" },
       button("trace", "trace", () => start().catch((error) => { progress.hidden = true; complain(error); })),
       button("trace-stop", "stop", () => send("trace_stop").catch(complain))),
