@@ -116,8 +116,8 @@ class Room(CheckedModel):
         """Where the names of files in it begin; None for the current folder."""
         return self._folder
 
-    def located(self, folder: Path) -> Self:
-        """The same room, whose names of files begin in a folder."""
+    def located(self, folder: Path | None) -> Self:
+        """The same room, whose names of files begin in a folder; None: in the current one."""
         room = self.model_copy()
         room._folder = folder
         return room

@@ -75,7 +75,7 @@ def _lived_in(room: Room) -> Room:
     own = data.setdefault("alignment", {"from": "objects"}).get("objects", ())
     kept = [{**row, "name": name} for row, name in zip(own, names, strict=True)]
     data["alignment"]["objects"] = [*kept, *found]
-    return Room.model_validate(data).located(folder)
+    return Room.model_validate(data).located(room.folder)
 
 
 def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) -> Room:
@@ -95,4 +95,4 @@ def _with(room: Room, made: Generated, wants_layout: bool, wants_objects: bool) 
         lights["lamps"] = lamps(made, seen=seen) | lights.get("lamps", {})
         if seen:
             lights["screens"] = screens(made) | lights.get("screens", {})
-    return Room.model_validate(data).located(room.folder or Path())
+    return Room.model_validate(data).located(room.folder)

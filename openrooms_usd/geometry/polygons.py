@@ -19,8 +19,6 @@ def defect(corners: ArrayLike) -> str | None:
     Returns:
         What is wrong, to follow "the polygon", or None when nothing is.
     """
-    import shapely
-
     points = np.asarray(corners, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 3:
         return f"has {len(points)} corners, at least 3 are needed"
@@ -32,6 +30,10 @@ def defect(corners: ArrayLike) -> str | None:
     if twins.any():
         twin = _first(twins)
         return f"has corners {twin} and {(twin + 1) % len(points)} at the same place"
+    if _is_clear(points):
+        return None
+    import shapely  # a tenth of a second, which sound polygons are spared
+
     polygon = shapely.Polygon(points)
     if not polygon.is_valid:
         return f"crosses or touches itself near {_place(shapely.is_valid_reason(polygon))}"
@@ -39,6 +41,21 @@ def defect(corners: ArrayLike) -> str | None:
         x, y = shapely.get_coordinates(shapely.minimum_clearance_line(polygon))[0]
         return f"comes nearer than {1000 * CLEARANCE:g} mm to itself near ({x:.3f}, {y:.3f})"
     return None
+
+
+def _is_clear(points: NDArray[np.float64]) -> bool:
+    """Whether no edge meets another, and no corner comes near an edge that does not end there."""
+    along = np.roll(points, -1, axis=0) - points
+    # (N, N, 2) from the beginning of each edge to each corner.
+    to = points[None] - points[:, None]
+    side = along[:, None, 0] * to[..., 1] - along[:, None, 1] * to[..., 0]
+    parted = side * np.roll(side, -1, axis=1) <= 0.0
+    share = np.clip((to * along[:, None]).sum(axis=2) / (along**2).sum(axis=1)[:, None], 0.0, 1.0)
+    far = np.linalg.norm(to - share[..., None] * along[:, None], axis=2)
+    one = np.eye(len(points), dtype=bool)
+    beside = one | np.roll(one, 1, axis=1) | np.roll(one, -1, axis=1)
+    met = (parted & parted.T & ~beside).any()
+    return not met and bool((far[~(one | np.roll(one, 1, axis=1))] >= CLEARANCE).all())
 
 
 def _first(mask: NDArray[np.bool_]) -> int:
