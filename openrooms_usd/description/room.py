@@ -230,7 +230,7 @@ def _drawn_into_captures(given: Any) -> Iterator[Found]:
         yield Found(
             ("clutter",),
             "things lie about in rooms that are drawn or generated, not in captured ones; "
-            "leave clutter out, or list the objects",
+            "leave clutter out, or draw the room by a polygon and list its objects",
         )
 
 

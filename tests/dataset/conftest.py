@@ -2,10 +2,12 @@
 
 import hashlib
 import json
+import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -41,7 +43,9 @@ def start(file: Path, out: object, workers: int = 1, *words: str) -> subprocess.
     command = [sys.executable, "-c", MAIN, "dataset", "run", str(file), "-o", str(out), "--json"]
     command += ["--workers", str(workers), *words]
     pipe = subprocess.PIPE
-    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True)
+    # A shell's background jobs ignore Ctrl-C, and so would what they start.
+    heeding = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=heeding)
 
 
 def wait_for(process: subprocess.Popen[str], out: Path, pattern: str) -> None:

@@ -43,6 +43,21 @@ def test_a_run_that_is_killed_ends_with_the_same_bytes(
     assert {k for k, v in checksums(out).items() if checksums(undisturbed)[k] != v} == set()
 
 
+def test_a_run_that_alone_is_told_to_stop_leaves_without_errors(
+    source: Path, tmp_path: Path, start: Start
+) -> None:
+    """By ``kill -INT PID``, and once more: its workers hear nothing of it, and write to nobody."""
+    out = tmp_path / "out"
+    process = start(source, out, workers=2)
+    wait_for(process, out, "scenes/*/*/layers/*.usda")
+    process.send_signal(signal.SIGINT)
+    time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    said, wrong = process.communicate()
+    assert process.returncode == 130, wrong
+    assert (said, wrong.strip()) == ("", "Interrupted. What was finished is kept.")
+
+
 def test_a_clock_that_jumps_changes_nothing(
     made: Made, tmp_path: Path, checksums: Checksums, start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:

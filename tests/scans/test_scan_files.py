@@ -132,6 +132,41 @@ def test_a_box_by_trimesh(tmp_path: Path, ending: str) -> None:
     assert np.mean(np.einsum("ni,ni->n", cloud.normals, outward) > 0.5) > 0.999
 
 
+@pytest.mark.parametrize("based", [True, False])
+def test_sparse_corners_of_a_glb_are_read(tmp_path: Path, based: bool) -> None:
+    """One corner on a base that has it wrong, or all eight on nothing, which stands for zeros."""
+    content = trimesh.creation.box((1.0, 2.0, 3.0)).export(file_type="glb")
+    (size,) = struct.unpack_from("<I", content, 12)
+    header, body = json.loads(content[20 : 20 + size]), bytearray(content[28 + size :])
+    primitive = header["meshes"][0]["primitives"][0]
+    corners = header["accessors"][primitive["attributes"]["POSITION"]]
+    view = header["bufferViews"][corners["bufferView"]]
+    start = view.get("byteOffset", 0) + corners.get("byteOffset", 0)
+    count = 1 if based else corners["count"]
+    parts = [np.arange(count, dtype="<u4").tobytes(), bytes(body[start : start + 12 * count])]
+    body[start : start + 12] = np.full(3, 99.0, "<f4").tobytes()
+    first = len(header["bufferViews"])
+    for part in parts:
+        at = {"buffer": 0, "byteOffset": len(body), "byteLength": len(part)}
+        header["bufferViews"].append(at)
+        body += part
+    header["buffers"][0]["byteLength"] = len(body)
+    indices = {"bufferView": first, "componentType": 5125}
+    corners["sparse"] = {"count": count, "indices": indices, "values": {"bufferView": first + 1}}
+    if not based:
+        del corners["bufferView"]
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    chunks += struct.pack("<I4s", len(body), b"BIN\0") + body
+    path = tmp_path / "sparse.glb"
+    path.write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks)
+    points = read_scanned(path).cloud.points
+    assert np.unique(points, axis=0) == pytest.approx(
+        np.stack(np.meshgrid([-0.5, 0.5], [-1, 1], [-1.5, 1.5], indexing="ij"), -1).reshape(-1, 3)
+    )
+
+
 def test_draco_without_its_package_is_said(tmp_path: Path) -> None:
     header = json.dumps({"asset": {}, "extensionsUsed": ["KHR_draco_mesh_compression"]}).encode()
     body = struct.pack("<4sII", b"glTF", 2, 20 + len(header))

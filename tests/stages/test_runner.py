@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Usd, UsdGeom
 
+import openrooms_usd as ou
 from openrooms_usd import atomic
 from openrooms_usd.composing import ComposeSummary, compose_room
 from openrooms_usd.description.room import Room
@@ -25,6 +26,7 @@ class FakeLayout:
 
     def author(self, context: StageContext) -> None:
         text = context.input("input.txt").read_text()
+        context.notes.append(f"a guess by {text}")
         UsdGeom.Xform.Define(context.stage, "/World")
         mesh = UsdGeom.Mesh.Define(context.stage, "/World/Room")
         mesh.CreatePointsAttr([(float(len(text)), float(i), 0.0) for i in range(100)])
@@ -79,6 +81,14 @@ def test_a_second_compose_does_nothing(place: Path) -> None:
     summary = compose(place)
     assert summary.unchanged
     assert tree(place / "out") == before
+
+
+def test_notes_are_there_after_a_compose_that_did_nothing(place: Path) -> None:
+    first, again = (
+        ou.compose(place / "room.yaml", place / "out", workers=1) for _ in ("first", "again")
+    )
+    assert again.composed is not None and again.composed.unchanged
+    assert first.notes == again.notes == ou.open_scene(first.path).notes == ("a guess by one",)
 
 
 def test_what_a_stage_reads_runs_it_again_and_old_files_go(place: Path) -> None:

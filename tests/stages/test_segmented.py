@@ -12,10 +12,12 @@ from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.points.cloud import Cloud
+from openrooms_usd.scan.reconstruction import FoundFurniture
 from openrooms_usd.scan.registration.hints import Box
-from openrooms_usd.scan.results import FoundRoom
+from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 from openrooms_usd.scan.segmentation.contract import Segments
-from openrooms_usd.stages.alignment.furnished import segmented
+from openrooms_usd.stages.alignment.captured import UNKNOWN
+from openrooms_usd.stages.alignment.furnished import _told, segmented
 
 
 def scan_of(cloud: Cloud, **known: Any) -> FoundScan:
@@ -53,6 +55,18 @@ def test_things_are_found_and_people_are_told() -> None:
     assert "the scan does not say what stands in it" in notes[0]
     assert "1 without a name" in notes[0]
     assert "--segments FILE" in notes[0]
+
+
+def test_a_desk_of_no_desk_s_size_is_a_box_for_its_size_alone() -> None:
+    pose = Pose(np.eye(3), np.zeros(3), np.ones(3))
+    boxes = [
+        FoundObject(number, UNKNOWN, "box", pose, 0.0, 1.0, word=word)
+        for number, word in enumerate(("desk", "small desk", "sculpture"), 1)
+    ]
+    assert list(_told(FoundFurniture(tuple(boxes)), 0)) == [
+        "boxes stand for what the library has nothing for: sculpture",
+        "boxes stand for things of a size that no such things have: desk, small desk",
+    ]
 
 
 def test_nothing_is_looked_for_where_that_is_asked_but_it_is_said() -> None:

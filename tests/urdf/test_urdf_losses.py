@@ -12,7 +12,7 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.errors import StageError
 from openrooms_usd.physics.mass import MassProperties
-from openrooms_usd.physics.world import Body, Contact, Joint, Shape, Visual, World
+from openrooms_usd.physics.world import Body, Contact, Drive, Joint, Shape, Visual, World
 from orusd_urdf import mjcf
 from orusd_urdf.checking import check_world
 from orusd_urdf.mjcf import write_mjcf
@@ -130,6 +130,16 @@ def test_a_hinge_without_limits_turns_for_ever(make: SimpleNamespace, tmp_path: 
     root = ElementTree.parse(tmp_path / "objects/C/C.urdf").getroot()
     kinds = {joint.get("name"): joint.get("type") for joint in root.iterfind("joint")}
     assert kinds == {"door": "continuous", "drawer": "prismatic"}
+
+
+def test_a_spring_is_lost_in_urdf_and_that_is_said(make: SimpleNamespace, tmp_path: Path) -> None:
+    from orusd_urdf.urdf import write_urdf
+
+    body = make.cabinet()
+    held = replace(body.joints[0], drive=Drive(stiffness=1000.0))
+    lost = write_urdf(World((replace(body, joints=(held, body.joints[1])),)), tmp_path, looks={})
+    said = "its drive is lost but for the damping"
+    assert lost == [("/World/C/Door", "approximated", said)]
 
 
 X = np.array([1.0, 0.0, 0.0])

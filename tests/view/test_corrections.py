@@ -83,6 +83,7 @@ def test_what_comes_with_a_material_is_checked(
         ("place", {"name": "chair_1", "x": "far", "y": 0, "yaw": 0}, 400),
         ("place", {"name": "chair_1", "x": 1e300, "y": 0, "yaw": 0}, 400),
         ("place", {"name": "chair_1", "x": 1, "y": 1, "yaw": 0, "size": [1, 1, -1]}, 400),
+        ("place", {"name": "chair_1", "x": 1, "y": 1, "yaw": 0, "size": [0, 1, 1]}, 400),
         ("place", {"name": "../Room", "x": 1, "y": 1, "yaw": 0}, 422),
         ("remove", {"name": "sofa"}, 422),
         ("remake", {"name": "chair_1", "category": "chair", "style": "rococo"}, 422),
@@ -97,6 +98,17 @@ def test_what_comes_with_furniture_is_checked(
 ) -> None:
     before = (scene.parent / "layers/edits.usda").read_bytes()
     assert asked(furniture, f"command/{command}", given)[0] == status
+    assert (scene.parent / "layers/edits.usda").read_bytes() == before
+
+
+def test_what_is_put_far_out_of_the_room_is_told_and_can_be_taken_back(
+    furniture: Server, scene: Path
+) -> None:
+    before = (scene.parent / "layers/edits.usda").read_bytes()
+    given = {"name": "chair_1", "x": 99, "y": 1.5, "yaw": 0}
+    told = json.loads(asked(furniture, "command/place", given)[1])
+    assert len(told["warnings"]) == 1 and "out of the room" in told["warnings"][0]
+    assert asked(furniture, "command/undo", {})[0] == 200
     assert (scene.parent / "layers/edits.usda").read_bytes() == before
 
 
