@@ -159,13 +159,18 @@ def find_unit(
 
 
 def _fit(one: Vertical, asked: Asked, unit: float) -> float:
-    """What speaks for a vertical and a unit: its surfaces, its size, its tops, what is said."""
+    """What speaks for a vertical and a unit: what it shows, and what is said."""
+    return _odds(one, unit) + _CLEAR_LOG_ODDS * (_between(one.axis, asked.up) < _SAME_DEG)
+
+
+def _odds(one: Vertical, unit: float) -> float:
+    """What a vertical shows for itself and a unit: its surfaces, its size, its tops; log odds."""
     score = one.line + size_odds(one, unit)
     if one.tops is not None:
         middle, spread = _TOPS_M_AND_SPREAD
         off = np.log(max(one.tops * unit, 1e-9) / middle) / spread
         score -= min(0.5 * off**2, _MOST_OF_TOPS)
-    return score + _CLEAR_LOG_ODDS * (_between(one.axis, asked.up) < _SAME_DEG)
+    return score
 
 
 def _is_room(one: Vertical, unit: float) -> bool:
@@ -269,7 +274,7 @@ def find_up(
     Raises:
         InputError: What is said is absurd, or the evidence is not clear.
     """
-    odds = {id(v): v.line + size_odds(v, unit) for v in found}
+    odds = {id(v): _odds(v, unit) for v in found}
     ranked = sorted(found, key=lambda v: -odds[id(v)])
     own = next((v for v in ranked if _between(v.axis, asked.up) < _SAME_DEG), None)
     others = [v for v in ranked if v is not own]
