@@ -56,6 +56,19 @@ def test_a_door_found_from_both_sides_is_one_and_the_surer_stays() -> None:
     assert shapely.Polygon(flat.corners).area == pytest.approx(20.0 + 12.8 + 0.2 * 4)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_door_is_as_wide_as_both_its_sides_are_open(turned: bool) -> None:
+    # One side is open 30 cm farther; at the other end both say the same but for the scan's drift.
+    ends = (3.2, 2.0) if turned else (2.0, 3.2)
+    one, other = hole("door", 4.0, *ends, 1, 0.9), hole("door", 4.2, 1.96, 2.9, 3, 0.6)
+    flat = flat_of([found(HALL, one), found(ROOM, other)])
+    assert flat is not None
+    (kept,) = flat.openings
+    np.testing.assert_allclose(
+        kept.opening.corners, hole("door", 4.0, *np.clip(ends, 2.0, 2.9), 1).corners
+    )
+
+
 def test_openings_beside_the_inner_wall_are_in_the_outer_one() -> None:
     """The hall is longer than the room: its wall goes on outdoors."""
     inner, outer = hole("door", 4.0, 2.0, 2.9, 1), hole("window", 4.0, 0.1, 0.8, 1)

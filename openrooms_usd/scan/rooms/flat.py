@@ -1,7 +1,7 @@
 """Rooms of a scan that stand wall to wall, as one: the walls between them, and what is in these."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -14,6 +14,9 @@ from openrooms_usd.scan.results import FoundOpening, FoundRoom
 
 # Jogs of the outline up to this are two rooms' inexact measures of one line, metres.
 _MAX_JOG_M: Final = 0.03
+# Ends of an opening that its two sides show farther apart are where the inner one is: beyond it the
+# wall is there on one side. By less the sides of a scan drift apart, metres.
+_MAX_DRIFT_M: Final = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +103,8 @@ def _openings(
         if opening.type == "window" and not any(_overlap(opening, o, walls[wall]) for o in behind):
             one_sided += 1
             continue
-        kept.append(FlatOpening(opening, wall))
+        twins = [o for i, o, w in found if w == wall and i != room and o.type == opening.type]
+        kept.append(FlatOpening(_through(opening, twins, walls[wall]), wall))
     if not one_sided:
         return kept, []
     what = "window" if one_sided == 1 else "windows"
@@ -121,3 +125,26 @@ def _overlap(one: FoundOpening, other: FoundOpening, wall: WallBetween) -> bool:
     """Whether two openings of a wall are in one place."""
     a, b = (np.sort(wall.place(opening.corners[:2, :2])[0]) for opening in (one, other))
     return bool(min(a[1], b[1]) > max(a[0], b[0]))
+
+
+def _through(one: FoundOpening, twins: Sequence[FoundOpening], wall: WallBetween) -> FoundOpening:
+    """An opening of a wall where both its sides are open."""
+    ends = wall.place(one.corners[:2, :2])[0]
+    low, high = np.sort(ends)
+    inner = np.array([low, high])
+    for twin in twins:
+        if _overlap(one, twin, wall):
+            a, b = np.sort(wall.place(twin.corners[:2, :2])[0])
+            inner = np.array([max(inner[0], a), min(inner[1], b)])
+    shown = np.where(np.abs(inner - (low, high)) > _MAX_DRIFT_M, inner, (low, high))
+    if np.array_equal(shown, (low, high)):
+        return one
+    left, right = (np.sort(shown)[:: 1 if ends[0] < ends[1] else -1] - ends[0]) / np.diff(ends)
+    bottom, top = one.corners[1] - one.corners[0], one.corners[2] - one.corners[3]
+    corners = [
+        one.corners[0] + left * bottom,
+        one.corners[0] + right * bottom,
+        one.corners[3] + right * top,
+        one.corners[3] + left * top,
+    ]
+    return replace(one, corners=np.array(corners))
