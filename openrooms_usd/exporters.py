@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError
+from openrooms_usd.untrusted import check_path
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -212,6 +213,7 @@ def exporter_of(destination: Path) -> str:
 
 def _ending(destination: Path) -> str:
     """How the name of a file ends; empty of a folder."""
+    check_path(destination)
     ending = destination.suffix.lower()
     return "" if destination.is_dir() or not _ENDING.fullmatch(ending) else ending
 

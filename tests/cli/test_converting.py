@@ -117,6 +117,8 @@ def test_a_moment_of_what_moves(tmp_path: Path) -> None:
         ("folder", "gltf", "writes a file that ends in .glb"),
         ("a.usd", "usdz", "writes a file that ends in .usdz"),
         ("a.ply", "mitsuba", "writes a folder or a file that ends in .xml"),
+        ("x" * 300, None, "a name in it is longer than 255 bytes"),
+        ("x" * 300, "urdf", "a name in it is longer than 255 bytes"),
     ],
 )
 def test_an_ending_that_is_not_written_is_refused(
