@@ -41,9 +41,10 @@ _HEIGHT_WEIGHT: Final = 1.1
 _OPEN_WEIGHT: Final = 0.4
 # Usual extents of a scan: its height where an end is open, and its length, metres; their spreads.
 _TALL_M_AND_SPREAD, _LONG_M_AND_SPREAD = (2.6, 0.5), (6.0, 0.8)
-# Seats, beds and tables: how high they usually are, and the spread; how much that counts at most.
+# Seats, beds and tables: how high they usually are, and the spread; how much that counts at
+# most for the unit and for the axis, log odds.
 _TOPS_M_AND_SPREAD: Final = (0.7, 0.4)
-_MOST_OF_TOPS: Final = 3.5
+_MOST_OF_TOPS, _MOST_OF_TOPS_UP = 3.5, 1.0
 # No scan of a room is smaller or larger, nor is its ceiling lower or higher, metres.
 _TALL_LIMITS_M: Final = (0.0, 60.0)
 _LONG_LIMITS_M: Final = (0.8, 800.0)
@@ -159,18 +160,18 @@ def find_unit(
 
 
 def _fit(one: Vertical, asked: Asked, unit: float) -> float:
-    """What speaks for a vertical and a unit: what it shows, and what is said."""
-    return _odds(one, unit) + _CLEAR_LOG_ODDS * (_between(one.axis, asked.up) < _SAME_DEG)
+    """What speaks for a vertical and a unit: its surfaces, its size, its tops, what is said."""
+    said = _CLEAR_LOG_ODDS * (_between(one.axis, asked.up) < _SAME_DEG)
+    return one.line + size_odds(one, unit) - _tops_odds(one, unit, _MOST_OF_TOPS) + said
 
 
-def _odds(one: Vertical, unit: float) -> float:
-    """What a vertical shows for itself and a unit: its surfaces, its size, its tops; log odds."""
-    score = one.line + size_odds(one, unit)
-    if one.tops is not None:
-        middle, spread = _TOPS_M_AND_SPREAD
-        off = np.log(max(one.tops * unit, 1e-9) / middle) / spread
-        score -= min(0.5 * off**2, _MOST_OF_TOPS)
-    return score
+def _tops_odds(one: Vertical, unit: float, most: float) -> float:
+    """What the heights of seats, beds and tables say against a vertical, at most so much."""
+    if one.tops is None:
+        return 0.0
+    middle, spread = _TOPS_M_AND_SPREAD
+    off = np.log(max(one.tops * unit, 1e-9) / middle) / spread
+    return min(0.5 * float(off) ** 2, most)
 
 
 def _is_room(one: Vertical, unit: float) -> bool:
@@ -274,7 +275,9 @@ def find_up(
     Raises:
         InputError: What is said is absurd, or the evidence is not clear.
     """
-    odds = {id(v): _odds(v, unit) for v in found}
+    odds = {
+        id(v): v.line + size_odds(v, unit) - _tops_odds(v, unit, _MOST_OF_TOPS_UP) for v in found
+    }
     ranked = sorted(found, key=lambda v: -odds[id(v)])
     own = next((v for v in ranked if _between(v.axis, asked.up) < _SAME_DEG), None)
     others = [v for v in ranked if v is not own]

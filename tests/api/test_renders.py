@@ -126,7 +126,7 @@ def test_what_stays_is_logged(
 
 def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:
     for wrong in (320, (1, 2, 3), "640x480", (1.5, 2)):
-        with pytest.raises(InputError, match=r"is not a (size|whole number)"):
+        with pytest.raises(InputError, match=r"is not (two whole numbers|a whole number)"):
             ou.render(scene, resolution=wrong)  # type: ignore[arg-type]
     for points in ((1, 2, 3), [(1, 2)], 3):
         with pytest.raises(InputError, match="are no points"):
