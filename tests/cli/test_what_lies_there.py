@@ -281,11 +281,9 @@ def test_only_what_is_ours_and_unchanged_gives_way(name: str, stock: Path, tmp_p
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in CASES if name != "demo"])
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.slow])
 def test_so_does_each_kind_of_file(name: str, stock: Path, tmp_path: Path) -> None:
-    # What goes on beside what it finds works through all of it each time.
-    tried = (lambda names: names[:1]) if CASES[name].resumes else of_each_kind
-    check(CASES[name], stock, tmp_path, tried)
+    check(CASES[name], stock, tmp_path, of_each_kind)
 
 
 @pytest.mark.long

@@ -20,7 +20,7 @@ from tests.engines import ENGINES
 SECONDS, MOST_MM, MOST_DEG = 0.5, 2.0, 0.2
 # Lights and cameras have no bodies.
 STAGES = ("layout", "alignment", "materials", "physics")
-QUICK = {("closet", 1), ("laundry_room", 1)}
+QUICK = {("closet", 1)}
 ROOMS = [
     pytest.param(kind, seed, marks=[] if (kind, seed) in QUICK else pytest.mark.long)
     for seed in (1, 2)
