@@ -11,6 +11,7 @@ from openrooms_usd import adapters
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.artefact import FoundScan
+from openrooms_usd.scan.placement.settling import Unresolved
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import FoundFurniture
 from openrooms_usd.scan.registration.hints import Box
@@ -67,6 +68,21 @@ def test_a_desk_of_no_desk_s_size_is_a_box_for_its_size_alone() -> None:
         "boxes stand for what the library has nothing for: sculpture",
         "boxes stand for things of a size that no such things have: desk, small desk",
     ]
+
+
+@pytest.mark.parametrize(
+    ("kind", "support", "said"),
+    [
+        ("floats", "wall", "0.03 m before the wall that it hangs on"),
+        ("floats", "floor", "0.03 m above all that may carry it"),
+        ("in a wall", "wall", "0.03 m beyond the walls"),
+    ],
+)
+def test_what_is_wrong_still_is_said_with_its_place(kind: Any, support: str, said: str) -> None:
+    pose = Pose(np.eye(3), np.zeros(3), np.ones(3))
+    thing = FoundObject(1, "pillow", "pillow", pose, 0.0, 1.0, word="pillow", support=support)
+    found = FoundFurniture((thing,), unresolved=(Unresolved(kind, 1, None, 0.03),))
+    assert list(_told(found, 0)) == [f"still wrong: the pillow (instance 1) is {said}"]
 
 
 def test_nothing_is_looked_for_where_that_is_asked_but_it_is_said() -> None:

@@ -276,9 +276,20 @@ def _word(state: Arrangement, row: int) -> str:
 def _told(state: Arrangement, row: int, wrong: Unresolved, rows: Mapping[int, int]) -> LeftOut:
     instance, number = state.objects[row].instance, None
     if wrong.other is None:
-        reach = {"floats": "above all that may carry it", "in a wall": "beyond the walls"}
-        where = reach[wrong.kind]
+        where = whereabouts(wrong, hangs=state.supports[row].kind == WALL)
     else:
         number = wrong.other if wrong.instance == instance else wrong.instance
         where = f"inside the {_word(state, rows[number])} (instance {number})"
     return LeftOut(instance, _word(state, row), f"it is {wrong.depth:.2f} m {where}", number)
+
+
+def whereabouts(wrong: Unresolved, *, hangs: bool) -> str:
+    """Where something is that lies in nothing else and is wrong, in words.
+
+    Args:
+        wrong: What is wrong with it.
+        hangs: Whether a wall carries it.
+    """
+    if wrong.kind == "in a wall":
+        return "beyond the walls"
+    return "before the wall that it hangs on" if hangs else "above all that may carry it"

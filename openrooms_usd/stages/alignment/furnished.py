@@ -1,7 +1,7 @@
 """The furniture of a scan: CADs at the poses that were measured, and where they were placed."""
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -12,7 +12,9 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.words import category_of, plain
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.placement.correcting import moved_by
+from openrooms_usd.scan.placement.fitting import whereabouts
 from openrooms_usd.scan.placement.settling import Unresolved
+from openrooms_usd.scan.placement.support import WALL
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import FoundFurniture, find_furniture, furniture_report
 from openrooms_usd.scan.results import FoundRoom
@@ -133,15 +135,16 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
             f"{one.word} (instance {one.instance}): {one.reason}" for one in found.left_out
         )
         yield f"left out, where `alignment.unresolved: keep` keeps them: {each}"
-    yield from (_told_unresolved(one, words) for one in found.unresolved)
+    hung = {thing.instance for thing in found.objects if thing.support == WALL}
+    yield from (_told_unresolved(one, words, hung) for one in found.unresolved)
 
 
-def _told_unresolved(wrong: Unresolved, words: Mapping[int, str]) -> str:
+def _told_unresolved(wrong: Unresolved, words: Mapping[int, str], hung: Collection[int]) -> str:
     what = f"{words[wrong.instance]} (instance {wrong.instance})"
     if wrong.other is not None:
         where = f"inside the {words[wrong.other]} (instance {wrong.other})"
     else:
-        where = {"in a wall": "beyond the walls"}.get(wrong.kind, "above all that may carry it")
+        where = whereabouts(wrong, hangs=wrong.instance in hung)
     return f"still wrong: the {what} is {wrong.depth:.2f} m {where}"
 
 
