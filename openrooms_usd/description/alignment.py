@@ -33,15 +33,15 @@ Size = Annotated[
     Field(description="width, depth and height, metres"),
 ]
 
-# A guess for each of ten thousand unknown names would take minutes, and nobody would read them.
+# Guesses for ten thousand unknown names would take minutes and help no reader.
 _MOST_HINTS: Final = 50
 
 Cutout = Annotated[
     tuple[Length, Length, PositiveLength, PositiveLength],
-    Field(description="x and y of its middle in the object's frame, width and depth, metres"),
+    Field(description="x and y of its centre in the object's frame, width and depth, metres"),
 ]
 
-_CIRCLE: Final = "goes round in a circle; something must stand on the floor"
+_CIRCLE: Final = "depends on itself; one object must stand on the floor"
 
 
 # What carries an object, beside another object.
@@ -215,7 +215,9 @@ class ScanAlignment(CheckedModel):
         for index, thing in enumerate(peek_list(given, "objects")):
             number = peek(thing, "instance")
             if type(number) is int and number in seen:
-                yield Found(("objects", index, "instance"), f"the instance {number} is there twice")
+                yield Found(
+                    ("objects", index, "instance"), f"the instance {number} is listed twice"
+                )
             seen.add(number if type(number) is int else None)
         yield from unsupported(peek_list(given, "objects"))
 
@@ -264,7 +266,7 @@ def _name_clashes(objects: Sequence[Any]) -> Iterator[Found]:
     for index, name in enumerate(given):
         if name in SURFACES:
             yield Found(
-                ("objects", index, "name"), f"{name!r} is the room's own; choose another name"
+                ("objects", index, "name"), f"{name!r} is a reserved name; choose another one"
             )
 
 

@@ -74,7 +74,9 @@ class Viewed(Exposed, CheckedModel):
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """A focus of a camera without a lens."""
         if peek(given, "focus") is not None and peek(given, "f_stop") is None:
-            yield Found(("focus",), "without f_stop all is sharp; give one, or leave focus out")
+            yield Found(
+                ("focus",), "focus has no effect without f_stop; give f_stop, or omit focus"
+            )
 
 
 class LookAtCamera(Viewed):

@@ -20,7 +20,7 @@ def placed(data: AnyMapping[str, Any]) -> Mapping:
     Tuples are lists, and arrays and numbers of numpy are lists and numbers.
 
     Raises:
-        DescriptionError: It is no mapping, nested too deep, or has a key that is no text.
+        DescriptionError: It is not a mapping, is nested too deep, or has a key that is not text.
     """
     found = data if isinstance(data, Mapping) else _Placing().placed(data, ())
     if not isinstance(found, Mapping):

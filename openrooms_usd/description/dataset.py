@@ -103,7 +103,7 @@ class Sensor(CheckedModel):
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """A sensor that does nothing."""
         if all(peek(given, name) is None for name in ("distortion", "noise", "depth")):
-            yield Found((), "a sensor has distortion, noise or depth")
+            yield Found((), "a sensor needs distortion, noise or depth")
 
 
 Variant = Literal["main", "mainDiffMat", "mainDiffLight", "mainDiffMatLight"]
@@ -203,12 +203,12 @@ class DatasetViews(CheckedModel):
             size = peek_list(given, "resolution") or [640, 480]
             sides = [side for side in size if isinstance(side, int)]
             if len(sides) == len(size) == 2 and sides[0] != 2 * sides[1]:
-                yield Found(("resolution",), "a panorama is twice as wide as high")
+                yield Found(("resolution",), "a panorama must be twice as wide as high")
             if peek(given, "stereo") is not None:
-                yield Found(("stereo",), "a panorama has no direction for a second eye")
+                yield Found(("stereo",), "stereo is not available for panoramas")
         source = peek_text(given, "from") or peek_text(given, "source")
         if peek(given, "rate") is not None and source != "path":
-            yield Found(("rate",), "only a path has frames a second (from: path)")
+            yield Found(("rate",), "only paths have a rate of frames (from: path)")
 
 
 class Output(Model):
@@ -250,7 +250,7 @@ class Shares(CheckedModel):
         if all(isinstance(share, (int, float)) for share in shares):
             total = math.fsum(shares)
             if abs(total - 1.0) > _SHARES_TOLERANCE:
-                yield Found((), f"train, val and test are {total:g} together, not 1")
+                yield Found((), f"train, val and test must add up to 1, got {total:g}")
 
 
 class Dataset(CheckedModel):
@@ -322,7 +322,7 @@ class Dataset(CheckedModel):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
-        """What is named twice, what works with pinholes alone, and photographs of no capture."""
+        """Names given twice, what needs pinhole cameras, and photographs without a capture."""
         views = peek(given, "views")
         if "capture" in (peek(views, "from"), peek(views, "source")):
             for index, row in enumerate(peek_list(given, "rooms")):
@@ -332,7 +332,7 @@ class Dataset(CheckedModel):
         if peek(views, "projection") == "equirectangular":
             for name in ("sensor", "outputs"):
                 if peek(given, name):
-                    yield Found((name,), "panoramas have none: it works with pinhole cameras")
+                    yield Found((name,), "panoramas do not support it: it needs pinhole cameras")
         variants = peek_list(given, "variants")
         kinds = [peek(row, "as") or peek(row, "kind") for row in peek_list(given, "outputs")]
         for where, names in (("variants", variants), ("outputs", kinds)):

@@ -18,7 +18,7 @@ from openrooms_usd.description.substances import Substance
 from openrooms_usd.description.units import degrees, kilograms, metres
 from openrooms_usd.spelling import did_you_mean
 
-# Nobody reads more names than these.
+# A longer list of names would not be read.
 _MOST_LISTED: Final = 30
 
 # What lists long choices, by the first of each.

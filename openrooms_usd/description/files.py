@@ -32,7 +32,7 @@ def load_room(path: Path) -> Room:
 
     Raises:
         InputError: The file is missing or cannot be read.
-        DescriptionError: It is no valid description; the message lists every mistake.
+        DescriptionError: It is not a valid description; the message lists every mistake.
     """
     remedy = "`orusd init DIR` writes a room to start from"
     text = read_bytes(path, "description", remedy=remedy)
@@ -51,7 +51,7 @@ def parse_room(text: str | bytes, name: str = "room.yaml", *, folder: Path | Non
         The room, with every default filled in.
 
     Raises:
-        DescriptionError: It is no valid description; the message lists every mistake.
+        DescriptionError: It is not a valid description; the message lists every mistake.
     """
     room = _parsed(Room, text, name)
     return room if folder is None else room.located(folder)
@@ -68,7 +68,7 @@ def load_dataset(path: Path) -> Dataset:
 
     Raises:
         InputError: The file is missing or cannot be read.
-        DescriptionError: It is no valid description; the message lists every mistake.
+        DescriptionError: It is not a valid description; the message lists every mistake.
     """
     text = read_bytes(path, "description", remedy="docs/datasets.md shows one to start from")
     return _parsed(Dataset, text, str(path)).located(path.parent)

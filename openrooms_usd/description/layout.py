@@ -102,7 +102,7 @@ class Opening(CheckedModel):
         for key in ("open", "hinge", "swing"):
             if kind in ("window", "opening") and peek(given, key) not in _OF_LEAVES:
                 what = "a window has no leaf" if kind == "window" else "an opening has no leaf"
-                yield Found((key,), f"{what}; leave {key} out, or make it a door")
+                yield Found((key,), f"{what}; omit {key}, or make it a door")
         known = STYLES.get(kind or "", ())
         if style in {name for names in STYLES.values() for name in names} - {*known}:
             what = "an opening has no style" if not known else f"no {kind} is {style!r}"
@@ -218,9 +218,9 @@ class ScanLayout(CapturedLayout):
     """Take a scan that shows little of the room, such as a single view; walls that it does not show
     are guessed."""
     room: Annotated[Whole, Field(ge=0)] | Literal["all"] = 0
-    """Which of several rooms becomes the layout: 0 is the one that is best seen and large (area
-    times the part of its walls that was scanned); `all` joins it with those that stand wall to wall
-    with it, or with each other, to a flat. The report has all."""
+    """Which of several rooms becomes the layout: 0 is the largest and best seen one (area times the
+    part of its walls that was scanned). `all` joins it with the rooms wall to wall with it, or
+    with each other, to a flat. The report has all."""
     storey: Whole | None = Field(default=None, ge=0)
     """Which of several storeys, 0 is the lowest; by default the one with the largest floor."""
 

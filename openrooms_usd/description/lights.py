@@ -43,7 +43,7 @@ class ConstantEnvironment(CheckedModel):
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """A black sky that shall shine."""
         if _is_black(peek(given, "color")) and peek(given, "illuminance") != 0:
-            text = "a black sky shines on nothing; give a color with some light in it, or"
+            text = "a black sky gives no light; give a brighter color, or"
             yield Found(("color",), f"{text} illuminance: 0")
 
 
@@ -69,7 +69,7 @@ class FileEnvironment(CheckedModel):
         """Two brightnesses at once."""
         if peek(given, "illuminance") is not None and peek(given, "scale") is not None:
             yield Found(
-                ("scale",), "illuminance and scale both say how bright it is; give one of them"
+                ("scale",), "illuminance and scale both set the brightness; give one of them"
             )
 
 
@@ -169,11 +169,11 @@ class Lamp(CheckedModel):
         if peek(given, "radiance") is not None:
             for key in ("lumen", "kelvin", "color", "profile"):
                 if peek(given, key) is not None:
-                    yield Found((key,), f"radiance says it already; leave {key} away")
+                    yield Found((key,), f"radiance already sets it; omit {key}")
         elif peek(given, "color") is not None and peek(given, "kelvin") is not None:
-            yield Found(("kelvin",), "color and kelvin both say its hue; give one of them")
+            yield Found(("kelvin",), "color and kelvin both set the colour; give one of them")
         if _is_black(peek(given, "color")):
-            text = "a black lamp has no hue; give a color with some light in it, or on: false"
+            text = "a black lamp gives no light; give a brighter color, or on: false"
             yield Found(("color",), text)
         widest = WIDEST_BEAMS_DEG.get(str(peek(given, "profile")))
         beam = peek(given, "beam")

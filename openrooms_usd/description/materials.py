@@ -52,18 +52,18 @@ class Look(CheckedModel):
         """Keys that contradict each other, and a material of which nothing is said."""
         has = {name for name in cls.model_fields if peek(given, name) is not None}
         if not has & {*_KINDS}:
-            yield Found((), f"say what it is by one of: {', '.join(_KINDS)}")
+            yield Found((), f"give one of: {', '.join(_KINDS)}")
         if "metallic" in has and not has & {"color", "family", "file"}:
             yield Found(("metallic",), "a constant needs a color too")
         for first, others in _CLASHES.items():
             for other in others:
                 if {first, other} <= has:
-                    yield Found((other,), f"{other} has no meaning beside {first}")
+                    yield Found((other,), f"{other} cannot be combined with {first}")
         constant = "metallic" in has or not has & {"family", "substance", "file"}
         if "size" in has and constant:
-            yield Found(("size",), "a constant has no textures that could have a size")
+            yield Found(("size",), "a constant has no texture, so size has no effect")
         if "number" in has and constant and "file" not in has:
-            yield Found(("number",), "a constant is no family, of which there are several")
+            yield Found(("number",), "number selects a member of a family; a constant has none")
 
 
 def _look(given: Any) -> Any:
@@ -97,7 +97,7 @@ class Scale(CheckedModel):
             if not isinstance(ends, (list, tuple)) or len(ends) != 2:
                 continue
             if all(isinstance(end, (int, float)) for end in ends) and ends[0] > ends[1]:
-                yield Found((name,), "the least factor comes first")
+                yield Found((name,), "the smaller factor comes first")
 
 
 class Materials(CheckedModel):

@@ -8,7 +8,7 @@ from openrooms_usd.errors import DescriptionError
 
 Steps = tuple[str | int, ...]
 
-# A person mends these first; ten thousand lines would help nobody.
+# Users fix these first; ten thousand lines would not help them.
 _MOST_SHOWN: Final = 50
 _LONGEST_SHOWN: Final = 40
 _LONGEST_LIST: Final = 4

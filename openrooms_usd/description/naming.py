@@ -53,8 +53,8 @@ def captured_names(captured: Sequence[tuple[str, str]], taken: Collection[str] =
 
     Returns:
         One name each, in order, each another: the label with the identifier where that is a short
-        word, with the first digits of its SHA-256 otherwise. Only things that are alike in both
-        are told apart by their order.
+        word, with the first digits of its SHA-256 otherwise. Only things that are alike in both are
+        distinguished by their order.
     """
     names = [_captured_name(label, identifier, 0) for label, identifier in captured]
     for step in range(1, len(_DIGITS)):

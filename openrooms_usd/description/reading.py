@@ -19,17 +19,17 @@ _TEXTS: Final = (
     ("unexpected end of stream", "the text that was opened with a quote here is not closed"),
     ("',' or ']'", "the list that was opened with [ in line {opened} lacks a comma or its ]"),
     ("',' or '}'", "the mapping that was opened with {{ in line {opened} lacks a comma or its }}"),
-    ("cannot start any token", "{character} cannot stand here; quote the text"),
+    ("cannot start any token", "{character} is not allowed here; quote the text"),
     ("mapping values are not allowed", "a colon does not fit here: check the indentation"),
     ("'-' indicator", "this line does not fit those above it: check the indentation"),
     ("did not find expected key", "this line does not fit those above it: check the indentation"),
     ("<block end>", "this line does not fit those above it: check the indentation"),
     ("undefined tag handle", "tags are not allowed"),
     ("unknown escape character", "after a backslash in double quotes only \\n, \\t and so on"),
-    ("<document start>", "nothing may follow the end of the description"),
+    ("<document start>", "text after the end of the description is not allowed"),
     ("node content", "a value is missing, or the text ends too early"),
 )
-_TAB: Final = "a tab cannot indent; use spaces"
+_TAB: Final = "tabs are not allowed for indentation; use spaces"
 MAX_DEPTH: Final = 32
 MAX_VALUES: Final = 1_000_000
 _LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -84,7 +84,7 @@ def read_yaml(text: str, name: str) -> tuple[Mapping, list[Mistake]]:
         The data, and the mistakes that did not stop the reading, such as duplicate keys.
 
     Raises:
-        DescriptionError: It is no YAML, or not a single mapping, or it passes a limit.
+        DescriptionError: It is not valid YAML, not a single mapping, or exceeds a limit.
     """
     reader = _Reader(name)
     try:
@@ -244,7 +244,7 @@ class _Reader:
         if any(level.anchor == event.anchor for level in self._open):
             self.stop(place, f"*{event.anchor} contains itself")
         if event.anchor not in self._anchors:
-            self.stop(place, f"no anchor &{event.anchor} stands above")
+            self.stop(place, f"the anchor &{event.anchor} is not defined above")
         value, values, height = self._anchors[event.anchor]
         self._count(place, values)
         if len(self._open) + height > MAX_DEPTH:
@@ -260,7 +260,7 @@ def _place(event: Any) -> Place:
 
 
 def explain(error: yaml.YAMLError, text: str) -> tuple[Place, str]:
-    """Say where a text is no YAML, and why.
+    """Say where and why a text is not valid YAML.
 
     Args:
         error: What the parser raised.
@@ -269,9 +269,9 @@ def explain(error: yaml.YAMLError, text: str) -> tuple[Place, str]:
     if isinstance(error, yaml.reader.ReaderError):
         position = text.find(chr(error.character))  # libyaml counts bytes, its twin characters
         found = f"the character U+{error.character:04X}"
-        return place_of(text, max(position, 0)), f"{found} has no place in a text file"
+        return place_of(text, max(position, 0)), f"{found} is not allowed in a text file"
     if not isinstance(error, yaml.MarkedYAMLError) or error.problem_mark is None:
-        return Place(1, 1), f"this is no YAML: {error}"
+        return Place(1, 1), f"this is not valid YAML: {error}"
     problem = error.problem or "syntax error"
     at, opened = error.problem_mark, error.context_mark or error.problem_mark
     character = _character(text, at.line, at.column)

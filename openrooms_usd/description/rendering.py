@@ -80,14 +80,14 @@ class Budget(CheckedModel):
     error: Annotated[Number, Field(ge=1e-9, le=1e3)] | None = None
     """Stop at this estimated robust error of the radiance."""
     seconds: Annotated[Number, Field(ge=1e-3, le=1e7), Option("--time", "seconds")] | None = None
-    """Stop each view after about this time; how much is done in it no two runs have alike."""
+    """Stop each view after about this time; two runs do different amounts of work in it."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
         """More than one of them."""
         has = [name for name in _STOPS if peek(given, name) is not None]
         for name in has[1:]:
-            yield Found((name,), f"a view stops by one of these; {has[0]} is given already")
+            yield Found((name,), f"only one of these is allowed; {has[0]} is already given")
 
 
 class Rendering(Model):
@@ -216,12 +216,12 @@ def _plain(name: str, value: Any) -> Any:
 def _check_size(size: tuple[int, int] | None) -> None:
     if size and size[0] * size[1] > _MOST_PIXELS:
         raise InputError(
-            f"{size[0]}x{size[1]} are more than {_MOST_PIXELS:,} pixels", place="resolution"
+            f"{size[0]}x{size[1]} is more than {_MOST_PIXELS:,} pixels", place="resolution"
         )
 
 
 def _refusal(error: ValidationError) -> InputError:
-    """The first mistake, as people are told of it."""
+    """The first mistake, as users see it."""
     row = error.errors(include_url=False)[0]
     name = next((str(step) for step in row["loc"] if isinstance(step, str)), "")
     if row["type"] == "extra_forbidden":
@@ -243,8 +243,8 @@ def _text(name: str, row: Mapping[str, Any]) -> str:
     if kind in ("greater_than_equal", "less_than_equal", "finite_number", *_OPEN):
         low, high = limits_of(name) or (-inf, inf)
         if kind in _OPEN:
-            return f"{found} is not above {low:,} and below {high:,}"
-        return f"{found} is not between {low:,} and {high:,}"
+            return f"must be above {low:,} and below {high:,}, got {found}"
+        return f"must be between {low:,} and {high:,}, got {found}"
     expected = {
         "int_type": "a whole number",
         "float_type": "a number",

@@ -198,7 +198,7 @@ def room_of(data: Mapping[str, Any]) -> Room:
         The room, with every default filled in.
 
     Raises:
-        DescriptionError: It is no valid description; the message lists every mistake by its path
+        DescriptionError: It is not a valid description; the message lists every mistake by its path
             in the data.
     """
     from openrooms_usd.description.data import placed, refused
@@ -229,8 +229,8 @@ def _drawn_into_captures(given: Any) -> Iterator[Found]:
     ):
         yield Found(
             ("clutter",),
-            "things lie about in rooms that are drawn or generated, not in captured ones; "
-            "leave clutter out, or draw the room by a polygon and list its objects",
+            "clutter is available for drawn and generated rooms, not for captured ones; omit "
+            "clutter, or draw the room by a polygon and list its objects",
         )
 
 
@@ -244,5 +244,7 @@ def _cameras_of_nothing(given: Any) -> Iterator[Found]:
     # A section that is one view repeats itself as its only one.
     for path, view in [(("cameras",), cameras)] if _source(cameras) == "capture" else views:
         if _source(view) == "capture":
-            text = "the room comes from no capture: neither its layout nor its alignment does"
+            text = (
+                "the room does not come from a capture: neither its layout nor its alignment does"
+            )
             yield Found((*path, "from"), text)

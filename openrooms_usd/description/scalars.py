@@ -55,7 +55,7 @@ def tagged(tag: str, text: str) -> Any:
     """The meaning of a scalar with a tag.
 
     Raises:
-        ValueError: The tag is none of the core's, or the text is not of its type.
+        ValueError: The tag is not in the core schema, or the text is not of its type.
     """
     kind = tag.removeprefix(_CORE)
     if tag == "!" or kind == "str":
@@ -64,7 +64,7 @@ def tagged(tag: str, text: str) -> Any:
     if not tag.startswith(_CORE) or kind not in _TYPES:
         raise ValueError(f"tags are not allowed, found {short_tag(tag)}")
     if type(value) not in _TYPES[kind]:
-        raise ValueError(f"expected what the tag !!{kind} says, found {text!r}")
+        raise ValueError(f"expected a value of the tag !!{kind}, found {text!r}")
     return value
 
 

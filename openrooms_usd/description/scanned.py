@@ -80,13 +80,13 @@ class ScannedObject(CheckedModel):
         for key in ("pose", "box"):
             turn = peek_list(peek(given, key), "rotation_wxyz")
             if turn and not any(turn):
-                yield Found((key, "rotation_wxyz"), "a quaternion of length 0 is no rotation")
+                yield Found((key, "rotation_wxyz"), "a quaternion of length 0 is not a rotation")
         if peek(given, "pose") is not None and peek(given, "box") is not None:
             yield Found(("box",), "give a pose or a box, not both")
 
 
 def unsupported(objects: Sequence[Any]) -> Iterator[Found]:
-    """Supports that are no hinted instance, and those that go round in a circle.
+    """Supports that are not hinted instances, and supports that depend on themselves.
 
     Args:
         objects: Hints as they were given.
@@ -103,7 +103,7 @@ def unsupported(objects: Sequence[Any]) -> Iterator[Found]:
         if under > 0 and under not in carriers:
             yield Found(place, f"no object of this list has the instance {under}")
         elif _returns(peek(thing, "instance"), carriers):
-            yield Found(place, "goes round in a circle; something must stand on the floor")
+            yield Found(place, "depends on itself; one object must stand on the floor")
 
 
 def _returns(number: Any, carriers: Mapping[int, Any]) -> bool:

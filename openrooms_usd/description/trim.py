@@ -141,7 +141,7 @@ class Ceiling(CheckedModel):
         kind = peek(given, "kind") or "plain"
         for key in ("spacing", "width", "depth", "along"):
             if kind == "plain" and peek(given, key) is not None:
-                yield Found((key,), f"{key} has no meaning below a plain ceiling")
+                yield Found((key,), f"{key} has no effect with a plain ceiling")
         spacing, width = peek(given, "spacing"), peek(given, "width")
         known = isinstance(spacing, (int, float)) and isinstance(width, (int, float))
         if known and width >= spacing:
@@ -180,7 +180,7 @@ class Cladding(CheckedModel):
             if not isinstance(ends, (list, tuple)) or len(ends) != 2:
                 continue
             if all(isinstance(e, (int, float)) for e in ends) and ends[0] >= ends[1]:
-                yield Found((key,), "it ends before it begins")
+                yield Found((key,), "its end must lie behind its start")
 
 
 def _kind(given: Any) -> Any:

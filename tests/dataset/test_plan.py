@@ -120,8 +120,8 @@ def test_mistakes_are_told_with_their_places(tmp_path: Path) -> None:
         ":3:34: rooms[0].count: expected at least 1",
         ":4:12: rooms[1].files",
         ":5:18: variants[1]: main is given twice",
-        ":6:29: budget.error: a view stops by one",
-        ":7:9: splits: train, val and test are 1.1 together, not 1",
+        ":6:29: budget.error: only one of these",
+        ":7:9: splits: train, val and test must add up to 1, got 1.1",
     ):
         assert fragment in said
 

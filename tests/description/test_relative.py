@@ -35,7 +35,7 @@ def test_unknown_names_have_a_place_and_a_hint() -> None:
 
 
 def test_the_room_s_own_names_are_taken() -> None:
-    assert "'wall' is the room's own" in mistakes("name: wall")[0]
+    assert "'wall' is a reserved name" in mistakes("name: wall")[0]
 
 
 def test_circles_may_go_over_both_keys() -> None:
@@ -55,7 +55,7 @@ def test_circles_may_go_over_both_keys() -> None:
     ]
 
 
-CIRCLE = "goes round in a circle; something must stand on the floor"
+CIRCLE = "depends on itself; one object must stand on the floor"
 
 
 def test_ten_thousand_links_are_checked_in_one_walk() -> None:

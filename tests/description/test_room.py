@@ -78,13 +78,13 @@ def test_a_family_alone_is_a_look() -> None:
 @pytest.mark.parametrize(
     ("look", "message"),
     [
-        ("{}", "say what it is by one of: family, substance, file, color"),
-        ("{roughness: 0.5}", "say what it is"),
-        ("{file: a, color: [1, 1, 1]}", "color has no meaning beside file"),
-        ("{family: denim, substance: metal}", "substance has no meaning beside family"),
-        ("{family: denim, metallic: 1}", "metallic has no meaning beside family"),
+        ("{}", "give one of: family, substance, file, color"),
+        ("{roughness: 0.5}", "give one of"),
+        ("{file: a, color: [1, 1, 1]}", "color cannot be combined with file"),
+        ("{family: denim, substance: metal}", "substance cannot be combined with family"),
+        ("{family: denim, metallic: 1}", "metallic cannot be combined with family"),
         ("{substance: metal, metallic: 1}", "a constant needs a color too"),
-        ("{color: [1, 1, 1], size: 1}", "a constant has no textures"),
+        ("{color: [1, 1, 1], size: 1}", "a constant has no texture"),
     ],
 )
 def test_looks_that_contradict_themselves_are_refused(look: str, message: str) -> None:
@@ -95,7 +95,7 @@ def test_looks_that_contradict_themselves_are_refused(look: str, message: str) -
 def test_looks_and_scales_are_within_their_ranges() -> None:
     with pytest.raises(DescriptionError, match="the room has the looks 0 to 1"):
         parse_room("materials: {looks: 2, look: 2}")
-    with pytest.raises(DescriptionError, match="the least factor comes first"):
+    with pytest.raises(DescriptionError, match="the smaller factor comes first"):
         parse_room("materials: {scale: {color: [1.2, 0.8]}}")
     parse_room("materials: {looks: 2, look: 1, scale: {roughness: [0.8, 1.2]}}")
 

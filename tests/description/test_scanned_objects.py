@@ -41,7 +41,7 @@ def test_circles_are_refused(supports: tuple[int, ...]) -> None:
     assert [row.split(": ", 2)[1:] for row in found] == [
         [
             f"alignment.objects[{row}].support",
-            "goes round in a circle; something must stand on the floor",
+            "depends on itself; one object must stand on the floor",
         ]
         for row in range(len(supports))
     ]

@@ -51,7 +51,7 @@ def test_a_lens_on_request_is_focused_on_the_middle_or_as_the_camera_says() -> N
 
 
 def test_an_f_stop_that_is_no_lens_is_refused(renderer, scene, tmp_path) -> None:
-    with pytest.raises(InputError, match="not between"):
+    with pytest.raises(InputError, match="must be between"):
         render_stage(scene, tmp_path / "out", RenderSettings(f_stop=0.0))
 
 

@@ -292,7 +292,7 @@ def test_a_sensor_says_what_it_misses() -> None:
     with pytest.raises(InputError, match="works with radiance, normal_geometric"):
         sensor = Sensor(noise=Noise(), depth=DepthCamera())
         check_sensor(sensor, ["depth", "base_color", "roughness", "metallic"])
-    with pytest.raises(ValueError, match="a sensor has"):
+    with pytest.raises(ValueError, match="a sensor needs"):
         Sensor.model_validate({"seed": 3})
 
 

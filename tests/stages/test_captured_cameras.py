@@ -117,7 +117,7 @@ def test_names_sources_and_every(tmp_path: Path) -> None:
 
 def test_a_room_from_no_capture_has_no_photographs(tmp_path: Path) -> None:
     for cameras in ("{from: capture}", "{views: [{from: capture}]}"):
-        with pytest.raises(DescriptionError, match="from no capture"):
+        with pytest.raises(DescriptionError, match="not come from a capture"):
             parse_room(f"cameras: {cameras}")
     capture(tmp_path, frames=[])
     with pytest.raises(InputError, match="no cameras of photographs"):
