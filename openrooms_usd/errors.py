@@ -13,7 +13,7 @@
     └── MissingPackageError an optional package or system library is not installed
 
 Every error carries a stable code, the message, the place (file, field or prim) and a remedy. The
-command line prints ``str(error)`` and leaves with ``exit_code``; nobody ever needs a traceback.
+command line prints ``str(error)`` and exits with ``exit_code``; users never need a traceback.
 """
 
 import re

@@ -85,7 +85,7 @@ def proper(rotation: Array, node: Node) -> None:
         InputError: It mirrors, scales or shears.
     """
     if np.abs(rotation.T @ rotation - np.eye(3)).max() > _ROTATION_TOLERANCE:
-        raise node.error("this is no rotation: it scales or shears", "give orthonormal axes")
+        raise node.error("this is not a rotation: it scales or shears", "give orthonormal axes")
     if np.linalg.det(rotation) < 0.0:
         raise node.error("this is left-handed: it mirrors", "give the axes of a right-handed frame")
 

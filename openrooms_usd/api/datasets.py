@@ -1,4 +1,4 @@
-"""Many rooms by one dataset.yaml, and renders in the form of somebody else's dataset."""
+"""Many rooms from one dataset.yaml, and renders in the form of a published dataset."""
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
@@ -58,9 +58,9 @@ def run_dataset(
     if done.failed and not done.made + done.kept:
         unit, reason = next(iter(done.failed.items()))
         raise RenderError(
-            f"none of {len(done.failed)} views could be made; {unit}: {reason}",
+            f"all {len(done.failed)} views failed; {unit}: {reason}",
             place=str(out),
-            remedy="`orusd dataset status` lists why; mend it, and run again",
+            remedy="`orusd dataset status` lists the causes; fix them and run again",
         )
     return done
 

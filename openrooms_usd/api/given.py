@@ -85,7 +85,7 @@ def choice_of(given: object, choices: object, what: str) -> None:
     """See that what is given is one of few texts.
 
     Args:
-        given: What somebody chose.
+        given: The value that the caller chose.
         choices: The ``Literal`` of all.
         what: What it is, for the message.
 
@@ -113,7 +113,7 @@ def points_of(given: object, what: str) -> list[tuple[float, float, float]]:
         return [(float(x), float(y), float(z)) for x, y, z in given]  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         remedy = "give a list of points, such as [(2, 1.5, 1.2)], in metres"
-        raise InputError(f"{_shown(given)} are no points", place=what, remedy=remedy) from None
+        raise InputError(f"{_shown(given)} are not points", place=what, remedy=remedy) from None
 
 
 def unknown_name(

@@ -43,7 +43,7 @@ def relight(
         ``.radiance``, (height, width, 3), and ``.factors``, what each light was multiplied by.
 
     Raises:
-        InputError: It is no view, has no light channels, or a light cannot be as wanted.
+        InputError: It is not a view, has no light channels, or a light cannot be changed as asked.
         OutputError: The folder cannot be written, or holds what is not ours.
     """
     from openrooms_usd.rendering import relight as relighting

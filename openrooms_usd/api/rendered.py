@@ -142,7 +142,7 @@ def open_render(folder: AnyPath) -> Render:
         folder: What `render` or ``orusd render`` wrote.
 
     Raises:
-        InputError: It is no render, has no finished view, or its manifest is not sound.
+        InputError: It is not a render, has no finished view, or its manifest is damaged.
     """
     from openrooms_usd.rendering.reading import read_render as read
 

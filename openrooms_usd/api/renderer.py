@@ -174,9 +174,7 @@ class OpenRenderer:
         """
         if isinstance(camera, Camera) and "resolution" in fields:
             raise InputError(
-                "this camera has a size of its own",
-                place="resolution",
-                remedy="give it to ou.Camera",
+                "this camera already has a size", place="resolution", remedy="give it to ou.Camera"
             )
         context = self._with(channels, fields)
         return Picture(self._shot(context, camera)())
@@ -231,9 +229,9 @@ class OpenRenderer:
         }
         folder.check_view_names(target, views)
         if not views:
-            raise InputError("no view is asked for", place="cameras", remedy="name a camera")
+            raise InputError("no camera is given", place="cameras", remedy="name a camera")
         if earlier := folder.listed_views(target) - views.keys():
-            _LOG.warning("%s: %s give way to this render", target, ", ".join(sorted(earlier)))
+            _LOG.warning("%s: this render replaces %s", target, ", ".join(sorted(earlier)))
         folder.check_writable(target)
         with claims.claimed(target, ledger.RENDER_FILE) as kept:
             write_views(context, target, kept, views, progress)

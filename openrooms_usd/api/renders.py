@@ -60,7 +60,9 @@ def render(
         names = [cameras] if isinstance(cameras, str) else list(cameras)
         summary = render_stage(file, folder, wanted, cameras=names, progress=progress)
     for path in summary.stay:
-        _LOG.warning("%s stays: it is no view of this run, and holds what no run wrote", path)
+        _LOG.warning(
+            "%s is kept: this run did not render it, and it holds files that no run wrote", path
+        )
     return open_render(folder)
 
 

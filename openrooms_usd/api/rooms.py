@@ -87,8 +87,10 @@ def generate(
     from openrooms_usd.generation import write
 
     if not isinstance(seed, Integral) or not 0 <= seed < 2**63:
-        remedy = "give a whole number of at least 0"
-        raise InputError(f"{seed!r} is no seed", place="seed", remedy=remedy)
+        remedy = "give a whole number such as 7"
+        raise InputError(
+            f"must be a whole number of at least 0, got {seed!r}", place="seed", remedy=remedy
+        )
     if not isinstance(clutter, Integral) or not 0 <= clutter <= 3:
         remedy = "give 0 (nothing), 1 (tidy), 2 (lived in) or 3 (messy)"
         raise InputError(f"{clutter!r} is not an amount", place="clutter", remedy=remedy)

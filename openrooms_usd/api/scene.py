@@ -177,7 +177,7 @@ class Scene(os.PathLike[str]):
 
         Raises:
             DescriptionError: There is no such category or field, or a value is out of range.
-            InputError: It is no composed room, the file cannot be read, or a name is unknown.
+            InputError: It is not a composed room, the file cannot be read, or a name is unknown.
             OutputError: The edits or the model cannot be written.
         """
         from openrooms_usd.edits.objects import add
@@ -209,7 +209,7 @@ class Scene(os.PathLike[str]):
         it, which is faster for many. Compose the room again for its other layers to follow.
 
         Raises:
-            InputError: It is no composed room.
+            InputError: It is not a composed room.
             StageError: With what was authored the room would not compose.
         """
         from openrooms_usd.edits.editing import editing

@@ -113,7 +113,7 @@ def simulate(
         How far everything has moved: ``.moved``, the farthest first.
 
     Raises:
-        InputError: The file is no USD, no engine has that name, or a number makes no sense.
+        InputError: The file is not USD, no engine has that name, or a number makes no sense.
         MissingPackageError: The engine is not installed.
         StageError: The stage has no physics, or the simulation explodes.
         OutputError: The layer cannot be written.
@@ -162,8 +162,8 @@ def convert(
         What became of every prim; ``.losses()`` are those that were not translated whole.
 
     Raises:
-        InputError: The file is no USD, no exporter has that name or writes files that end so, or
-            this one writes no moment.
+        InputError: The file is not USD, no exporter has that name or writes such files, or this
+            exporter cannot write a single moment.
         StageError: It needs pictures outside its folder, or is not what the exporter needs.
         OutputError: The destination cannot be written, or what lies there is not ours.
     """

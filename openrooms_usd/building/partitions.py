@@ -1,9 +1,9 @@
 """Walls that stand free in a room: how they meet its walls and each other.
 
-A partition is given by its middle line. Where it ends at a wall it is cut off along the wall's
-inner face, where it ends at the side of another along that one's face, and where ends come
-together each takes what is nearer to its own line than to the others'. So nothing stays open
-between them, no partition reaches into a wall, and every outline is convex.
+A partition is given by its middle line. An end at a wall is cut off along the wall's inner face, an
+end at the side of another partition along that partition's face. Where ends meet, each takes what
+is nearer to its own line. So nothing stays open between them, no partition reaches into a wall, and
+every outline is convex.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,8 +19,8 @@ from openrooms_usd.geometry.floorplan import inside, wall_distance
 Array = NDArray[np.float64]
 
 REACH_M: Final = 0.15
-"""Gaps up to this length between a partition's end and what it leads to are closed, metres: nobody
-leaves a slit that nothing fits into."""
+"""Gaps up to this length between a partition's end and what it leads to are closed, metres: real
+rooms have no such slits."""
 
 # What must be left of a partition's faces, metres.
 _MIN_LENGTH_M: Final = 0.05

@@ -26,7 +26,7 @@ _BLUR_PIXELS: Final = 1.2
 _BINS: Final = 12
 # How far edges may be apart, of the picture's diagonal.
 _NEAR_SHARE: Final = 0.01
-# Chance is told by shifts of the render by this part of the picture.
+# Matches by chance are measured by shifting the render by this part of the picture.
 _SHIFT_SHARE: Final = 1.0 / 6.0
 _LUMA: Final = (0.2126, 0.7152, 0.0722)
 

@@ -65,7 +65,7 @@ def read_photographs(
     found = read_captured(stage, path, description, pictures)
     if not found.frames:
         raise InputError(
-            "this capture knows no cameras of photographs",
+            "this capture has no cameras of photographs",
             place=description or _beside(path),
             remedy="import it with --frames, where its importer has that (`orusd import --help`)",
         )
@@ -84,7 +84,8 @@ def read_captured(
     section = captured_section(load_room(file))
     if section is None:
         raise InputError(
-            "this room comes from no capture: there is nothing to compare it with", place=file
+            "this room does not come from a capture, so there is nothing to compare it with",
+            place=file,
         )
     source = file.parent / section.file
     untrusted.check_path(source)
@@ -148,9 +149,9 @@ def _room_from_source(stage: Usd.Stage, path: Path) -> Array:
     attribute = room.GetAttribute(names.SOURCE_FROM_WORLD) if room else None
     if not attribute or not attribute.HasValue():
         raise InputError(
-            "this room does not say where it lies in its capture",
+            "this room does not record its place in the capture",
             place=f"{path}{names.ROOM}",
-            remedy="compose it from its capture",
+            remedy="compose it again from its capture",
         )
     return np.asarray(np.linalg.inv(np.array(attribute.Get()).T))
 

@@ -149,7 +149,7 @@ def _check_room(out: Path) -> None:
     missing = [path for path in needed if not path.is_file()]
     if missing:
         raise StageError(
-            f"this is no composed room: {missing[0].name} is missing",
+            f"this is not a composed room: {missing[0].name} is missing",
             place=out / names.LAYERS,
             remedy="name the scene.usda in the folder that orusd compose wrote",
         )

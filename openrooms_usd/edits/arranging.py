@@ -135,7 +135,7 @@ def place(
         snap: Whether it comes flush to walls that are near.
 
     Raises:
-        InputError: There is no such object, or this is no composed room.
+        InputError: There is no such object, or this is not a composed room.
         OutputError: The edits cannot be written.
         StageError: The room would not compose.
     """
@@ -158,7 +158,7 @@ def duplicate(scene: Path, name: str) -> Standing:
     when they change.
 
     Raises:
-        InputError: There is no such object, or this is no composed room.
+        InputError: There is no such object, or this is not a composed room.
         OutputError: The edits cannot be written.
         StageError: The room would not compose.
     """
@@ -183,7 +183,7 @@ def remove(scene: Path, name: str) -> None:
     """Take an object away: it is switched off, and comes back when the opinion is removed.
 
     Raises:
-        InputError: There is no such object, or this is no composed room.
+        InputError: There is no such object, or this is not a composed room.
         OutputError: The edits cannot be written.
         StageError: The room would not compose.
     """
@@ -201,7 +201,7 @@ def relabel(scene: Path, name: str, category: str) -> Standing:
 
     Raises:
         DescriptionError: There is no such category, in the words that compose would use.
-        InputError: There is no such object, or this is no composed room.
+        InputError: There is no such object, or this is not a composed room.
         OutputError: The edits cannot be written.
         StageError: The room would not compose.
     """

@@ -71,7 +71,7 @@ def assign(scene: Path, path: str, scope: Scope, look: Look, base: Path | None =
         base: Where the names of files in the look begin; None for the scene's folder.
 
     Raises:
-        InputError: There is no such part or material, or this is no composed room.
+        InputError: There is no such part or material, or this is not a composed room.
         OutputError: The edits or a texture cannot be written.
         StageError: The room would not compose.
     """
@@ -95,7 +95,7 @@ def unassign(scene: Path, path: str, scope: Scope) -> Assigned:
     """Let parts be made of what the stages gave them again.
 
     Raises:
-        InputError: There is no such part, or this is no composed room.
+        InputError: There is no such part, or this is not a composed room.
         OutputError: The edits cannot be written.
         StageError: The room would not compose.
     """

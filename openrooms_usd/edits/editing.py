@@ -74,7 +74,7 @@ def _check_composed(scene: Path) -> None:
     """Refuse what compose did not write, before anything is written beside it."""
     if not (scene.is_file() and (scene.parent / _EDITS).is_file()):
         raise InputError(
-            f"this is no composed room: it has no {_EDITS}",
+            f"this is not a composed room: it has no {_EDITS}",
             place=scene,
             remedy="compose a room first; any USD tool edits other files in place",
         )

@@ -343,7 +343,7 @@ def _check_editable(path: Path, what: str) -> None:
     edits = path.parent / names.LAYERS / f"{names.EDITS}.usda"
     if not edits.is_file():
         raise InputError(
-            f"{what}: this is no composed room, which has {names.LAYERS}/{names.EDITS}.usda for it",
+            f"{what}: this is not a composed room with a {names.LAYERS}/{names.EDITS}.usda",
             place=path,
             remedy="compose a room and edit that; other files can be read, and edited with pxr",
         )

@@ -64,7 +64,7 @@ def remake(
         keep_size: Whether it is as large as before, or as large as such a thing usually is.
 
     Raises:
-        InputError: There is no such object, category or style, or this is no composed room.
+        InputError: There is no such object, category or style, or this is not a composed room.
         OutputError: The edits or a model cannot be written.
         StageError: The room would not compose.
     """

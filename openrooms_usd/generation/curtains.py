@@ -45,8 +45,8 @@ _CURTAIN_DEPTH_M, _BLIND_DEPTH_M = 0.2, 0.115
 # Beyond the window: curtains to each side, blinds to each side, both above it.
 _CURTAIN_BESIDE_M: Final = (0.16, 0.3)
 _BLIND_BESIDE_M, _ABOVE_M = 0.1, 0.16
-# How much wider they may become so that their brackets are clear of a casing, which is no deeper
-# than this; metres.
+# How much wider they may become so that their brackets are clear of a casing of at most this depth;
+# metres.
 _WIDER_M: Final = (0.0, 0.07, 0.14)
 _CASING_DEPTH_M: Final = 0.03
 # What of a window blinds cover, and how much that differs within a room.

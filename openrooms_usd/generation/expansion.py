@@ -48,7 +48,7 @@ def expanded(room: Room) -> Room:
             seen=is_seen, thickness=layout.wall_thickness,
         )  # fmt: skip
     else:
-        assert isinstance(layout, PolygonLayout), "a description refuses others"
+        assert isinstance(layout, PolygonLayout), "a description allows no others"
         shell = finished(shell_of(layout), layout)
         style = room.style or style_of(room.room, room.seed)
         made = furnish(room.room, room.seed, shell, style, room.clutter)
@@ -59,8 +59,8 @@ def expanded(room: Room) -> Room:
 def _lived_in(room: Room) -> Room:
     """A described room with what lies about among its objects."""
     layout, alignment = room.layout, room.alignment
-    assert isinstance(layout, PolygonLayout), "a description refuses others"
-    assert isinstance(alignment, ObjectList), "a description refuses others"
+    assert isinstance(layout, PolygonLayout), "a description allows no others"
+    assert isinstance(alignment, ObjectList), "a description allows no others"
     shell = finished(shell_of(layout), layout)
     folder = room.folder or Path()
     lying = lying_in(alignment.objects, shell, room.room, room.seed, room.clutter, folder)

@@ -14,7 +14,7 @@ from openrooms_usd.generation.shell import Shell
 CELL_M: Final = 0.05
 # Half the width of the narrowest path, metres; cells are this far from everything, and a bit.
 HALF_PATH: Final = 0.3
-# How near to a place the free floor must come for somebody to use it, metres.
+# How near to a place the free floor must come so that a person can use it, metres.
 REACH_M: Final = 0.3
 # What is cut off is so much narrower than the widest floor that is not, metres (half of it).
 _NARROWER_M: Final = 0.1

@@ -94,7 +94,7 @@ def _check_same(path: Path, text: str) -> None:
         is_same = path.is_file() and path.read_bytes() == text.encode()
     if not is_same:
         raise OutputError(
-            "there is another room already",
+            "the folder already has another room",
             place=path,
             remedy="choose another folder, or move the file away",
         )

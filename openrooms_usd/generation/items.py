@@ -9,7 +9,8 @@ import numpy as np
 from openrooms_usd.furniture import NOTHING_ORDERED, Order, Size
 from openrooms_usd.generation.boxes import NONE, Array, Pose, box
 
-# People walk and stand between these heights: a rug is no obstacle, nor is a high shelf; metres.
+# People walk and stand between these heights: neither a rug nor a high shelf is an obstacle;
+# metres.
 STEP_M: Final = 0.06
 HEADROOM_M: Final = 1.9
 
@@ -88,7 +89,7 @@ class Group:
         title: What it is for; becomes a comment.
         items: An item follows what carries it; the first is the one that the group is about.
         zones: (Z, 8) floor that people need, clear of all other furniture.
-        access: Places where somebody must be able to stand, metres.
+        access: Places where a person must be able to stand, metres.
         anchor: ``wall``: its back stands against a wall; ``free``: it stands in the room.
         back: How far its back is behind its origin, metres.
         gap: Between its back and the wall, metres.

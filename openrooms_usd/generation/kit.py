@@ -16,7 +16,7 @@ from openrooms_usd.library.styles.assignment.weights import drawn
 from openrooms_usd.library.styles.interiors import Interior
 from openrooms_usd.names import ROOM_HEIGHT
 
-# What rises less than this above a top is no obstacle on it, metres.
+# What rises less than this above a top is not an obstacle on it, metres.
 _ROUNDING = 1e-4
 
 

@@ -98,7 +98,7 @@ ON_WALLS: Final = "on the walls"
 FITTINGS: Final = "fittings"
 LIGHT: Final = "light"
 USUAL_CLUTTER: Final = 2
-"""How much lies about in rooms from nothing where nobody says: they are lived in."""
+"""Default amount of clutter in generated rooms: lived in."""
 LEAST_AREA: Final = 2.0
 MOST_AREA: Final = 400.0
 
@@ -161,7 +161,7 @@ def program_of(room_type: str) -> Program:
 
 
 def style_of(room_type: str, seed: int) -> InteriorStyle:
-    """The style that a room is generated in where nobody asks for one."""
+    """The style of a generated room if none is given."""
     rng = generator(seed, "generate", room_type, "style")
     return drawn(rng, dict.fromkeys(INTERIORS, 1.0))
 

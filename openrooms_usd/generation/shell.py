@@ -19,7 +19,7 @@ from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.geometry.polygons import counter_clockwise
 
 WALL_THICKNESS: Final = 0.2
-"""Of outer walls, where nobody says; metres."""
+"""Default thickness of outer walls, metres."""
 # What a door's leaf and its handles need beside the opening, and before them, metres.
 _BESIDE_DOOR_M: Final = 0.13
 _BEFORE_DOOR_M: Final = 0.08

@@ -67,7 +67,7 @@ def _lines(room: Generated) -> Iterator[str]:
     yield from (f"  {key}: {flow(value)}" for key, value in materials_section(room).items())
     yield ""
     yield "lights:"
-    yield f"  # What shines in by the openings: {_SEEN[moment_of(room.room_type, room.seed)]}."
+    yield f"  # Light through the openings: {_SEEN[moment_of(room.room_type, room.seed)]}."
     yield f"  environment: {flow(environment(room))}"
     yield from _lamp_lines(room)
     yield ""
@@ -91,7 +91,7 @@ def _finish_lines(layout: dict[str, Any]) -> Iterator[str]:
 
 
 def _field_of_view(area: float) -> int:
-    """Degrees: nobody stands far enough from the furniture of a small room."""
+    """Degrees; wider in small rooms, where cameras cannot stand far from the furniture."""
     return next((fov for below, fov in _WIDE if area < below), _FOV_DEG)
 
 

@@ -21,9 +21,9 @@ from openrooms_usd.untrusted import check_path, opened
 
 ROOM: Final = "room.yaml"
 _UNLABELLED: Final = (
-    "nothing says what stands in the scan: compose will find furniture by its shape, name what is "
-    "plain and put boxes for the rest; a segmentation of your own comes by `--segments FILE` or "
-    "`alignment: {segmenter: NAME}`, and `unlabelled: leave_out` there leaves furniture out"
+    "the scan has no labels: compose finds furniture by its shape, names the clear cases and "
+    "puts boxes for the rest; give your own segmentation by `--segments FILE` or `alignment: "
+    "{segmenter: NAME}`; `unlabelled: leave_out` there leaves furniture out"
 )
 
 
@@ -194,7 +194,7 @@ def _unreadable(path: Path, error: OSError) -> InputError:
     return InputError(
         f"cannot be read: {error.strerror or error}",
         place=path,
-        remedy="check that it is a file, and that you may read it",
+        remedy="check that it is a file and that you can read it",
     )
 
 
@@ -202,7 +202,9 @@ def _refuse_to_replace(out: Path, contents: Mapping[str, bytes | Path]) -> None:
     remedy = "choose another folder, or move the file away"
     for name, content in contents.items():
         if os.path.lexists(out / name) and not _equal(content, out / name):
-            said = "there is a room already" if name == ROOM else "another capture has that name"
+            said = (
+                "the folder already has a room" if name == ROOM else "another capture has that name"
+            )
             raise OutputError(said, place=out / name, remedy=remedy)
 
 
@@ -244,9 +246,7 @@ def check_archive(source: Path) -> None:
     """
     if source.suffix.lower() in _ARCHIVES and source.is_file():
         raise InputError(
-            "this is a packed folder or file",
-            place=source,
-            remedy="unzip it, and give what is in it",
+            "this is an archive", place=source, remedy="unpack it, and give its contents"
         )
 
 
@@ -308,5 +308,5 @@ def check_scan(capture: Capture, source: Path) -> str:
     try:
         find_layout(flat, stands, options)
     except InputError as error:
-        return f"compose refuses the scan as it is: {error.message}; remedy: {error.remedy}"
+        return f"compose cannot use the scan as it is: {error.message}; remedy: {error.remedy}"
     return ""

@@ -30,7 +30,7 @@ _STANDS: Final = ("unit", "up")
 
 _TEMPLATE: Final = """\
 # Made from {file} by: orusd import {kind}
-# Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
+# You may change everything; lengths are metres unless they carry a unit (240 cm), angles degrees.
 name: {name}
 room: {use}  # such as living_room, bedroom, office: `orusd schema` lists them
 seed: 0
@@ -49,17 +49,17 @@ cameras:
 """
 _HANGING: Final = """\
   objects:
-    # The scan knows no lamps: one hangs in the middle of the room.
+    # The scan has no lamps: one hangs in the centre of the room.
     - {{name: ceiling_lamp, category: ceiling_lamp, at: [{x:.2f}, {y:.2f}]}}
 """
 _DAYLIGHT: Final = """\
-  # What shines in by the openings: lux on level ground under the open sky.
+  # Light through the openings: lux on level ground under the open sky.
   environment: {from: constant, illuminance: 10000}
   lamps:
     ceiling_lamp: {lumen: 3000, kelvin: 4000}"""
 _SCANNED: Final = """\
 # Made from {file} by: orusd import {kind}
-# Everything may be changed; lengths are metres unless they carry a unit (240 cm), angles degrees.
+# You may change everything; lengths are metres unless they carry a unit (240 cm), angles degrees.
 name: {name}
 room: {use}  # such as living_room, bedroom, office: `orusd schema` lists them
 seed: 0
@@ -71,7 +71,7 @@ alignment:
 {furniture}
 
 lights:
-  # What shines in by the openings: lux on level ground under the open sky.
+  # Light through the openings: lux on level ground under the open sky.
   environment: {{from: constant, illuminance: 10000}}
 {lamps}
 cameras:
@@ -159,7 +159,10 @@ def describe_scan(
     lines += _stands(kind, options)
     lines += _options(options if kind != "scan" else _but(options, _STANDS))
     if len(capture.frames) == 1:
-        lines += ["# A single view shows little of a room: the rest is guessed.", "partial: true"]
+        lines += [
+            "# A single view shows little of a room, so the rest is guessed.",
+            "partial: true",
+        ]
     lit = _shows_lamps(capture)
     return _SCANNED.format(
         kind=kind,
@@ -190,7 +193,7 @@ def _shows_lamps(capture: Capture) -> bool:
 
 def _further(lit: bool) -> Iterator[str]:
     if not lit:
-        yield "# The scan shows no lamps: one hangs about in its middle, the origin of the room."
+        yield "# The scan shows no lamps: one hangs near its centre, the origin of the room."
         yield f"further: [{_LAMP}]"
 
 
@@ -199,7 +202,7 @@ def _furniture(capture: Capture, options: Mapping[str, str]) -> Iterator[str]:
     known = [model for model in capture.models if model.file is not None]
     if "models" not in options or not known:
         if unlabelled(capture):
-            yield "# The scan does not say what stands in it: furniture is found by its shape."
+            yield "# The scan has no labels: furniture is found by its shape."
             yield from ("from: scan", "unlabelled: furnish  # or boxes, leave_out")
             return
         yield "# Every labelled instance of the scan; a folder of your own meshes: `cad: FOLDER`."

@@ -78,13 +78,13 @@ def components(parts: Sequence[Part]) -> list[Component]:
     found: dict[bytes, Component] = {}
     for part in parts:
         for component in _components(part):
-            # Duplicates are told by their corners, whatever the order of the triangles.
+            # Duplicates are recognised by their corners, whatever the order of the triangles.
             rows = np.round(component.corners.reshape(-1, 9) / WELD_M).astype(np.int64)
             key = rows[np.lexsort(rows.T)].tobytes() + part.contact.encode()
             found.setdefault(key, component)
     if not found:
         raise InputError(
-            "there is nothing to make collision shapes of: no triangle has an area",
+            "collision shapes need at least one triangle with an area",
             place=", ".join(part.name for part in parts[:3]) or None,
         )
     return list(found.values())

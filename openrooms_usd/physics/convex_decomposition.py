@@ -27,8 +27,8 @@ MOST_OF_ONE: Final = 64
 MAX_JOINED_COMPONENTS: Final = 1_000
 # Pieces are not cut across sides that are shorter than this share of the tolerance.
 MIN_SIDE_SHARE: Final = 0.5
-# What sticks out of another piece by less than this share of the tolerance is none by itself: books
-# would lie askew on the title of the one below.
+# What sticks out of another piece by less than this share of the tolerance gets no piece: books
+# would tilt on the title of the book below.
 PRINT_SHARE: Final = 0.05
 # What tolerances grow by where there are too many pieces.
 TOLERANCE_GROWTH: Final = 1.5

@@ -102,7 +102,7 @@ def collision_shapes(
         most: The most shapes.
 
     Raises:
-        InputError: A coordinate is not finite, nothing has an area, or an option is no option.
+        InputError: A coordinate is not finite, nothing has an area, or an option is not allowed.
     """
     _checked(method, tolerance, most)
     found = components(parts)
@@ -127,16 +127,18 @@ def collision_shapes(
 def _checked(method: str, tolerance: float, most: int) -> None:
     if method not in METHODS:
         raise InputError(
-            f"there is no way to make collision shapes called {method!r}",
+            f"unknown method for collision shapes: {method!r}",
             remedy=f"choose one of {', '.join(METHODS)}",
         )
     if not 1e-4 <= tolerance <= 1.0:
         raise InputError(
-            f"collision shapes cannot be {tolerance:g} m close",
+            f"the tolerance of collision shapes cannot be {tolerance:g} m",
             remedy="give a tolerance between 0.0001 m and 1 m",
         )
     if most < 1:
-        raise InputError(f"a thing cannot have {most} collision shapes", remedy="allow at least 1")
+        raise InputError(
+            f"an object cannot have {most} collision shapes", remedy="allow at least 1"
+        )
 
 
 def _whole(found: Sequence[Component]) -> list[Piece]:

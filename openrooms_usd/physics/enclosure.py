@@ -22,7 +22,7 @@ Bools = NDArray[np.bool_]
 _WELD_SHARE: Final = 1e-6
 # Holes of up to this share of a component's area are closed: a sofa without an underside.
 _OPENING_AREA_SHARE: Final = 0.25
-# Holes of less than this share of the area are cracks between triangles, of which nobody is told.
+# Holes of less than this share of the area are cracks between triangles and are not reported.
 _CRACK_AREA_SHARE: Final = 1e-3
 # A component that has less than this share of (its area)^1.5 for a volume is a sheet of two sides.
 _FLAT_VOLUME_SHARE: Final = 1e-9
@@ -144,7 +144,7 @@ def _welded(points: Array, faces: Ints) -> tuple[Array, Array, Ints]:
 def _nothing() -> InputError:
     return InputError(
         "the mesh has no surface, so it has no mass",
-        remedy="take it out, or give the object a mass and a shape of its own",
+        remedy="remove it, or give the object its own mass and shape",
     )
 
 

@@ -156,7 +156,7 @@ def finite_points(points: ArrayLike) -> Array:
     if not np.isfinite(given).all():
         raise InputError(
             "a collision shape needs finite coordinates",
-            remedy="mend the mesh: a coordinate is not a number or infinite",
+            remedy="repair the mesh: a coordinate is not a number or infinite",
         )
     return given
 
@@ -220,7 +220,7 @@ def _closed(points: Array) -> tuple[Array, Rows]:
         if _is_closed(triangles):
             rows = np.full(len(points), -1, dtype=np.int64)
             rows[hull.vertices] = np.arange(len(hull.vertices))
-            # A triangulated facet may use a point on its edge that is no vertex of the hull.
+            # A triangulated facet may use a point on its edge that is not a vertex of the hull.
             if (rows[triangles] >= 0).all():
                 return points[hull.vertices], rows[triangles]
             used, triangles = np.unique(triangles, return_inverse=True)

@@ -1,6 +1,6 @@
 """Mass properties of meshes: solid bodies, and walls of a given thickness.
 
-Moments of simplices are exact: over a simplex of k corners v and measure m,
+Moments of simplices are exact. Over a simplex of k corners v and measure m,
 integral x x^T = m / (k (k + 1)) (sum v v^T + s s^T), with s = sum v, and integral x = m s / k.
 Bodies are sums over the signed tetrahedra between the triangles and a local origin. Sources:
 F. Tonon, "Explicit Exact Formulas for the 3-D Tetrahedron Inertia Tensor in Terms of its Vertex
@@ -44,8 +44,8 @@ def solid(
         sheet: What enclosing nothing weighs: a sheet of this thickness, metres. None: it must not.
 
     Raises:
-        InputError: The mesh is broken or has no surface, a number is none that a thing can have, or
-            something encloses no volume and there is no ``sheet``.
+        InputError: The mesh is broken or has no surface, a number is not positive, or a part
+            encloses no volume and ``sheet`` is missing.
     """
     _positive(density, "density", "kg/m3")
     if sheet is not None:
@@ -54,8 +54,7 @@ def solid(
     full = surface.volumes > 0
     if sheet is None and not full[surface.labels].all():
         raise InputError(
-            "a surface with holes has no volume",
-            remedy="give it walls of some thickness, or close it",
+            "a surface with holes has no volume", remedy="give its walls a thickness, or close it"
         )
     return _weighed(surface, full, full, density, sheet or 0.0, [])
 
@@ -80,7 +79,7 @@ def shell(
         thickness: Of the wall, metres.
 
     Raises:
-        InputError: The mesh is broken or has no surface, or a number is none that a thing can have.
+        InputError: The mesh is broken or has no surface, or a number is not positive.
     """
     _positive(density, "density", "kg/m3")
     _positive(thickness, "thickness of a wall", "metres")
@@ -100,8 +99,7 @@ def shell(
 def _positive(value: float, what: str, unit: str) -> None:
     if not (np.isfinite(value) and value > 0):
         raise InputError(
-            f"a {what} of {value:g} {unit} is none that a thing can have",
-            remedy=f"give {unit} above zero",
+            f"{what} must be positive, got {value:g} {unit}", remedy=f"give {unit} above zero"
         )
 
 

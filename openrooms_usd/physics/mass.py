@@ -77,15 +77,14 @@ class MassProperties:
         )
 
     def weighing(self, kilograms: float) -> "MassProperties":
-        """The same piece of another density, so that it weighs what somebody knows it weighs.
+        """The same piece with the density that gives it a known mass.
 
         Raises:
-            InputError: That is no mass.
+            InputError: The mass is not positive.
         """
         if not (np.isfinite(kilograms) and kilograms > 0):
             raise InputError(
-                f"a mass of {kilograms:g} kg is none that a thing can have",
-                remedy="give kilograms above zero",
+                f"mass must be positive, got {kilograms:g} kg", remedy="give kilograms above zero"
             )
         share = kilograms / self.mass
         return replace(self, mass=float(kilograms), inertia=self.inertia * share)
@@ -140,7 +139,7 @@ class MassProperties:
         }
         if broken := next((rule for rule, kept in rules.items() if not kept), None):
             raise InputError(
-                f"this can be no rigid body: {broken}",
+                f"this cannot be a rigid body: {broken}",
                 place=place,
                 remedy="check its mesh, its scale and the density or mass that it is given",
             )

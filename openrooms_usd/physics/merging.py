@@ -26,7 +26,7 @@ class Cluster:
         hull: The hull, metres.
         volume: Of the hull, cubic metres.
         members: The rows of the pieces.
-        off: How far it seems to be off, metres; infinite where nobody has looked.
+        off: How far it seems to be off, metres; infinite if not measured yet.
     """
 
     hull: TriangleMesh

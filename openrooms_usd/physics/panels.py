@@ -30,7 +30,7 @@ def panel_pieces(mesh: TriangleMesh) -> list[TriangleMesh]:
             ends, with rectangular holes through it; Z up, metres. Its top may slope.
 
     Returns:
-        Its pieces from one end to the other; none where it is no such solid.
+        Its pieces from one end to the other; none if it is not such a solid.
     """
     frame = _frame(mesh)
     if frame is None:

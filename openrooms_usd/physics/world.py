@@ -146,7 +146,7 @@ class Body:
         links: The first one is the base, whose frame is that of the body.
         joints: A tree over the links.
         fixed: Whether its base never moves.
-        category: What it is; empty where nobody says.
+        category: What it is; empty if unknown.
         velocity: Of its base at first: (3,) of the centre of mass, m/s, and (3,) about the world's
             axes, rad/s.
     """

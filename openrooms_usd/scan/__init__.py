@@ -5,7 +5,7 @@ In the order of the work:
 - `points`: cleaning, downsampling, normals, plane fits and surfels; visibility from the sensors;
 - `rooms`: the level frame, wall hypotheses, and rooms as closed polygons by minimum cuts;
 - `openings`: doors, windows and passages in these walls;
-- `segmentation`: furniture where nobody labelled the scan, and the contract of segmenters;
+- `segmentation`: furniture in scans without labels, and the contract of segmenters;
 - `models`: CADs that are fitted to objects;
 - `registration`: retrieval of CADs, and robust registration of pose and scale;
 - `placement`: the support relation, and penetrations resolved by the least motion;

@@ -48,8 +48,8 @@ class FoundScan:
         chosen: The numbers of those that are composed.
         scan_from_level: (4, 4) to the frame of reports: the scan's own axes, metres.
         captured: The boxes that the capture has of its objects, each with its word.
-        boxes: Around those things that were told apart later and have no name, by their numbers;
-            the file has none.
+        boxes: Around things without a name that were segmented later, by their numbers; not stored
+            in the file.
     """
 
     source: str

@@ -61,13 +61,15 @@ class FoundLayout:
         for number, room in enumerate(self.rooms):
             if room.guessed:
                 walls = ", ".join(map(str, room.guessed))
-                notes.append(f"room {number}: the scan does not show the walls {walls}: guessed")
+                notes.append(
+                    f"room {number}: the scan does not show the walls {walls}: they are guessed"
+                )
             if room.ceiling is None:
                 slopes = f", but {len(room.slopes)} slopes" if room.slopes else ""
                 notes.append(f"room {number}: no level ceiling was seen{slopes}")
             if room.doubtful:
                 kinds = ", ".join(opening.type for opening in room.doubtful)
-                notes.append(f"room {number}: doubtful and not built, but in the report: {kinds}")
+                notes.append(f"room {number}: doubtful, so only in the report: {kinds}")
         return notes
 
 
@@ -179,10 +181,10 @@ def _storey(cloud: Cloud, stands: Level, wanted: int | None) -> tuple[Level, Sto
     raised[2, 3] = -chosen.floor
     heights = ", ".join(f"{storey.floor:.1f} m" for storey in found)
     last = len(found) - 1
-    why = f"; `storey: 0` to `{last}` takes another" if wanted is None else ", as asked"
+    why = f"; `storey: 0` to `{last}` selects another" if wanted is None else ", as asked"
     note = (
-        f"the scan shows {len(found)} storeys, with floors at {heights} above the lowest; "
-        f"the one at {chosen.floor:.1f} m is taken{why}"
+        f"the scan shows {len(found)} storeys, with floors at {heights} above the lowest; the one "
+        f"at {chosen.floor:.1f} m is composed{why}"
     )
     moved = replace(
         stands,

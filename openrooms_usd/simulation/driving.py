@@ -44,16 +44,17 @@ class Action:
     right: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what is no action.
+        """Reject invalid actions.
 
         Raises:
-            InputError: A way is negative, an angle is beyond pi, or something is no number.
+            InputError: A distance is negative, an angle is beyond pi, or a value is not a number.
         """
         ways_fit = self.forward >= 0.0 and self.backward >= 0.0
         turns_fit = abs(self.left) <= pi and abs(self.right) <= pi
         if not (ways_fit and turns_fit and np.isfinite([self.forward, self.backward]).all()):
             raise InputError(
-                f"no action: {self}", remedy="give ways of at least 0, and angles within [-pi, pi]"
+                f"no action: {self}",
+                remedy="give distances of at least 0, and angles within [-pi, pi]",
             )
 
 

@@ -74,7 +74,7 @@ class RobotCameras:
             **fields: What is asked for, by the names of the settings.
 
         Raises:
-            InputError: The file is no USD, or nothing has that look.
+            InputError: The file is not USD, or no variant has that look.
         """
         settings = (settings or RenderSettings()).replace(**fields)
         self._resolution = settings.resolution or RESOLUTION

@@ -58,7 +58,7 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
         out: The layer; None stands for the one of a composed room.
 
     Raises:
-        InputError: The file is no USD, or it is no composed room and ``out`` is missing.
+        InputError: The file is not USD, or it is not a composed room and ``out`` is missing.
     """
     source = layers.open_stage(path)
     own = path.parent / names.LAYERS / f"{names.SETTLED}.usda"
@@ -119,7 +119,7 @@ def _target(path: Path, out: Path | None, own: Path | None) -> Path:
     target = out or own
     if target is None:
         raise InputError(
-            "this is no composed room: where shall the layer lie?",
+            "this is not a composed room, so the layer needs a place",
             place=path,
             remedy="give a file for the poses, such as -o settled.usda",
         )

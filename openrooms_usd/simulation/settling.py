@@ -34,8 +34,8 @@ _CHECK_EVERY_S: Final = 0.05
 # What falls freely through a storey of 4 m has 9 m/s; nothing in a room is faster by itself.
 _MAX_SPEED_M_S: Final = 30.0
 _REMEDY: Final = (
-    "look at the object with its colliders shown (purpose guide): it may overlap another one; or "
-    "take a smaller --timestep"
+    "show the object's colliders (purpose guide): it may overlap another object; or use a "
+    "smaller --timestep"
 )
 
 
@@ -238,7 +238,7 @@ class Guard:
     paths: dict[str, str]
 
     def check(self, simulation: Simulation) -> None:
-        """Refuse numbers that are none, speeds that nothing has, and what has left the world.
+        """Reject values that are not finite, impossible speeds, and bodies outside the world.
 
         Raises:
             StageError: Something has exploded; the place names its prim.
@@ -248,7 +248,7 @@ class Guard:
             speed = float(np.linalg.norm(velocities[name].linear))
             where = pose.world_from_body[:3, 3]
             if not (np.isfinite(pose.world_from_body).all() and np.isfinite(speed)):
-                self._refuse(name, "its pose is no number", simulation.time)
+                self._refuse(name, "its pose is not finite", simulation.time)
             if speed > _MAX_SPEED_M_S:
                 self._refuse(name, f"it moves at {speed:.0f} m/s", simulation.time)
             if (where < self.lower).any() or (where > self.upper).any():

@@ -107,7 +107,7 @@ class StageContext:
             known: The names that may stand there.
             off: What follows of one that is deactivated.
             kind: What they are.
-            lacking: What is wrong with an object that is there, and is none of these.
+            lacking: What is wrong with an existing object that is not one of these.
 
         Raises:
             DescriptionError: One is not there.
@@ -229,7 +229,7 @@ def completed(before: str, counted: Iterable[str]) -> str:
 
     Args:
         before: The `fingerprint`.
-        counted: What `codedigest.counting` found; what is no name of a module of ours is left out.
+        counted: What `codedigest.counting` found; names that are not our modules are left out.
 
     Returns:
         64 hexadecimal digits.

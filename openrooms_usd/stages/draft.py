@@ -15,12 +15,11 @@ from openrooms_usd.usd.files import layers as usd_layers
 
 
 def changed(layer: Path) -> StageError:
-    """What is raised where somebody has changed a layer that would be written anew."""
+    """Raised for a layer that was changed by hand and would be overwritten."""
     return StageError(
-        "this layer was changed since it was written, and would be written anew",
+        "this layer was changed by hand, and composing would overwrite it",
         place=layer,
-        remedy=f"move the change into {names.LAYERS}/{names.EDITS}.usda, the layer that "
-        "people edit, and remove this file",
+        remedy=f"move the change into {names.LAYERS}/{names.EDITS}.usda and remove this file",
     )
 
 
@@ -92,10 +91,10 @@ class Draft:
             self.keep(name, kept)
 
     def check_unchanged(self, name: str) -> None:
-        """See that nobody has written or changed a layer that is about to be written.
+        """Check that a layer that is about to be written was not changed by hand.
 
         Raises:
-            StageError: Somebody has, and writing it anew would lose that.
+            StageError: It was, and writing it would lose the change.
         """
         if not self.ledger.may_replace(self._place(name)):
             raise changed(self._place(name))

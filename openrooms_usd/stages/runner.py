@@ -96,8 +96,8 @@ def run(
         Notes for the user.
 
     Raises:
-        OrusdError: The stage refuses the description, a file cannot be written, or somebody has
-            changed the layer.
+        OrusdError: The stage refuses the description, a file cannot be written, or the layer was
+            changed by hand.
     """
     draft.check_unchanged(stage.name)
     folder = draft.folder(stage.name)
@@ -127,7 +127,7 @@ def run(
             layer.customLayerData = {**layer.customLayerData, **custom}
             draft.export(layer, stage.name, kept)
     except Tf.ErrorException as error:
-        message = f"USD refuses what the stage {stage.name} writes: {reason(error)}"
+        message = f"USD rejects what the stage {stage.name} writes: {reason(error)}"
         raise StageError(message) from error
     return context.notes
 
@@ -239,6 +239,6 @@ def check(draft: Draft) -> Usd.Stage:
         raise StageError(
             f"the composed stage has {len(errors)} errors, the first at {prim}: {text}",
             place=draft.scene,
-            remedy=f"look into {names.LAYERS}/{names.EDITS}.usda, the layer that people edit",
+            remedy=f"look into {names.LAYERS}/{names.EDITS}.usda, the layer for edits",
         )
     return stage

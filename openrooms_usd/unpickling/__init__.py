@@ -46,7 +46,7 @@ def read_pickled(path: Path) -> Any:
         None, truth values, numbers, texts, lists, tuples, dictionaries and arrays.
 
     Raises:
-        InputError: It cannot be read, is no pickle, or holds anything else.
+        InputError: It cannot be read, is not a pickle, or holds anything else.
     """
     try:
         return unpickled(untrusted.read_bytes(path, "pickle"))
@@ -54,7 +54,7 @@ def read_pickled(path: Path) -> Any:
         raise InputError(
             f"not a pickle of plain data: {error}",
             place=path,
-            remedy="do not load it by other means unless you trust whoever made it",
+            remedy="do not load it by other means unless you trust its author",
         ) from error
 
 

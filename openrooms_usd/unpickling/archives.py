@@ -43,7 +43,7 @@ def opened_archive(
                 yield archive
         except _DAMAGE as error:
             raise InputError(
-                f"this is no whole archive: {str(error)[:200] or type(error).__name__}",
+                f"this archive is damaged: {str(error)[:200] or type(error).__name__}",
                 place=path,
                 remedy=remedy,
             ) from error

@@ -73,7 +73,7 @@ def read_array(path: Path, dimensions: int | None, kinds: str) -> NDArray[Any]:
         kinds: What it may hold, by numpy's letters: such as ``f`` or ``iu``.
 
     Raises:
-        InputError: It cannot be read, is damaged, or is no such array.
+        InputError: It cannot be read, is damaged, or is not such an array.
     """
     with untrusted.opened(path, "array", remedy="check the path, or make the file again") as stream:
         size = os.fstat(stream.fileno()).st_size

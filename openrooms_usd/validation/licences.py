@@ -29,7 +29,7 @@ class Licence:
     """What may be done with one asset or texture of a stage.
 
     Attributes:
-        licence: Its terms; ``unknown`` where nobody states them.
+        licence: Its terms; ``unknown`` if not stated.
         kind: What it is.
         name: The asset's name, or the texture's file, relative to the stage's folder.
         prims: How many prims show the asset or look up the texture.
@@ -42,7 +42,7 @@ class Licence:
 
     @property
     def is_unknown(self) -> bool:
-        """Whether nobody states its terms."""
+        """Whether its terms are not stated."""
         return self.licence == names.UNKNOWN_LICENCE
 
 

@@ -30,7 +30,7 @@ def units(subject: Subject) -> Iterator[Complaint]:
     if any(prim.HasAPI(UsdPhysics.RigidBodyAPI) for prim in subject.prims):
         for key in _UNITS:
             if not subject.root.pseudoRoot.HasInfo(key):
-                yield subject.name(subject.root), f"it has bodies and does not say its {key}"
+                yield subject.name(subject.root), f"it has bodies and does not author {key}"
 
 
 def scenes(subject: Subject) -> Iterator[Complaint]:
@@ -47,7 +47,7 @@ def shapes_of_bodies(subject: Subject) -> Iterator[Complaint]:
     """What moves has a shape that collides (RB.013)."""
     for prim in filter(moves, subject.prims):
         if not any(own.HasAPI(UsdPhysics.CollisionAPI) for own in _own(prim)):
-            yield str(prim.GetPath()), "it moves and has nothing that collides: it falls for ever"
+            yield str(prim.GetPath()), "it moves and has no collider: it falls through everything"
 
 
 def masses(subject: Subject) -> Iterator[Complaint]:
@@ -55,7 +55,7 @@ def masses(subject: Subject) -> Iterator[Complaint]:
     for prim in filter(moves, subject.prims):
         said = [mass for own in _own(prim) if (mass := _mass(own)) is not None]
         if not any(mass > 0.0 for mass in said):
-            yield str(prim.GetPath()), "neither it nor its shapes say a mass"
+            yield str(prim.GetPath()), "neither it nor its shapes author a mass"
         if any(mass < 0.0 for mass in said):
             yield str(prim.GetPath()), "a mass is negative"
 
@@ -133,7 +133,7 @@ def _misfits(
     values = [value + whole for whole in ((-360.0, 0.0, 360.0) if turns else (0.0,))]
     low, high = joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get()
     if low <= high and not any(low - near <= each <= high + near for each in values):
-        yield place, f"it stands at {value:.3g}, outside of its limits {low:g} to {high:g}"
+        yield place, f"its position {value:.3g} is outside its limits {low:g} to {high:g}"
 
 
 def _between(joint: UsdPhysics.Joint) -> Gf.Matrix4d | None:
@@ -166,7 +166,7 @@ def joint_limits(subject: Subject) -> Iterator[Complaint]:
         joint = hinge or rail
         low, high = joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get()
         if low > high:
-            yield str(prim.GetPath()), f"its limits {low:g} to {high:g} leave it no place"
+            yield str(prim.GetPath()), f"its limits {low:g} to {high:g} leave no range"
         finite = [abs(limit) for limit in (low, high) if math.isfinite(limit)]
         where = _where(UsdPhysics.Joint(prim))
         if hinge and finite and max(finite) > _HINGE_DEG[where]:
@@ -195,7 +195,7 @@ def drives(subject: Subject) -> Iterator[Complaint]:
             elif prim.HasAPI(UsdPhysics.DriveAPI, kind) and _other(prim, kind):
                 yield (
                     str(prim.GetPath()),
-                    f"a drive of the kind {kind} does nothing to {_word(prim)}",
+                    f"a drive of the kind {kind} has no effect on {_word(prim)}",
                 )
 
 
@@ -216,7 +216,7 @@ def _drive(
     low, high = joint.GetLowerLimitAttr().Get(), joint.GetUpperLimitAttr().Get()
     target = drive.GetTargetPositionAttr().Get()
     if stiffness > 0.0 and not low <= target <= high:
-        yield place, f"its drive pulls to {target:g}, outside of its limits {low:g} to {high:g}"
+        yield place, f"its drive targets {target:g}, outside its limits {low:g} to {high:g}"
 
 
 def _below(prim: Usd.Prim) -> Iterator[Usd.Prim]:
@@ -243,10 +243,10 @@ PHYSX_RULES: Final = (
     Rule("body-shape", shapes_of_bodies, "apply PhysicsCollisionAPI to a shape of it"),
     Rule("body-mass", masses, "apply PhysicsMassAPI with mass, centre and inertia"),
     Rule("shape-type", kinds_of_shapes, "apply it to the geometry below"),
-    Rule("moving-mesh", moving_triangles, "cut it into convex pieces: convexHull, or a box"),
+    Rule("moving-mesh", moving_triangles, "use convex pieces: convexHull, or a box"),
     Rule("articulation-root", articulation_roots, "apply it to the body that carries the others"),
-    Rule("joint-frames", joint_frames, "write localPos and localRot anew from the bodies' poses"),
-    Rule("joint-limits", joint_limits, "put the joint's zero into the middle of its way"),
+    Rule("joint-frames", joint_frames, "recompute localPos and localRot from the bodies' poses"),
+    Rule("joint-limits", joint_limits, "put the joint's zero in the middle of its range"),
     Rule("joint-drive", drives, "units are N m/degree and degrees, or N/m and metres"),
 )
 """In the order of docs/robots.md."""

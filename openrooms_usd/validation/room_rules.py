@@ -1,6 +1,6 @@
 """Rules about a room as people see it: things and cameras in it, apart, of usual sizes, and lit.
 
-A stage that breaks them is sound, and shows what nobody meant.
+A stage that breaks them is valid USD, but probably not what its author intended.
 """
 
 from collections.abc import Callable, Iterator
@@ -31,8 +31,8 @@ _MAX_OUTSIDE_M: Final = 0.05
 _MAX_OVERLAP_M: Final = 0.02
 # Lines a direction on which depths are measured.
 _LINES: Final = 600
-# A thing of less than the one share of the smallest that is built, or more than the other of the
-# largest, along any of its sides, is no such thing.
+# Limits of plausible size, as shares of the smallest and the largest size that is built, along any
+# side.
 _SIZE_SHARES: Final = (0.6, 1.6)
 # Sides and heights of rooms, widths and heights of openings beyond these are slips of the unit.
 _ROOM_M: Final = (0.5, 60.0)
@@ -158,7 +158,7 @@ def floating(subject: Subject) -> Iterator[Complaint]:
     floor = subject.room.floor or 0.0
     for thing in carrying.floating(subject.room):
         above = float(thing.low[2]) - floor
-        yield thing.path, f"floats {_cm(above)} above the floor: nothing carries it"
+        yield thing.path, f"floats {_cm(above)} above the floor without a support"
 
 
 def sizes(subject: Subject) -> Iterator[Complaint]:
@@ -213,14 +213,14 @@ def _slip(
     path: str, what: str, how: str, length: float, usual: tuple[float, float]
 ) -> Iterator[Complaint]:
     if not usual[0] <= length <= usual[1]:
-        yield path, f"is {length:g} m {how}: {what} of that size is a slip of the unit"
+        yield path, f"is {length:g} m {how}: {what} of that size suggests a wrong unit"
 
 
 def light(subject: Subject) -> Iterator[Complaint]:
     """Something shines: a lamp, or the sky by an opening."""
     room = subject.room
     if subject.stage.GetPrimAtPath(names.ROOM) and room.cameras and not room.is_lit:
-        yield names.ROOM, "is dark: nothing shines, neither a lamp nor the sky by an opening"
+        yield names.ROOM, "is dark: no lamp shines, and no sky through an opening"
 
 
 class RoomRule(NamedTuple):
@@ -244,7 +244,7 @@ ROOM_RULES: Final = (
     RoomRule(
         "floating",
         floating,
-        "put it on the floor or over what shall carry it, or to a wall; a lamp to the ceiling",
+        "put it on the floor, on its support or against a wall; a lamp on the ceiling",
     ),
     RoomRule("size", sizes, "give it its size, a file its unit, or another category"),
     RoomRule("unit", slips, "write lengths in metres, or with their unit: 210 cm"),

@@ -97,10 +97,7 @@ def labels(subject: Subject) -> Iterator[Complaint]:
     """All geometry says what it is, or what it is a part of."""
     for prim in subject.gprims:
         if not has_label(prim):
-            yield (
-                str(prim.GetPath()),
-                "neither it nor a prim above it has a label that says what it is",
-            )
+            yield (str(prim.GetPath()), "neither it nor a prim above it has a semantic label")
 
 
 def kinds(subject: Subject) -> Iterator[Complaint]:
@@ -111,7 +108,7 @@ def kinds(subject: Subject) -> Iterator[Complaint]:
     for prim in subject.prims:
         kind = Usd.ModelAPI(prim).GetKind()
         if kind and Kind.Registry.IsA(kind, Kind.Tokens.model) and not prim.IsModel():
-            yield str(prim.GetPath()), f"a {kind} below a prim that is no group"
+            yield str(prim.GetPath()), f"a {kind} below a prim that is not a group"
 
 
 def components(subject: Subject) -> Iterator[Complaint]:
@@ -219,7 +216,7 @@ def no_orphans(subject: Subject) -> Iterator[Complaint]:
 
 
 def plausible(subject: Subject) -> Iterator[Complaint]:
-    """Cameras and lights say what somebody may mean."""
+    """Cameras and lights have plausible values."""
     for prim in list_cameras(subject.stage):
         yield from ((str(prim.GetPath()), doubt) for doubt in camera_doubts(prim))
     for light in read_lights(subject.stage):

@@ -146,7 +146,7 @@ def corrections(
     target = Edits(room, description.parent if description else None)
     if not (room.is_file() and target.file.is_file()):
         raise InputError(
-            "this is no composed room",
+            "this is not a composed room",
             place=room,
             remedy="compose a room first: `orusd compose room.yaml -o out`",
         )

@@ -27,7 +27,7 @@ def test_a_run_all_of_whose_views_fail_is_an_error(tmp_path: Path) -> None:
     assert [job.name for job in jobs] == ["room_one/main", "room_two/main"]
     seen: list[str] = []
     with pytest.raises(
-        RenderError, match=r"none of 4 views .*; room_one/main/view_0: (?s:.*)nowhere"
+        RenderError, match=r"all 4 views failed; room_one/main/view_0: (?s:.*)nowhere"
     ):
         ou.run_dataset(file, tmp_path / "out", progress=lambda name, _: seen.append(name))
     assert sorted(unit for job in jobs for unit in job.units()) == seen

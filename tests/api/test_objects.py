@@ -250,7 +250,7 @@ def test_any_scene_is_read_and_says_why_it_is_not_edited(tmp_path: Path) -> None
         lambda: box.set_color((1, 0, 0)),
         lambda: scene.add("chair", (1, 1)),
     ):
-        with pytest.raises(InputError, match=r"cannot .*: this is no composed room") as refused:
+        with pytest.raises(InputError, match=r"cannot .*: this is not a composed room") as refused:
             change()
         assert "compose a room" in (refused.value.remedy or "")
     assert {path.name for path in tmp_path.iterdir()} == before

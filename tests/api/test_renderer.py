@@ -158,8 +158,8 @@ def test_what_gives_way_is_said(
     camera = ou.Camera.look_at((1, 1, 1.5), (2, 1, 1), resolution=(8, 6), name="mine")
     renderer.write(tmp_path / "out", [camera], channels="depth")
     renderer.write(tmp_path / "out", renderer.cameras[0], channels="depth", resolution=(8, 6))
-    assert "mine give way" in caplog.text
-    with pytest.raises(InputError, match="no view is asked for"):
+    assert "replaces mine" in caplog.text
+    with pytest.raises(InputError, match="no camera is given"):
         renderer.write(tmp_path / "none", {})
 
 
@@ -177,7 +177,7 @@ def test_wrong_things_are_refused_in_words(renderer: ou.OpenRenderer, scene: ou.
     with pytest.raises(InputError, match="eye"):
         ou.Camera.look_at((1, 1), (1, 0, 0))
     camera = ou.Camera(K, pose, SIZE)
-    with pytest.raises(InputError, match="size of its own"):
+    with pytest.raises(InputError, match="already has a size"):
         renderer.render(camera, "depth", resolution=(8, 6))
     for wrong in (3, None, np.eye(3)):
         with pytest.raises(InputError, match="not a camera"):

@@ -121,7 +121,7 @@ def test_what_stays_is_logged(
     monkeypatch.setattr(driver, "render_stage", lambda *_, **__: told)
     ou.render(scene, rendered.folder)
     assert [record.name for record in caplog.records] == ["openrooms_usd"]
-    assert "old stays" in caplog.text
+    assert "old is kept" in caplog.text
 
 
 def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:
@@ -129,7 +129,7 @@ def test_numbers_that_are_none_are_refused_by_name(scene: ou.Scene) -> None:
         with pytest.raises(InputError, match=r"is not (two whole numbers|a whole number)"):
             ou.render(scene, resolution=wrong)  # type: ignore[arg-type]
     for points in ((1, 2, 3), [(1, 2)], 3):
-        with pytest.raises(InputError, match="are no points"):
+        with pytest.raises(InputError, match="are not points"):
             ou.probe(scene, at=points)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="one of: static, dynamic"):
         ou.simulate(scene, friction="sticky")  # type: ignore[arg-type]

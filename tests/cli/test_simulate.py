@@ -116,7 +116,7 @@ def test_what_turns_on_a_joint_counts(stage: Path, tmp_path: Path) -> None:
 
 def test_a_stage_that_is_no_room_needs_a_place(stage: Path) -> None:
     result = run("simulate", stage)
-    assert "no composed room" in str(result.exception)
+    assert "not a composed room" in str(result.exception)
 
 
 def test_an_explosion_leaves_no_layer(stage: Path, tmp_path: Path) -> None:

@@ -40,7 +40,7 @@ def test_several_rooms_as_data(tmp_path: Path) -> None:
 def test_another_room_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text("room: office\n")
     code, said = run("generate", "--type", "office", "-o", tmp_path)
-    assert code != 0 and "there is another room already" in said
+    assert code != 0 and "the folder already has another room" in said
     assert (tmp_path / "room.yaml").read_text() == "room: office\n"
 
 

@@ -134,9 +134,9 @@ def test_few_points_are_refused_with_the_reason() -> None:
 @pytest.mark.parametrize(
     ("hint", "reason"),
     [
-        (Hint(1, "piano"), "no CAD of the category piano"),
+        (Hint(1, "piano"), "no CAD has the category piano"),
         (Hint(1, "chair", "chair_z"), "no CAD 'chair_z'"),
-        (Hint(1, None), "no CAD of the category"),
+        (Hint(1, None), "no CAD has the category"),
     ],
 )
 def test_what_has_no_cad_is_refused_with_the_reason(hint: Hint, reason: str) -> None:
@@ -267,7 +267,7 @@ def test_openings_and_walls_are_left_to_the_layout(label: int, word: str) -> Non
     labelled = replace(cloud, label=np.full(len(cloud), label, dtype=np.int32))
     found = align(labelled, None, [cad("cabinet", CABINET)], categories={3: ("cabinet",)})
     reasons = [item.reason for item in found.rejected if item.instance == 1]
-    assert reasons == [f"its points are labelled {word}, which the layout finds"]
+    assert reasons == [f"its points are labelled {word}, which the layout reconstructs"]
 
 
 def test_strays_do_not_stretch_a_cad_beyond_sane_limits() -> None:

@@ -93,7 +93,7 @@ def test_rooms_that_touch_nothing_are_named() -> None:
     flat = flat_of([found(HALL), found(FAR), found(ROOM)])
     assert flat is not None
     assert flat.members == (0, 2)
-    assert flat.notes == ("left out, for they touch none of the others: room 1 (9.0 m2)",)
+    assert flat.notes == ("left out, because they touch no other room: room 1 (9.0 m2)",)
     assert flat_of([found(HALL), found(FAR)]) is None
     assert flat_of([found(HALL)]) is None
 
@@ -127,7 +127,7 @@ def test_a_scan_of_two_rooms_becomes_one_stage_with_the_wall_and_its_passage(
 ) -> None:
     file = two_rooms(tmp_path)
     stage, notes = author(file, "room: all")
-    assert any("the rooms 0, 1 are taken as one" in note for note in notes)
+    assert any("the rooms 0, 1 are composed as one" in note for note in notes)
     floor = np.array(stage.GetPrimAtPath("/World/Room").GetAttribute("openrooms:room:floor").Get())
     assert shapely.Polygon(floor).area == pytest.approx(33.6, abs=0.4)
     walls = stage.GetPrimAtPath("/World/Room/Walls").GetChildren()
@@ -140,7 +140,7 @@ def test_a_scan_of_two_rooms_becomes_one_stage_with_the_wall_and_its_passage(
     alone, notes = author(file, "room: 0")
     floor = np.array(alone.GetPrimAtPath("/World/Room").GetAttribute("openrooms:room:floor").Get())
     assert shapely.Polygon(floor).area == pytest.approx(20.0, abs=0.3)
-    assert any("`room` takes one of them, or `all` that touch" in note for note in notes)
+    assert any("`room` selects one of them, or `all` that touch" in note for note in notes)
 
 
 @pytest.mark.slow
@@ -170,7 +170,7 @@ def test_all_rooms_of_a_scan_with_one_are_that_room(tmp_path: Path) -> None:
     np.savez(file, points=RoomScan(HALL).cloud().points)
     (one, _), (every, notes) = author(file, "room: 0"), author(file, "room: all")
     assert one.ExportToString() == every.ExportToString()
-    assert not any("taken as one" in note for note in notes)
+    assert not any("composed as one" in note for note in notes)
 
 
 @pytest.mark.slow
@@ -179,7 +179,7 @@ def test_rooms_that_stand_apart_are_told(tmp_path: Path) -> None:
     points = [RoomScan(corners).cloud().points for corners in (HALL, FAR)]
     np.savez(file, points=np.concatenate(points))
     _, notes = author(file, "room: all")
-    assert notes[-1] == "no other room stands wall to wall with room 0, which is taken alone"
+    assert notes[-1] == "no other room shares a wall with room 0, so room 0 is composed alone"
 
 
 @pytest.mark.slow

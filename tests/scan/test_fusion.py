@@ -153,8 +153,8 @@ def test_equal_frames_give_equal_bits() -> None:
     [
         ({"depth": np.zeros(5)}, "rows and columns"),
         ({"label": np.zeros((3, 3), int)}, "label picture has another size"),
-        ({"world_from_camera": np.diag([1.0, 1, -1, 1])}, "no rotation"),
-        ({"world_from_camera": 2.0 * np.eye(4)}, "no rotation"),
+        ({"world_from_camera": np.diag([1.0, 1, -1, 1])}, "not a rotation"),
+        ({"world_from_camera": 2.0 * np.eye(4)}, "not a rotation"),
         ({"K": np.diag([0.0, 1.0, 1.0])}, "intrinsics"),
     ],
 )

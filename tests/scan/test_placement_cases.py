@@ -255,7 +255,7 @@ def test_half_is_cut_off_what_would_be_left_out_and_not_off_its_neighbour() -> N
 def test_what_floats_in_the_middle_is_left_out_and_beside_a_wall_hangs_on_it() -> None:
     result = without(found(1, "box", (2, 1.5, 1.2)), found(2, "wardrobe", (2, 2.55, 0.9)))
     assert [gone.instance for gone in result.left_out] == [1]
-    assert "1.20 m above all that may carry it" in result.left_out[0].reason
+    assert "1.20 m above everything that can carry it" in result.left_out[0].reason
     assert [thing.support for thing in result.objects] == ["wall"]
     assert points(result.objects[0])[:, 1].max() == pytest.approx(3.0, abs=0.003)
 

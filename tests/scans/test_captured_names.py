@@ -169,7 +169,9 @@ def test_sizes_that_no_such_thing_has_are_boxes() -> None:
     things, notes = objects(chair, shelf, screen)
     assert [thing.category for thing in things] == ["box", "cabinet", "television"]
     assert things[0].name == "chair_a"
-    assert notes == ["captured 'chair' has a size that no such thing has: a box stands for it"]
+    assert notes == [
+        "captured 'chair' has an impossible size for its category: a box stands for it"
+    ]
 
 
 def first(*words: str, bottom: float = 0.0) -> str:

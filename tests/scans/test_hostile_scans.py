@@ -126,7 +126,7 @@ def test_arrays_that_unfold_without_end(tmp_path: Path) -> None:
     refused(tmp_path / "a.npz", npz(npy(header, bytes(24 * rows))), "its arrays claim 0.4 GiB")
     data = bytearray(npz(npy(b"{'descr': '<f8', 'fortran_order': False, 'shape': (1, 3)}")))
     data[60:80] = bytes(20)
-    refused(tmp_path / "b.npz", bytes(data), "no whole archive|no array")
+    refused(tmp_path / "b.npz", bytes(data), "archive is damaged|no array")
 
 
 PLY = "ply\nformat {}\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
@@ -247,7 +247,7 @@ def test_damaged_archives_are_said_in_short(tmp_path: Path) -> None:
     data = bytearray(path.read_bytes())
     data[40] ^= 1  # the name beside the data is another one
     path.write_bytes(bytes(data))
-    with pytest.raises(InputError, match="no whole archive") as caught:
+    with pytest.raises(InputError, match="archive is damaged") as caught:
         RoomPlanImporter().read(path)
     assert len(str(caught.value)) < 600
 

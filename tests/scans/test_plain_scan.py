@@ -99,7 +99,7 @@ def test_broken_points_are_dropped_and_counted(tmp_path: Path) -> None:
     capture = read_capture("scan", stored(tmp_path, points))
     assert len(capture.cloud) == len(ROOM)
     assert capture.notes == (
-        "7 points without a finite place were dropped",
+        "7 points without finite coordinates were dropped",
         "100 duplicated points were dropped",
     )
     with pytest.raises(InputError, match="no point has finite coordinates"):
@@ -231,11 +231,11 @@ def test_the_file_comes_with_the_room(scan: Path, tmp_path: Path) -> None:
     made = import_capture("scan", scan, tmp_path / "room", {"segments": str(segments), "unit": "m"})
     assert (tmp_path / "room" / "segments.npz").read_bytes() == segments.read_bytes()
     assert made.room.layout.asked["segments"] == "segments.npz"  # type: ignore[union-attr]
-    assert not any("nothing says what stands" in note for note in made.notes)
+    assert not any("the scan has no labels" in note for note in made.notes)
 
 
 @pytest.mark.usefixtures("any_scan_will_do")
 def test_a_scan_that_says_nothing_is_told_so(scan: Path, tmp_path: Path) -> None:
     made = import_capture("scan", scan, tmp_path / "room", {"unit": "m"})
-    assert any("nothing says what stands in the scan" in note for note in made.notes)
+    assert any("the scan has no labels" in note for note in made.notes)
     assert "unlabelled: furnish" in made.file.read_text()

@@ -68,7 +68,7 @@ def test_a_damaged_line_costs_one_point(tmp_path: Path, column: int, bad: str) -
     assert found.cloud is not None
     assert len(found.cloud) == 40 * len(THINGS) - 1
     said = "left out 1 of 40 lines, which are not 6 numbers each: the first is line 8"
-    no_number = "1 points without a finite place were dropped"
+    no_number = "1 points without finite coordinates were dropped"
     assert found.notes[0].startswith(no_number if bad == "-" else f"chair_1.txt: {said}")
 
 

@@ -305,7 +305,7 @@ def test_a_zipped_folder_shall_be_unzipped(tmp_path: Path, kind: str) -> None:
     (tmp_path / "scene.zip").write_bytes(b"PK\3\4")
     with pytest.raises(InputError) as caught:
         import_capture(kind, tmp_path / "scene.zip", tmp_path / "out")
-    assert "unzip it" in caught.value.remedy
+    assert "unpack it" in caught.value.remedy
 
 
 @pytest.mark.parametrize(

@@ -221,7 +221,7 @@ def test_depth_that_unfolds_without_end_takes_no_memory(tmp_path: Path) -> None:
     [
         ("{n}.txt", "axisAlignment = 1 2 3", "16 numbers expected"),
         ("{n}.txt", "axisAlignment = a b", "not of numbers"),
-        ("{n}.txt", "axisAlignment = " + "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1", "no rotation"),
+        ("{n}.txt", "axisAlignment = " + "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1", "not a rotation"),
         ("{n}_vh_clean_2.0.010000.segs.json", '{"segIndices": [1, 2]}', "2 vertices have segments"),
         ("{n}_vh_clean_2.0.010000.segs.json", '{"segIndices": ["a"]}', "whole numbers"),
         ("{n}_vh_clean_2.0.010000.segs.json", "{}", "'segIndices' is missing"),

@@ -156,7 +156,7 @@ def test_points_outside_the_folder_are_not_read(tmp_path: Path) -> None:
     ("file", "data", "said"),
     [
         ("calib/000017.txt", b"1 0 0 0 1 0 0 0 1\n", "two lines"),
-        ("calib/000017.txt", b"2 0 0 0 1 0 0 0 1\n1 0 0 0 1 0 0 0 1\n", "no rotation"),
+        ("calib/000017.txt", b"2 0 0 0 1 0 0 0 1\n1 0 0 0 1 0 0 0 1\n", "not a rotation"),
         ("calib/000017.txt", b"1 0 0 0 1 0 0 0 1\n1 0 0 0 0 0 0 0 1\n", "focal length"),
         ("calib/000017.txt", b"a b c\nd\n", "line 1"),
         ("label/000017.txt", b"chair 1 2 3\n", "12 numbers"),

@@ -94,9 +94,7 @@ def test_where_there_is_no_space_it_leads_outside_and_a_note_says_so() -> None:
     narrow = "[[0, 0], [6, 0], [6, 6], [5, 6], [5, 1.5], [4.2, 1.5], [4.2, 6], [0, 6]]"
     stage, context = author("- {kind: opening, wall: 3, at: 2.0, beyond: hallway}", polygon=narrow)
     assert "opening_1" not in beyond(stage)
-    assert context.notes == [
-        "opening_1: there is no space for a hallway behind it; it leads outside"
-    ]
+    assert context.notes == ["opening_1: no space for a hallway behind it; it leads outside"]
 
 
 def test_no_ray_leaves_it_but_by_the_opening() -> None:

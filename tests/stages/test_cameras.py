@@ -213,7 +213,7 @@ def test_a_room_without_space_is_framed_with_a_note() -> None:
     define_mesh(stage, "/World/Furniture/block/body", cuboid((0.1, 0.1, 0), (4.9, 3.9, 2.5)))
     context = author(stage, {"from": "select", "count": 3})
     assert len(list_cameras(stage)) == 1
-    assert "framed" in context.notes[0]
+    assert "the camera frames the whole room" in context.notes[0]
 
 
 def test_walls_and_ceilings_are_bare_and_furniture_is_what_is_photographed() -> None:

@@ -108,7 +108,7 @@ def test_heights_come_from_the_own_support() -> None:
 
 
 def test_frames_that_do_not_exist_or_go_round_are_refused() -> None:
-    with pytest.raises(DescriptionError, match="a is relative to 'b', which is no object"):
+    with pytest.raises(DescriptionError, match="a is relative to 'b', which is not an object"):
         stands(item("a", 0, 0, relative_to="b"))
     with pytest.raises(DescriptionError, match="circle: a, b, a"):
         stands(item("a", 0, 0, relative_to="b"), item("b", 0, 0, relative_to="a"))

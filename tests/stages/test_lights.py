@@ -223,7 +223,7 @@ def test_a_coloured_lamp_keeps_its_lumens(tmp_path: Path) -> None:
 def test_beyond_what_usd_knows_is_noted(tmp_path: Path) -> None:
     stage, notes = compose(tmp_path, room(lamps={"reading": {"kelvin": 15_000}}))
     assert kelvin(stage, "reading") == 15_000
-    assert notes == ["reading: UsdLux shows 15000 K as 10000 K"]
+    assert notes == ["reading: UsdLux clamps 15000 K to 10000 K"]
 
 
 def test_lamps_that_are_not_there_are_refused(tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ def test_what_stands_beside_its_support_is_noted() -> None:
 def test_circles_and_unknown_supports_are_refused() -> None:
     with pytest.raises(DescriptionError, match="circle: a, b, a"):
         _heights(_item("a", on="b"), _item("b", on="a"))
-    with pytest.raises(DescriptionError, match="'c', which is no object"):
+    with pytest.raises(DescriptionError, match="'c', which is not an object"):
         _heights(_item("a", on="c"))
     with pytest.raises(StageError, match="no ceiling"):
         _heights(_item("a", on="ceiling"), ceiling=None)

@@ -40,7 +40,7 @@ def test_a_room_of_several_is_told_with_the_others() -> None:
     assert room.capture.floor is not None
     assert np.ptp(room.capture.floor, axis=0).tolist() == [3.0, 3.0]
     (note,) = [note for note in room.capture.notes if "rooms" in note]
-    assert "0 (25.0 m2), 1 (9.0 m2); `room` takes" in note
+    assert "0 (25.0 m2), 1 (9.0 m2); `room` selects" in note
 
 
 def test_a_room_that_is_not_there_says_which_are() -> None:

@@ -62,7 +62,7 @@ def test_screens_are_off_unless_listed_and_bent_ones_stay_dark(tmp_path: Path) -
     tube = {**TELEVISION, "size": [0.6, 0.48, 0.64], "style": "tube"}
     stage, notes = composed(tmp_path / "tube", tube, set={})
     assert screens(stage) == []
-    assert "bent" in notes[0]
+    assert "curved" in notes[0]
     with pytest.raises(DescriptionError, match="no screen 'sett'"):
         composed(tmp_path / "none", TELEVISION, sett={})
 

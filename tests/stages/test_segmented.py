@@ -53,7 +53,7 @@ def test_things_are_found_and_people_are_told() -> None:
     assert cloud.words == {1: ("object",)}
     assert cloud.instance is not None
     assert (cloud.instance == 1).mean() > 0.8
-    assert "the scan does not say what stands in it" in notes[0]
+    assert "the scan has no labels" in notes[0]
     assert "1 without a name" in notes[0]
     assert "--segments FILE" in notes[0]
 
@@ -65,16 +65,16 @@ def test_a_desk_of_no_desk_s_size_is_a_box_for_its_size_alone() -> None:
         for number, word in enumerate(("desk", "small desk", "sculpture"), 1)
     ]
     assert list(_told(FoundFurniture(tuple(boxes)), 0)) == [
-        "boxes stand for what the library has nothing for: sculpture",
-        "boxes stand for things of a size that no such things have: desk, small desk",
+        "no category fits, so boxes replace: sculpture",
+        "impossible sizes for their categories, so boxes replace: desk, small desk",
     ]
 
 
 @pytest.mark.parametrize(
     ("kind", "support", "said"),
     [
-        ("floats", "wall", "0.03 m before the wall that it hangs on"),
-        ("floats", "floor", "0.03 m above all that may carry it"),
+        ("floats", "wall", "0.03 m away from the wall that it hangs on"),
+        ("floats", "floor", "0.03 m above everything that can carry it"),
         ("in a wall", "wall", "0.03 m beyond the walls"),
     ],
 )
@@ -82,7 +82,7 @@ def test_what_is_wrong_still_is_said_with_its_place(kind: Any, support: str, sai
     pose = Pose(np.eye(3), np.zeros(3), np.ones(3))
     thing = FoundObject(1, "pillow", "pillow", pose, 0.0, 1.0, word="pillow", support=support)
     found = FoundFurniture((thing,), unresolved=(Unresolved(kind, 1, None, 0.03),))
-    assert list(_told(found, 0)) == [f"still wrong: the pillow (instance 1) is {said}"]
+    assert list(_told(found, 0)) == [f"not resolved: the pillow (instance 1) is {said}"]
 
 
 def test_nothing_is_looked_for_where_that_is_asked_but_it_is_said() -> None:

@@ -121,7 +121,7 @@ def test_a_camera_in_a_thing_is_named_and_one_under_a_table_is_not(tmp_path: Pat
 def test_a_room_without_lamp_and_opening_is_dark(tmp_path: Path) -> None:
     rows, notes = found(tmp_path / "dark", "")
     assert rows == [("light", "Room")]
-    assert "nothing shines" in notes[0]
+    assert "no lamp shines" in notes[0]
     assert found(tmp_path / "window", "", WINDOW) == ([], ())
 
 

@@ -125,5 +125,5 @@ def test_a_question_writes_nothing_and_says_where_it_would_stand(
 
 
 def test_what_is_no_composed_room_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no composed room"):
+    with pytest.raises(InputError, match="not a composed room"):
         corrections(tmp_path / "scene.usda")

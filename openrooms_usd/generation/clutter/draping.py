@@ -24,7 +24,8 @@ _ABOVE_M, _BESIDE_M = 0.001, 0.002
 # What is so far aside of a cloth counts as below it, and what is so far within its ends carries it,
 # metres.
 _ASIDE_M, _WITHIN_M = 0.005, 0.03
-# Posts are so much higher than the edge between them, metres; cloths are no narrower than this.
+# Posts are at least this much higher than the edge between them; cloths have at least this width.
+# Metres.
 _POST_M, _NARROWEST_M = 0.003, 0.16
 # What a cloth may hang over, metres.
 _THINNEST_M, _THICKEST_M = 0.016, 0.28

@@ -1,9 +1,9 @@
 """Level boards and tops of an object, found on its meshes: where they are free, and how high.
 
 Vertical lines through the middles of cells meet the object's triangles. Where a line leaves the
-solid upwards, something may stand; how high, is said by what the line meets next, and by every
-edge of a triangle that passes through the cell: walls and rims that are thinner than a cell slip
-between the lines, but have edges.
+solid upwards, something may stand. The free height ends at what the line meets next, and at every
+triangle edge that passes through the cell. Walls and rims that are thinner than a cell slip between
+the lines, but have edges.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from openrooms_usd.generation.shapes import Shape
 CELL_M: Final = 0.01
 # Lines keep off the planes at round numbers in which edges of furniture lie, metres.
 _OFF_M: Final = 0.00037
-# Tops within this of each other are one level, metres; what rises less is no obstacle.
+# Tops within this of each other are one level, metres; what rises less is not an obstacle.
 _LEVEL_M: Final = 0.0008
 # The cosine of what still counts as level.
 _UPRIGHT: Final = 0.9998
@@ -30,7 +30,7 @@ _LEAST_AREA_M2: Final = 0.004
 _LEAST_HEADROOM_M: Final = 0.03
 # What is seen from the front when it is looked at along so many heights above a board, metres.
 _LOOKS_M: Final = (0.02, 0.05, 0.09, 0.14)
-# Doors with panes have frames, which nobody sees through; and ledges that are no boards; metres.
+# Doors with panes have opaque frames, and ledges that are not boards; metres.
 _ABOVE_FRAMES_M: Final = _LOOKS_M[2:]
 _DEEP_M: Final = 0.12
 # A board is open where a look from the front comes this far beyond its front edge, metres, and as

@@ -137,7 +137,7 @@ ABOUT: Final = "lying about"
 
 # Vessels are numbered downwards from here: surfaces upwards from 0, places of the room from -1.
 _FIRST_VESSEL: Final = -1000
-# What is kept free before windows and is no deeper than twice this is part of them, metres.
+# Free areas before windows belong to the window if they are at most twice this deep, metres.
 _NOSE_M: Final = 0.03
 
 Groups = Sequence[tuple[str, Sequence[Item]]]

@@ -18,7 +18,7 @@ from openrooms_usd.generation.items import Item, placed
 _BOARDS: Final[tuple[Place, ...]] = (
     "shelf", "low_shelf", "wardrobe_shelf", "cupboard", "drawer",
 )  # fmt: skip
-# What is no level top: seats and beds, edges and hooks.
+# Surfaces other than level tops: seats and beds, edges and hooks.
 _NO_TOPS: Final[tuple[Place, ...]] = (
     "bed_head", "bed_foot", "sofa_seat", "armchair_seat", "chair_seat", "sofa_arm", "chair_back",
     "towel_rail", "clothes_rail", "hook", "wall", "in_bowl", "in_bin",

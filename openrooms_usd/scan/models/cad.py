@@ -56,9 +56,8 @@ class CadModel:
         symmetry: About its vertical; None: to be found from the mesh.
         up: Its vertical axis; None: not known.
         unit: Metres of its unit; None: not known.
-        sizes: Of a CAD that is built anew at the size that is found, Z up: (2, 3) the least and the
-            greatest at which it is still what it is, metres; None: it is what it is, and may be
-            stretched a little.
+        sizes: (2, 3) smallest and largest size of a CAD that is built at the size that is found, Z
+            up, metres; None: a fixed mesh, which may be stretched a little.
         suits: Of such a CAD: whether a width, depth and height are natural for it, metres.
     """
 

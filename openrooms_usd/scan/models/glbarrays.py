@@ -80,7 +80,7 @@ def _dense(accessor: Mapping[str, Any], views: list[Any], body: bytes) -> NDArra
     told, some = sparse["indices"], int(sparse["count"])
     at = _rows(told, views, body, TYPES[told["componentType"]], 1, some)[:, 0].astype(np.int64)
     if len(at) and (at.max() >= count or (np.diff(at) <= 0).any()):
-        raise ValueError("the rows of a sparse accessor are not in order, or not there")
+        raise ValueError("the indices of a sparse accessor are missing or not in order")
     values[at] = _rows(sparse["values"], views, body, kind, width, some)
     return values
 

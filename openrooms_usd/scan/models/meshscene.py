@@ -102,20 +102,20 @@ def _shown(scene: Any) -> Any:
 def _pose(given: Any) -> NDArray[np.float64]:
     pose = np.asarray(given, dtype=np.float64)
     if pose.shape != (4, 4) or not np.isfinite(pose).all():
-        raise ValueError("the place of a mesh is no transform")
+        raise ValueError("the transform of a mesh is not valid")
     return pose
 
 
 def _check_meshes(found: list[ShownMesh], path: Path) -> None:
     if sum(len(one.mesh.faces) for one in found) > _MOST_TRIANGLES:
         text = f"it shows more than {_MOST_TRIANGLES:,} triangles"
-        raise InputError(text, place=path, remedy="export fewer, or scans as PLY")
+        raise InputError(text, place=path, remedy="export fewer triangles, or save scans as PLY")
     for one in found:
         points, faces = np.asarray(one.mesh.vertices), np.asarray(one.mesh.faces)
         if points.ndim != 2 or points.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3:
             raise InputError("a mesh is not of triangles", place=path, remedy=_REMEDY)
         if not 0 <= faces.min() <= faces.max() < len(points):
-            text = "a triangle refers to a corner that is not there"
+            text = "a triangle refers to a missing vertex"
             raise InputError(text, place=path, remedy=_REMEDY)
 
 
@@ -140,7 +140,8 @@ def glb_header(content: bytes, place: object) -> dict[str, Any]:
         place: The file, for messages.
 
     Raises:
-        InputError: It is no GLB, is cut off, claims absurd amounts, or needs what is not read.
+        InputError: It is not a GLB file, is truncated, announces absurd sizes, or needs an
+            unsupported extension.
         MissingPackageError: It is compressed by Draco and the decoder is not installed.
     """
     if len(content) < _HEAD:
@@ -161,7 +162,7 @@ def _described(text: bytes, place: object) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise _broken(str(error), place) from error
     if not isinstance(header, dict):
-        raise _broken("its description is no JSON object", place)
+        raise _broken("its description is not a JSON object", place)
     return header
 
 
@@ -196,13 +197,13 @@ def _check_amounts(header: Mapping[str, Any], most: int) -> None:
     """Refuse what unpacks to more than a file of that size can mean."""
     views, accessors = header.get("bufferViews", []), header.get("accessors", [])
     if sum(_whole(view["byteLength"]) for view in views) > most:
-        raise ValueError("its buffer views are many times as long as the file")
+        raise ValueError("its buffer views are far longer than the file")
     if any(_whole(view.get("byteStride", 1)) < 1 for view in views):
         raise ValueError("a buffer view has no stride")
     counts = [_whole(accessor["count"]) for accessor in accessors]
     sizes = [np.dtype(TYPES[a["componentType"]]).itemsize * WIDTHS[a["type"]] for a in accessors]
     if sum(count * size for count, size in zip(counts, sizes, strict=True)) > most:
-        raise ValueError("its accessors announce many times as much as the file holds")
+        raise ValueError("its accessors announce far more data than the file holds")
     corners = [
         sum(_corners(primitive, counts) for primitive in mesh["primitives"])
         for mesh in header.get("meshes", [])
@@ -240,7 +241,7 @@ def _check_tree(nodes: Sequence[Mapping[str, Any]]) -> None:
 
 def _whole(value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-        raise ValueError(f"{str(value)[:20]!r} is no number of anything")
+        raise ValueError(f"{str(value)[:20]!r} is not a valid number")
     return value
 
 

@@ -28,9 +28,9 @@ _MIN_USUAL_COUNT: Final = 0.5
 # NYU40.
 DOOR, WINDOW, BLINDS, CURTAIN = 8, 9, 13, 16
 OPENING_LABELS: Final = (DOOR, WINDOW, BLINDS, CURTAIN)
-# Returns labelled door that are farther before the wall than this, and than so many of its standard
-# deviations more (drift doubles walls), are of a leaf that was opened against it, which is no door
-# in this wall.
+# Returns labelled door this far before the wall belong to a leaf that was opened against it, not to
+# a door in this wall. The distance grows by this many standard deviations of the wall's returns
+# (drift doubles walls).
 _LEAF_ASIDE_M: Final = 0.12
 _DRIFT_SIGMAS: Final = 2.0
 # Labels count of returns with normals within 25 degrees of the wall's.

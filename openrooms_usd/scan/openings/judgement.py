@@ -147,7 +147,7 @@ def label_weights(grid: WallGrid, kind: wallholes.Kind) -> Array:
     named = ndimage.distance_transform_edt(votes <= 0) * CELL_M < _FRAME_TO_PANE_M
     through = np.where(named, _LOOKED_THROUGH_WEIGHT * geometry, wallholes.HIDDEN_WEIGHT)
     geometry = np.where(geometry > 0, through, geometry)
-    # Voids between the folds of a curtain are no holes.
+    # Voids between the folds of a curtain are not holes.
     hangs = ndimage.maximum_filter(curtain, round(_FOLD_DISTANCE_M / CELL_M)) > 0
     geometry = np.where(hangs, np.minimum(geometry, wallholes.HIDDEN_WEIGHT), geometry)
     # Where few returns have a label, as outliers in a hole, geometry counts as well.

@@ -52,7 +52,7 @@ class Arrangement:
         Args:
             i: The row of the one.
             j: The row of the other.
-            tolerated: Less than this is none, metres.
+            tolerated: Less than this is ignored, metres.
             lines: How finely to measure.
         """
         key, a, b = (i, j, tolerated, lines), self.bodies[i], self.bodies[j]

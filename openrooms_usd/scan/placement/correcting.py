@@ -30,7 +30,7 @@ from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.placement.support import CEILING, FLOOR, OBJECT, WALL, Support, rest
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 
-# Motions shorter than this are none, metres.
+# Motions shorter than this are ignored, metres.
 _NO_MOTION_M: Final = 1e-4
 # Motion by which objects of real scans that overlap still come apart, whose CADs have not their
 # shapes, metres: what stands still farther off stands elsewhere.

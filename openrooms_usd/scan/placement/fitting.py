@@ -292,4 +292,4 @@ def whereabouts(wrong: Unresolved, *, hangs: bool) -> str:
     """
     if wrong.kind == "in a wall":
         return "beyond the walls"
-    return "before the wall that it hangs on" if hangs else "above all that may carry it"
+    return "away from the wall that it hangs on" if hangs else "above everything that can carry it"

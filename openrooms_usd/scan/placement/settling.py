@@ -29,7 +29,7 @@ from openrooms_usd.scan.placement.support import (
     support_of,
 )
 
-# Larger tilts are intended, smaller ones than the second are none, degrees.
+# Tilts larger than the first are intended, those smaller than the second are ignored, degrees.
 _MEANT_LEAN_DEG: Final = 15.0
 _UPRIGHT_DEG: Final = 0.02
 # Objects at larger angles to a wall are not meant to be parallel to it; below the second angle they
@@ -41,7 +41,7 @@ _MIN_BASE_SHARE: Final = 0.4
 _STABLE_BASE_SHARE: Final = 0.6
 # Shifts that are tried for that, metres.
 _SHIFT_STEPS_M: Final = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1)
-# Less than this is no gap, metres.
+# Smaller gaps are ignored, metres.
 _TOUCHING_M: Final = 0.002
 _DOWN: Final = np.array([0.0, 0.0, -1.0])
 

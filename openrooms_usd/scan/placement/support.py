@@ -26,7 +26,7 @@ MAX_DEEP_M: Final = 0.16
 _TALL_FALL_M: Final = 0.2
 _TALL_FALL_SHARE: Final = 0.25
 MAX_FAR_M: Final = 0.4
-# Largest gap to the wall or ceiling that an object hangs on, and to a wall for objects that are no
+# Largest gap to the wall or ceiling that an object hangs on, and to a wall for objects other than
 # panels, metres.
 _HANGING_GAP_M: Final = 0.2
 _BULKY_HANGING_GAP_M: Final = 0.06
@@ -193,7 +193,7 @@ def support_of(
     if usual not in (FLOOR, OBJECT):
         found += _hanging(body, room)
     if not found:
-        # Far above all that may carry it, beside a wall: a shelf or a bracket that nobody modelled.
+        # Far above all that may carry it, beside a wall: a shelf or a bracket that is not modelled.
         return Support("nothing" if room.facing(body) is None else WALL)
     return min(found, key=lambda item: item[0])[1]
 

@@ -138,7 +138,8 @@ def fuse(frames: Iterable[DepthFrame], options: FusionOptions = DEFAULTS) -> Fus
     notes = list(_lost(lost, len(sensor_origins)))
     if sums.voxel > options.voxel:
         notes.append(
-            f"voxels became {100 * sums.voxel:g} cm, so that {options.memory >> 20} MB suffice"
+            f"voxels were enlarged to {100 * sums.voxel:g} cm to stay within "
+            f"{options.memory >> 20} MB"
         )
     return Fused(
         _cloud(sums, sensor_origins, options.frames),
@@ -158,7 +159,7 @@ def _check(frame: DepthFrame, number: int) -> None:
     place, shape = f"frame {number}", np.shape(frame.depth)
     if len(shape) != 2 or 0 in shape:
         raise InputError(
-            f"a depth picture has rows and columns, not the shape {shape}", place=place
+            f"a depth picture must have rows and columns, got the shape {shape}", place=place
         )
     for name in ("label", "instance", "color"):
         other = getattr(frame, name)
@@ -170,9 +171,9 @@ def _check(frame: DepthFrame, number: int) -> None:
             )
     turn, K = frame.world_from_camera[:3, :3], frame.K
     if np.abs(turn.T @ turn - np.eye(3)).max() > _RIGID_TOLERANCE or np.linalg.det(turn) < 0.0:
-        raise InputError("its pose is no rotation with a translation", place=place)
+        raise InputError("its pose is not a rotation and a translation", place=place)
     if not np.isfinite(K).all() or K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
-        raise InputError("its intrinsics are none: fx and fy are above zero", place=place)
+        raise InputError("its intrinsics are not valid: fx and fy must be positive", place=place)
 
 
 def _samples(frame: DepthFrame, options: FusionOptions) -> Samples:

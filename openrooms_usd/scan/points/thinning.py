@@ -53,7 +53,7 @@ class Cleaned:
             "all normals were dropped" if self.normals_dropped else "their points were dropped"
         )
         counts = (
-            (self.broken, "points without a finite place were dropped"),
+            (self.broken, "points without finite coordinates were dropped"),
             (self.duplicates, "duplicated points were dropped"),
             (self.normals, f"normals are broken: {normals}"),
         )

@@ -266,7 +266,7 @@ def _found(hint: Hint, best: Candidate, evidence: Evidence) -> FoundObject:
     if not stand_in and (on.mean() < _MIN_INLIER_SHARE or coverage < _MIN_COVERAGE_SHARE):
         raise RefusedError(
             f"the CAD {template.model.id} does not fit: {100 * on.mean():.0f} % of the points lie "
-            f"on it, and {100 * coverage:.0f} % of what must have been seen of it has points"
+            f"on it, and {100 * coverage:.0f} % of its visible surface has points"
         )
     return FoundObject(
         instance=hint.instance,

@@ -43,7 +43,8 @@ _BUILT_SIGMAS: Final = np.array([0.25, 0.25, 0.25, 0.25, 0.25, 0.25, 0.1])
 # the box.
 _BOX_STRETCH_LOG: Final = 0.18
 _POINTS_STRETCH_LOG: Final = 0.3
-# The same deviation of what is built at any size: headings are told by it where little else tells.
+# The same deviation of what is built at any size: it decides headings where there is little other
+# evidence.
 _BUILT_STRETCH_LOG: Final = 0.4
 _TURNS_RAD: Final = (0.0, 0.14, -0.14)
 _STRETCHES_LOG: Final = (-0.18, -0.1, 0.1, 0.18)

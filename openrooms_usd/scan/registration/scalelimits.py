@@ -1,8 +1,8 @@
 """How far a CAD may be scaled and still be the thing that it is.
 
 A CAD of known size may be 0.6 to 1.6 times as long along each axis, one of unknown unit as much off
-the proportions that it has. What the library builds anew has sizes of its own: a table of 0.4 to
-8 m is one, a table of 5 cm is none.
+the proportions that it has. What the library builds has its own limits of size: a table may have
+0.4 to 8 m, but not 5 cm.
 """
 
 from collections.abc import Sequence

@@ -202,8 +202,8 @@ class Selection:
             return f"there is no CAD of the category {' or '.join(wanted)}"
         label = self._label(rows)
         if label in _LAYOUT_LABELS:
-            return f"its points are labelled {_LAYOUT_LABELS[label]}, which the layout finds"
-        return f"there is no CAD of the category that its points' class {label} means"
+            return f"its points are labelled {_LAYOUT_LABELS[label]}, which the layout reconstructs"
+        return f"no CAD has the category of its points' class {label}"
 
 
 def _standing_on_floor(group: Sequence[str]) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ _LEVEL_COS: Final = float(np.cos(np.deg2rad(8.0)))
 _SLOPED_COS: Final = 0.35
 _HEIGHT_BIN_M: Final = 0.02
 _MIN_AREA_M2: Final = 0.5
-# A level that walls exceed by this much is no ceiling, metres.
+# A level that walls exceed by this much is not a ceiling, metres.
 _WALL_ABOVE_CEILING_M: Final = 0.12
 # Least height of slopes, tolerances of their inliers and least area of each. A shed roof has one
 # slope, a gable roof two.

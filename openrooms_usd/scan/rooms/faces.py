@@ -1,4 +1,4 @@
-"""Vertical faces that are no walls: those beyond which the room is seen to go on.
+"""Vertical faces that are not walls: the room is seen to continue beyond them.
 
 The face of a soffit hangs as high as the top of a wall, but below it the room goes on to a wall
 farther out, or under a lower ceiling. An open door's leaf and a wardrobe stand as a wall does, but
@@ -37,7 +37,7 @@ _ROOM_M: Final = (0.5, 0.7, 0.9)
 # Lintels are shorter than beams that span a room, and than soffits before a wall.
 _MIN_BEAM_M: Final = 2.0
 _MIN_SOFFIT_M: Final = 1.2
-# Leaves and wardrobes are at least as high; lower things are no evidence of walls anyway.
+# Leaves and wardrobes are at least as high; lower things are not evidence of walls anyway.
 _LEAST_STANDING_M: Final = 1.5
 # They end below the ceiling by at least this; the wall is seen in so much of the heights above.
 _MIN_ABOVE_M: Final = 0.25

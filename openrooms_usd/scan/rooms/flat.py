@@ -71,7 +71,7 @@ def flat_of(rooms: Sequence[FoundRoom]) -> Flat | None:
         if number not in members
     ]
     if away:
-        notes.append(f"left out, for they touch none of the others: {', '.join(away)}")
+        notes.append(f"left out, because they touch no other room: {', '.join(away)}")
     return Flat(_without_jogs(corners), tuple(members), walls, tuple(openings), tuple(notes))
 
 

@@ -1,8 +1,8 @@
 """The rooms of a level scan as closed polygons.
 
-Line hypotheses (`candidates`, for missed walls too) cut the plan into cells; for each
-space of a watershed (`spaces`) a minimum cut labels them inside or outside (`roomoutline`); the
-outline is simplified as long as its cost falls (`outline`), and its lines are refitted.
+Line hypotheses (`candidates`, for missed walls too) cut the plan into cells. For each space of a
+watershed (`spaces`) a minimum cut labels them inside or outside (`roomoutline`). The outline is
+simplified as long as its cost falls (`outline`), and its lines are refitted.
 
 An open leaf is collinear with no wall.
 """
@@ -35,7 +35,7 @@ _INSIDE_GAIN: Final = 1.0
 _PARTIAL_INSIDE_GAIN: Final = 6.0
 # Walls of which less was scanned are reported as guessed.
 _GUESSED_SHARE: Final = 0.3
-# Spaces of whose border less is beside walls, such as lawns, are no rooms.
+# Spaces with less of their border beside walls, such as lawns, are not rooms.
 _WALLED_SHARE: Final = 0.1
 # A room needs two walls with this much scanned, in directions with at most this cosine.
 _MIN_WALL_M: Final = 0.4
@@ -198,10 +198,10 @@ def find_layout(
 
 def _too_little(message: str) -> SparseScanError:
     return SparseScanError(
-        f"{message}, which is too little for its layout",
-        remedy="scan the floor and at least two walls that meet, best every wall from end to end;"
-        " `partial: true` in the layout takes what there is and guesses the rest; a scan on its"
-        " side needs `up` (`--up`)",
+        f"{message}, too little to reconstruct its layout",
+        remedy="scan the floor and at least two walls that meet, best every wall from end to "
+        "end; `partial: true` in the layout guesses the missing walls; a scan on its side "
+        "needs `up` (`--up`)",
     )
 
 

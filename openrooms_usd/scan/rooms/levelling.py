@@ -283,17 +283,17 @@ def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
 def _too_little(message: str) -> SparseScanError:
     return SparseScanError(
         message,
-        remedy="scan the whole room: its floor, and every wall from end to end; if that was done,"
-        " say its unit (`unit`, `--unit`)",
+        remedy="scan the whole room: its floor, and every wall from end to end; if that was "
+        "done, give its unit (`unit`, `--unit`)",
     )
 
 
 def _notes(ground: Ground) -> tuple[str, ...]:
     if not ground.seen:
-        return ("the floor was not seen: it is put where the walls end",)
+        return ("the floor was not seen: it is placed where the walls end",)
     if ground.trust < 1.0 and ground.residual > _BENT_FLOOR_M:
         bent = f"{100.0 * ground.residual:.0f} cm"
-        return (f"the floor is bent by {bent}: it is put level at its mean height",)
+        return (f"the floor is uneven by {bent}: it is made level at its mean height",)
     return ()
 
 

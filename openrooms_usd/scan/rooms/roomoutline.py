@@ -28,8 +28,8 @@ _CUT_PASSES: Final = 2
 _WALL_INSIDE_COST: Final = 2.5
 # Walls shorter than the first are likely window reveals or drift, and cost the second more, metres.
 _SHORT_WALL_COSTS_M: Final = ((0.2, 0.4), (0.08, 2.0))
-# A wall of which less than this part shows is assumed; it costs as much more, metres: rather than
-# that walls step where nobody looked, they go straight on.
+# A wall of which less than this share was scanned is assumed, and costs this much more, metres. So
+# walls continue straight where nothing was scanned.
 _ASSUMED_SHARE: Final = 0.2
 _ASSUMED_WALL_COST_M: Final = 0.3
 # If all sensors are outside, metres of missing wall; in proportion if some are.

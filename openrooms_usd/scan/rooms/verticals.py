@@ -1,11 +1,11 @@
 """Which way is up in a scan: what speaks for every axis, whatever its unit.
 
-A room that lies on its side still has flat, square surfaces, so no single sign settles it. These
-are weighed, as logarithms of odds: level surfaces are large, and the floor the largest; things
-stand at any azimuth but upright, so odd surfaces are square to the vertical; a floor and a ceiling
-are as far apart as rooms are high; and what stands in a room stands on its floor, away from the
-walls, and not under its ceiling. The weights are those of a logistic regression over real and
-simulated scans, turned every way.
+A room that lies on its side still has flat, square surfaces, so no single sign settles it. Several
+signs are weighed, as logarithms of odds. Level surfaces are large, and the floor is the largest.
+Things stand upright at any azimuth, so odd surfaces are square to the vertical. The distance from
+floor to ceiling is that of a room. Furniture stands on the floor, away from the walls, and not
+under the ceiling. The weights are those of a logistic regression over real and simulated scans,
+turned every way.
 """
 
 from dataclasses import dataclass, replace

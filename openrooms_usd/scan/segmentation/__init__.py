@@ -1,4 +1,4 @@
-"""Furniture in scans that nobody labelled, without trained weights.
+"""Furniture in scans without labels, without trained weights.
 
 In the order of the work:
 

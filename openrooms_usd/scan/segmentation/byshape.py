@@ -27,7 +27,7 @@ _SPACING_SAMPLE: Final = 20_000
 _OF_SURFEL_M: Final = 0.07
 # Pieces of fewer surfels are outliers.
 _MIN_SURFELS: Final = 20
-# Smaller things are clutter; larger ones are no furniture, but walls that the layout lacks.
+# Smaller things are clutter; larger ones are not furniture, but walls that the layout lacks.
 _MIN_SIDE_M: Final = 0.25
 _MIN_VOLUME_M3: Final = 0.015
 _MAX_SIDE_M: Final = 4.5

@@ -18,8 +18,8 @@ class Segments:
 
     Attributes:
         instance: (N,) for each point the number of its thing, from 1; 0 where there is none.
-        words: What each thing is, by its number: any word, such as ``sofa``. What has a word that
-            nobody knows, or none, becomes a box of its size.
+        words: What each thing is, by its number: any word, such as ``sofa``. An object with an
+            unknown word, or without one, becomes a box of its size.
     """
 
     instance: NDArray[np.int32]

@@ -184,8 +184,8 @@ _ROWS: Final = (
 
 # Clouds whose points are labelled, in words or by class, but not told apart into things.
 
-# Parts of one label that are farther apart than this are different things, metres; smaller parts
-# than so many places of the thinned cloud are none.
+# Parts of one label that are farther apart than this are different things, metres. Parts with fewer
+# points of the thinned cloud are ignored.
 _APART_M: Final = 0.1
 _THINNING_M: Final = 0.03
 _MIN_PLACES: Final = 30

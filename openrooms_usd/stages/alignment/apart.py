@@ -22,7 +22,7 @@ from openrooms_usd.stages.alignment.surroundings import Surroundings
 
 # How far a box is moved at most: what lies deeper in another is not where it was seen, metres.
 _REACH_M: Final = 0.3
-# Shorter motions are none.
+# Shorter motions are ignored.
 _NO_MOTION_M: Final = 0.001
 
 
@@ -57,8 +57,8 @@ def moved_apart(
     if moved:
         most = max(moved, key=far.__getitem__)
         notes.append(
-            f"{len(moved)} of {len(things)} captured objects stood in others or in walls and were"
-            f" moved apart, {most} the farthest: {far[most]:.2f} m"
+            f"{len(moved)} of {len(things)} captured objects overlapped others or walls and were "
+            f"moved apart, {most} the farthest: {far[most]:.2f} m"
         )
     return [moved.get(thing.name, thing) for thing in things]
 

@@ -76,7 +76,7 @@ def captured_objects(
     }
     for word, label in sorted(boxed):
         known = category_of(label, 0.0) is not None
-        why = "has a size that no such thing has" if known else "is unknown"
+        why = "has an impossible size for its category" if known else "is unknown"
         notes.append(f"captured {word!r} {why}: a box stands for it")
     taken = {name for name, _ in named_objects(described)}
     labels = [(label, box.id) for box, (_, label) in zip(capture.boxes, kinds, strict=True)]

@@ -36,7 +36,7 @@ from openrooms_usd.usd.semantics import NYU40
 _COUNTED_MOTION_M: Final = 0.01
 _BY_SHAPE: Final = "shapes"
 _REMEDY: Final = (
-    "Say better by a file (`orusd import scan --segments FILE`), a segmenter of your own "
+    "For better results give labels (`orusd import scan --segments FILE`), your own segmenter "
     "(`alignment: {segmenter: NAME}`) or `objects`; `unlabelled: leave_out` leaves them out"
 )
 
@@ -52,7 +52,7 @@ def furnish(
     found_scan = found_in(context.stage)
     if found_scan is None:
         raise InputError(
-            "furniture is found in the scan of the layout, and there is none",
+            "furniture is found in the layout's scan, but the layout is not from a scan",
             place="alignment",
             remedy="give `layout: {from: scan, scan: FILE}` too",
         )
@@ -114,16 +114,16 @@ def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
     }
     if cut:
         most = max(cut, key=cut.__getitem__)
-        text = f"{len(cut)} of {len(moved)} objects were shortened to have room"
+        text = f"{len(cut)} of {len(moved)} objects were shortened to fit"
         yield f"{text}, {words[most]} (instance {most}) the most: by {cut[most]:.0f} %"
     boxed = sorted(
         {thing.word for thing in found.objects if thing.category == UNKNOWN and thing.word}
     )
     known = [word for word in boxed if category_of(word, 0.0) is not None]
     if unknown := [word for word in boxed if word not in known]:
-        yield f"boxes stand for what the library has nothing for: {', '.join(unknown)}"
+        yield f"no category fits, so boxes replace: {', '.join(unknown)}"
     if known:
-        yield f"boxes stand for things of a size that no such things have: {', '.join(known)}"
+        yield f"impossible sizes for their categories, so boxes replace: {', '.join(known)}"
     reasons = defaultdict[str, list[str]](list)
     for rejected in found.rejected[left_out:]:
         what = f" ({rejected.category})" if rejected.category else ""
@@ -145,7 +145,7 @@ def _told_unresolved(wrong: Unresolved, words: Mapping[int, str], hung: Collecti
         where = f"inside the {words[wrong.other]} (instance {wrong.other})"
     else:
         where = whereabouts(wrong, hangs=wrong.instance in hung)
-    return f"still wrong: the {what} is {wrong.depth:.2f} m {where}"
+    return f"not resolved: the {what} is {wrong.depth:.2f} m {where}"
 
 
 def segmented(context: StageContext, alignment: ScanAlignment, scan: FoundScan) -> FoundScan:
@@ -162,8 +162,8 @@ def segmented(context: StageContext, alignment: ScanAlignment, scan: FoundScan) 
             return scan
         if alignment.unlabelled == "leave_out":
             context.notes.append(
-                "the scan has no labels, and by `unlabelled: leave_out` no furniture is "
-                "looked for in it"
+                "the scan has no labels, and `unlabelled: leave_out` turns the search for "
+                "furniture off"
             )
             return scan
     found, how = _segments(cloud, scan.composed, alignment)
@@ -208,9 +208,9 @@ def _labelled(cloud: Cloud) -> Segments:
 def _told_segments(words: Mapping[int, str], how: str) -> str:
     """How many things were found, and what can be done about them."""
     if not words:
-        return f"the scan does not say what stands in it, and nothing was found {how}: {_REMEDY}"
+        return f"the scan has no labels, and nothing was found {how}: {_REMEDY}"
     named = Counter(word for word in words.values() if word != UNNAMED)
     listed = [f"{count} {word.replace('_', ' ')}" for word, count in sorted(named.items())]
     if unnamed := sum(word == UNNAMED for word in words.values()):
-        listed.append(f"{unnamed} without a name, for which boxes of their size stand")
-    return f"the scan does not say what stands in it; found {how}: {', '.join(listed)}. {_REMEDY}"
+        listed.append(f"{unnamed} without a name, replaced by boxes of their size")
+    return f"the scan has no labels; found {how}: {', '.join(listed)}. {_REMEDY}"

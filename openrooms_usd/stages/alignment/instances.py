@@ -19,8 +19,8 @@ _BOTTOM_QUANTILE: Final = 0.02
 # How class lists spell words otherwise than everybody.
 _SPELT: Final = {"refridgerator": "refrigerator", "unlabeled": "object"}
 _LEFT: Final = {
-    "building": "it is a part of the building, which the layout finds",
-    "nothing": "it is no part of a room",
+    "building": "it is part of the building, which the layout reconstructs",
+    "nothing": "it is not part of a room",
 }
 
 
@@ -50,7 +50,7 @@ class Instance:
 
     @property
     def left_out(self) -> Rejected:
-        """Why it gets no CAD where it is no thing."""
+        """Why it gets no CAD if it is not an object."""
         return Rejected(self.number, self.words[0], _LEFT[self.meaning.kind])
 
 
@@ -94,7 +94,7 @@ def told_left_out(left: Sequence[Instance]) -> Iterator[str]:
     if left:
         counts = Counter(instance.words[0] for instance in left)
         listed = ", ".join(f"{count} {word}" for word, count in sorted(counts.items()))
-        yield f"no furniture, but parts of the building or nothing of the room: {listed}"
+        yield f"not furniture, but parts of the building or outside the room: {listed}"
 
 
 def _class(label: NDArray[np.int32] | None, rows: NDArray[np.intp]) -> tuple[str, ...]:

@@ -102,7 +102,7 @@ class Measured:
         coverage: The part of its visible surface that points lie on, from 0 to 1.
         symmetry: ``none``, ``2``, ``4`` or ``inf``, about its vertical.
         support: ``floor``, ``wall``, ``ceiling``, ``object`` or ``nothing``.
-        carrier: The name of the object that it stands on; None where it is none.
+        carrier: The name of the object that it stands on; None if it stands on something else.
     """
 
     pose: Array
@@ -250,7 +250,8 @@ class Supports:
     def _check(self, others: Mapping[str, str | None], link: str) -> None:
         known = sorted(self.placements)
         wrong = [
-            f"{name} {link} {other!r}, which is no object{did_you_mean(other, known)}; choose the "
+            f"{name} {link} {other!r}, which is not an object{did_you_mean(other, known)}; choose "
+            "the "
             f"room's own floor, ceiling or wall, or one of: {', '.join(known[:9])}"
             for name, other in others.items()
             if other is not None and other not in self.placements
@@ -290,7 +291,7 @@ class Supports:
         own = self.placements[item.name].yaw
         if own and abs((item.yaw - hung.yaw + 180.0) % 360.0 - 180.0) > _TURNED_DEG:
             self.notes.append(
-                f"{item.name} hangs with its back to the wall: its yaw of {own:g} does nothing"
+                f"{item.name} hangs with its back to the wall: its yaw of {own:g} has no effect"
             )
         return replace(item, x=hung.x, y=hung.y, yaw=hung.yaw)
 
@@ -379,7 +380,7 @@ def parents_first(parents: Mapping[str, str | None]) -> list[str]:
             if name in chain:
                 members = [*list(chain)[list(chain).index(name) :], name]
                 said = f"objects depend on each other in a circle: {', '.join(members)}"
-                remedy = "let one of them stand on the floor, in the room's own frame"
+                remedy = "put one of them on the floor, in the room's frame"
                 raise FieldsError((_OBJECTS, f"{said}; {remedy}"))
             chain[name] = None
             name = parents[name]

@@ -219,7 +219,7 @@ def _synsets() -> dict[str, str]:
 
 
 def _up(cad: Cad) -> Up | None:
-    """A CAD's vertical; None where nobody says it: OBJ and PLY files stand either way."""
+    """A CAD's vertical; None if unknown: OBJ and PLY files may be Y up or Z up."""
     if cad.file is None:
         return "Z"
     # GLB is Y up, and so are ShapeNet's models, which lie in folders of synsets.

@@ -1,9 +1,10 @@
 """The alignment stage: furniture as references to published assets, each at its place.
 
 Objects that stand on another one, or are described relative to it, depend on it. Where an edit
-moves an object from its described pose M to the pose M', its dependents move by M' M^-1: those on
-it in space, upright or not; those beside it in the plan, on their own floor or wall. Their sizes
-stay: a support that is scaled moves what it carries to the scaled places, without scaling it.
+moves an object from its described pose M to the pose M', its dependents move by M' M^-1. Objects on
+it move in space, upright or not. Objects beside it move in the plan, on their own floor or wall.
+Their sizes stay: a support that is scaled moves what it carries to the scaled places, without
+scaling it.
 """
 
 import os
@@ -108,7 +109,7 @@ class Following:
             return
         now = poses.composed_pose(prim) if by_hand or followed is None else followed
         if not np.isfinite(now).all() or abs(np.linalg.det(now[:3, :3])) < _MIN_SCALE**3:
-            self.notes.append(f"{name} is scaled to nothing: nothing follows it")
+            self.notes.append(f"{name} has a scale of zero: no object follows it")
             return
         motion = now @ np.linalg.inv(self._described(name))
         if not np.allclose(motion, np.eye(4), rtol=0.0, atol=1e-6):

@@ -1,7 +1,7 @@
 """The room around its furniture: floor, ceiling, and the walls that objects hang on.
 
-Everything is read from the composed stage, in the frame of ``/World``: a room that somebody moved
-in the edits layer carries and holds its furniture where it is now.
+Everything is read from the composed stage, in the frame of ``/World``: a room that was moved in the
+edits layer carries and holds its furniture where it is now.
 """
 
 from collections.abc import Iterator

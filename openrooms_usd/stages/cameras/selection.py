@@ -54,7 +54,7 @@ Ints = NDArray[np.int32]
 # Of a thing whose record says nothing, for each metre of its longest side, and at most.
 _WORTH_PER_M: Final = 0.4
 _MOST_WORTH_BY_SIZE: Final = 0.8
-# Things that are shorter than this, metres, are nobody's subject.
+# Things shorter than this, metres, are never the subject of a view.
 _SMALL_M: Final = 0.4
 # Classes of NYU40 in the shell on which there is nothing to look at, tiles and panels among them.
 _BARE: Final = ("wall", "ceiling", "door")
@@ -118,7 +118,7 @@ class Selection:
             spare=view.spare,
         )
         if not len(chosen):
-            context.notes.append("no free view along the walls: the room is framed as a whole")
+            context.notes.append("no free view along the walls: the camera frames the whole room")
             return framing_view(self.points, self.caster, width / height).poses()
         if len(chosen) < view.count:
             context.notes.append(
@@ -264,14 +264,14 @@ def photographs(context: StageContext) -> Capture | None:
     section = captured_section(context.room)
     if section is None:
         raise InputError(
-            "the room comes from no capture, whose cameras could be taken",
+            "the room does not come from a capture, so it has no captured cameras",
             place="cameras",
-            remedy="describe the cameras, or let them be selected: `from: select`",
+            remedy="describe the cameras, or select them: `from: select`",
         )
     capture = capture_of(context, section)
     if not capture.frames:
         raise InputError(
-            "this capture knows no cameras of photographs",
+            "this capture has no cameras of photographs",
             place=context.source / section.file,
             remedy="import it with --frames where its importer has that, or describe the cameras",
         )

@@ -82,7 +82,7 @@ class CamerasStage:
         resolution = _resolution(context, capture)
         estimate = room_exposure(stage)
         paths = []
-        # The room is read once, and only where somebody looks around in it.
+        # The room is read once, and only if a view is selected in it.
         selection = cache(lambda: Selection.of(stage))
         for shot in _named(context, capture, selection):
             path = f"{names.CAMERAS}/{shot.name}"
@@ -213,7 +213,7 @@ def _free(prefix: str, taken: set[str]) -> str:
     return f"{prefix}_{number}"
 
 
-# A room whose height nobody knows, metres.
+# The height of a room where it is unknown, metres.
 
 
 def room_exposure(stage: Usd.Stage) -> float | None:
@@ -270,7 +270,7 @@ def _illuminances(dome: DomeLight, outwards: list[Array]) -> Iterator[float]:
     try:
         pixels = read_texture(dome.texture)[..., :3]
     except InputError:
-        # Said by whoever draws it.
+        # The caller that draws it says it.
         yield from [0.0] * len(outwards)
         return
     nits = luminance(_coarse(pixels) * dome.radiance)

@@ -106,9 +106,7 @@ def author_beyond(context: StageContext, corners: Array, cuts: Sequence[Cut]) ->
         if not _leads(cut):
             continue
         if size is None:
-            context.notes.append(
-                f"{cut.name}: there is no space for a hallway behind it; it leads outside"
-            )
+            context.notes.append(f"{cut.name}: no space for a hallway behind it; it leads outside")
             continue
         rng = context.rng("layout", "beyond", cut.name)
         _author(context.stage, cut, size._replace(door=float(rng.choice(_DOORS))), rng)

@@ -151,7 +151,7 @@ def _author_door(
         most = free_angle(leaf, max(cut.open, _WIDE_OPEN_DEG), around)
         angle = min(cut.open, most)
         if angle < cut.open:
-            notes.append(f"{cut.name} opens {angle:g} degrees, not {cut.open:g}: it meets a wall")
+            notes.append(f"{cut.name} opens {angle:g} degrees, not {cut.open:g}: a wall stops it")
         author_placement(prim, Gf.Vec3d(*leaf.hinge, 0.0), leaf.sense * angle)
         author_joint(prim, "hinge", (0.0, 0.0, leaf.sense), (0.0, most))
         author_mesh(stage, f"{prim.GetPath()}/Panel", leaf.panel, part="panel")

@@ -39,7 +39,7 @@ from openrooms_usd.stages.layout.openings import hole_of
 
 # What openings of a flat's outline are in: none of its inner walls.
 _OUTER: Final = "outside"
-_ALONE: Final = "no other room stands wall to wall with room 0, which is taken alone"
+_ALONE: Final = "no other room shares a wall with room 0, so room 0 is composed alone"
 _LAYOUT: Final = "layout"
 # The file of what was found, in the folder of its layer.
 _FILE: Final = re.compile(r"found-([0-9a-f]{16})\.npz")
@@ -91,7 +91,7 @@ def scanned(layout: ScanLayout, path: Path, folder: Path) -> ScannedRoom:
         folder: Where names of files in options begin.
 
     Raises:
-        SparseScanError: It shows too little of a room, and nobody drew one.
+        SparseScanError: It shows too little of a room, and the layout has no drawn polygon.
         InputError: It cannot be read, or has no such room.
     """
     return taken(layout, path, *find(layout, path, folder))
@@ -112,7 +112,7 @@ def find(layout: ScanLayout, path: Path, folder: Path) -> tuple[FoundLayout, Cap
     capture = read_capture(layout.reader, path, layout.asked, folder)
     if capture.cloud is None:
         raise InputError(
-            f"the importer {layout.reader!r} gives no points",
+            f"the importer {layout.reader!r} does not give points",
             place=path,
             remedy="use `importer: scan`, or one that reads point clouds",
         )
@@ -167,7 +167,7 @@ def keep_found(context: StageContext, found: FoundScan) -> None:
 
 
 def found_in(stage: Usd.Stage) -> FoundScan | None:
-    """What the layout of a composed stage was found in; None where that was no scan.
+    """What the layout of a composed stage was found in; None if that was not a scan.
 
     Raises:
         InputError: The file of it is missing, or not what was written.
@@ -217,14 +217,13 @@ def _as_capture(capture: Capture, found: FoundLayout, rooms: Sequence[FoundRoom]
     notes = [*capture.notes, *found.notes]
     if len(found.rooms) > len(rooms):
         told = f"{len(found.rooms)} rooms, by number and area: {_areas(found.rooms)}"
-        notes.append(f"the scan shows {told}; `room` takes one of them, or `all` that touch")
+        notes.append(f"the scan shows {told}; `room` selects one of them, or `all` that touch")
     heights = [room.ceiling for room in rooms if room.ceiling is not None]
     if not heights:
-        notes.append(f"{SCANNED_HEIGHT} m is taken for the room's height")
+        notes.append(f"the room's height is set to {SCANNED_HEIGHT} m")
     elif max(heights) - min(heights) > _SAME_HEIGHT_M:
         notes.append(
-            f"ceilings from {min(heights):.2f} to {max(heights):.2f} m became one, as "
-            "high as the highest"
+            f"ceilings from {min(heights):.2f} to {max(heights):.2f} m became one, at the highest"
         )
     return replace(
         capture,
@@ -255,7 +254,7 @@ def _flat_capture(capture: Capture, flat: Flat) -> Capture:
             CapturedPartition(_between(number), wall.ends, wall.thickness)
             for number, wall in enumerate(flat.walls)
         ),
-        notes=(*capture.notes, f"the rooms {listed} are taken as one", *flat.notes),
+        notes=(*capture.notes, f"the rooms {listed} are composed as one", *flat.notes),
     )
 
 

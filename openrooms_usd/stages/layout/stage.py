@@ -131,7 +131,7 @@ def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[
     height = layout.height or capture.height
     if height is None:
         height = names.ROOM_HEIGHT
-        notes.append(f"the capture has no height: {height} m is taken")
+        notes.append(f"the capture has no height: {height} m is assumed")
     if layout.polygon is not None:
         if capture.roof is not None and layout.height is None:
             notes.append(f"the walls are drawn: their ceiling is level, at {height:.2f} m")
@@ -187,7 +187,7 @@ def _drawn(
         _check_outline(layout, walls, height, clockwise, error)
         raise
     notes += [
-        f"{name}: {row.height:g} m are more than the room has; it ends at the ceiling"
+        f"{name}: {row.height:g} m is higher than the room; it ends at the ceiling"
         for name, row in named_partitions(layout.partitions)
         if row.height is not None and row.height > height
     ]
@@ -350,7 +350,7 @@ def walls_within(
     walls = partition_walls(partitions, corners)
     built = {wall.partition for wall in walls}
     notes += [
-        f"left out {one.name}: nothing of it is left between the walls it ends at"
+        f"left out {one.name}: it has no length left between the walls it ends at"
         for one in partitions
         if one.name not in built
     ]

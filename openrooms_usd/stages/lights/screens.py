@@ -47,7 +47,7 @@ def author_screens(context: StageContext) -> None:
             continue
         face = _face(found[name])
         if face is None:
-            context.notes.append(f"{name}: its screen is bent, and stays dark")
+            context.notes.append(f"{name}: its screen is curved, so it stays dark")
         else:
             _author(context, name, screen, found[name], *face)
 
@@ -82,7 +82,7 @@ def _face(mesh: PlacedMesh) -> tuple[Array, float, float] | None:
     across = np.cross(ahead, (0.0, 0.0, 1.0))
     if np.ptp(away) > _MOST_BENT_M or not np.linalg.norm(across) > 1e-6:
         return None
-    # Seen by somebody who faces the screen, its +X is to the left.
+    # Seen from the front of the screen, its +X is to the left.
     across = across / np.linalg.norm(across)
     upright = np.cross(across, ahead)
     spans = [(facing @ axis) for axis in (across, upright)]

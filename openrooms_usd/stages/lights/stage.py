@@ -92,12 +92,13 @@ class LightsStage:
 
         Raises:
             DescriptionError: A lamp is named that is not there.
-            InputError: The panorama cannot be read or is no radiance; a profile is no IES file.
+            InputError: The panorama cannot be read or does not hold radiance, or a profile is not
+                an IES file.
             OutputError: The converted panorama cannot be written.
             StageError: A lamp's bulb has no area, or is inside an instance that stays one.
         """
         lamps = _lamps(context.stage)
-        lacking = f"has no part {names.LIGHT_BULB} that could emit"
+        lacking = f"has no part {names.LIGHT_BULB} that can emit"
         context.check_named("lights.lamps", lamps, "so it is not lit", "lamp", lacking)
         UsdGeom.Scope.Define(context.stage, names.LIGHTS)
         environment = context.room.lights.environment
@@ -177,7 +178,9 @@ def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
         profile, file = _kept_profile(context, wanted.profile, wanted.beam)
         area = _shining_area(lamp, profile)
         if area <= 0.0:
-            raise StageError("the lamp's bulb sends nothing where its profile says", place=place)
+            raise StageError(
+                "the lamp's bulb emits nothing in the directions of its profile", place=place
+            )
     emission = _emission(context, root, wanted, area)
     _open_instance(context.stage, root)
     for path in paths:
@@ -225,7 +228,7 @@ def _emission(context: StageContext, root: Usd.Prim, wanted: Lamp, area: float) 
         return {"nits": nits, "color": _hue(wanted.color)}
     kelvin = wanted.kelvin or _drawn_kelvin(context, root.GetName())
     if kelvin > _MAX_KELVIN:
-        context.notes.append(f"{root.GetName()}: UsdLux shows {kelvin:g} K as {_MAX_KELVIN:g} K")
+        context.notes.append(f"{root.GetName()}: UsdLux clamps {kelvin:g} K to {_MAX_KELVIN:g} K")
     return {"nits": nits, "kelvin": kelvin}
 
 
@@ -242,7 +245,7 @@ def _open_instance(stage: Usd.Stage, root: Usd.Prim) -> None:
         stage.OverridePrim(path).SetInstanceable(False)
     if stage.GetPrimAtPath(path).IsInstance():
         raise StageError(
-            "the lamp is an instance, below which no layer can make its bulb emit",
+            "the lamp is an instance, so no layer can change its bulb",
             place=path,
             remedy=f"set instanceable = false on it in {names.LAYERS}/{names.EDITS}.usda",
         )
@@ -283,8 +286,8 @@ def author_glow(stage: Usd.Stage, root: Sdf.Path, bulbs: Sequence[Sdf.Path]) -> 
             _author(layer, shader.ReplacePrefix(root, home), radiance)
         for material in shared:
             yield (
-                f"{root.name}: other things wear the material of its bulb too, so {material} "
-                "does not glow: programs that know no mesh lights show this lamp dark"
+                f"{root.name}: other objects share the material of its bulb, so {material} has no "
+                "emission: programs without mesh lights show this lamp dark"
             )
 
 
@@ -335,7 +338,7 @@ def _worn(root: Usd.Prim, bulbs: Iterable[Sdf.Path]) -> set[Sdf.Path]:
 
 
 def _radiance(bulb: Usd.Prim) -> Gf.Vec3f | None:
-    """Nits of each primary; None where somebody lets the material tint the light, or put it out."""
+    """Nits of each primary; None where the material tints the light, or turns it off."""
     light = UsdLux.LightAPI(bulb)
     mode = light.GetMaterialSyncModeAttr()
     if not light or mode.Get(TIME) != UsdLux.Tokens.noMaterialResponse:

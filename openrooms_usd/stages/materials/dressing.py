@@ -309,13 +309,15 @@ def read_annotations(context: StageContext) -> dict[str, Annotation]:
     """The annotations that the description names, without those of models marked as bad.
 
     Raises:
-        InputError: A file is missing, or is no annotation.
+        InputError: A file is missing, or is not an annotation.
     """
     found: dict[str, Annotation] = {}
     for name, file in context.room.materials.annotations.items():
         annotation = read_annotation(context.input(file))
         if annotation.bad:
-            context.notes.append(f"{file}: it calls the model bad, so {name} is left to the tables")
+            context.notes.append(
+                f"{file}: it marks the model as bad, so {name} gets default materials"
+            )
         else:
             found[name] = annotation
     return found

@@ -52,7 +52,7 @@ class Swatch:
         file: The user's own material, relative to the description.
         across: Whether its grain runs along s rather than t.
         transmission: Part of the light that passes diffusely.
-        pane: What the glass of a clear pane lets through, by primary; None where it is none.
+        pane: Transmittance of a clear pane's glass, by primary; None if it is not a clear pane.
         tint: Factors of the base colour.
         wear: Factor of the roughness.
         place: Where on the material it is cut from, in repeats along s and t.

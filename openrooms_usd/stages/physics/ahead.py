@@ -73,7 +73,7 @@ def search_ahead(searches: Sequence[Search], workers: int) -> None:
 
 @contextmanager
 def _queue(count: int) -> Iterator[int]:
-    """A pipe with the numbers below ``count``: each is read once, by whoever reads."""
+    """A pipe with the numbers below ``count``: each is read once, by any reader."""
     read, write = os.pipe()
     try:
         os.write(write, b"".join(b"%0*d" % (_DIGITS, number) for number in range(count)))
@@ -89,7 +89,7 @@ def _started(data: bytes, queue: int) -> subprocess.Popen[bytes] | None:
     # Products of small matrices: threads of a process take from the others what they wait.
     env = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
     nowhere = subprocess.DEVNULL
-    # -P: what lies in the current folder may be anybody's, and is no module of ours.
+    # -P: files in the current folder are not our modules, and must not be imported.
     command = [sys.executable, "-P", "-m", __name__, str(queue), str(os.getpid())]
     with suppress(OSError, ValueError), tempfile.TemporaryFile() as told:
         told.write(data)
@@ -135,7 +135,7 @@ def _taken(data: bytes) -> list[Search]:
 
 
 def _serve(queue: int, parent: int) -> None:
-    """Search for another process, as long as it lives: nobody ends the children of one killed."""
+    """Search for another process, as long as it lives: its children outlive it if it is killed."""
     threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
     _search(_taken(sys.stdin.buffer.read()), queue)
 

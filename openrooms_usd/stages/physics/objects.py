@@ -187,7 +187,7 @@ def search_colliders(
         error = max(link.error for link in searched)
         wanted = asset.settings.tolerance
         if error > wanted + RESOLUTION_M:
-            told = f"collision shapes are off by up to {1e3 * error:.0f} mm"
+            told = f"collision shapes deviate by up to {1e3 * error:.0f} mm"
             context.notes.append(f"{asset.root.name}: {told} (tolerance {1e3 * wanted:g} mm)")
     return made
 
@@ -321,7 +321,7 @@ def _author_joints(
 
 
 def _keep_apart(stage: Usd.Stage, root: Sdf.Path, asset: RigidAsset, made: AssetColliders) -> None:
-    """Drawers pass each other, and the case: a joint to what is no body keeps nothing apart."""
+    """Drawers pass each other, and the case: collisions are turned off pair by pair."""
     passed: list[Sdf.Path] = []
     for item in made:
         path = _below(root, item.link.path)

@@ -237,7 +237,7 @@ class RigidAsset:
         title: What its layer is called after.
         category: What it is.
         fixed: Whether it never moves.
-        mass: Its mass where somebody says it, kilograms.
+        mass: Its mass if it is given, kilograms.
         friction: Likewise the static coefficient of all of it.
         scale: (3,) of its root, as `usd.bodies.frame_and_scale` gives it.
         looks: The names of its looks; one without a name where it has no choice.

@@ -275,5 +275,5 @@ def _reference(
                 prim = Sdf.CreatePrimInLayer(layer, path)
                 prim.referenceList.Prepend(Sdf.Reference(context.asset(file)))
                 if len(asset.links) > 1:
-                    # Bodies below an instance are none to the standard.
+                    # The standard ignores bodies below an instance.
                     prim.instanceable = False

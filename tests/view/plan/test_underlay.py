@@ -143,7 +143,7 @@ def test_a_folder_a_description_and_a_scan_all_have_a_room(tmp_path: Path) -> No
     for source, out, said in (
         (scan, None, "needs a folder"),
         (file, tmp_path / "other", "changed where it is"),
-        (scan, tmp_path / "room", "there is a room already"),
+        (scan, tmp_path / "room", "the folder already has a room"),
     ):
         with pytest.raises(ou.OrusdError, match=said):
             room_file(source, out)
