@@ -79,7 +79,7 @@ def boxes(folder: Path, stage: Usd.Stage) -> Plain:
         Plain data: the conventions, and for every view its objects.
 
     Raises:
-        InputError: It is no render, lacks the channel ``instance``, or shows another stage.
+        InputError: It is not a render, lacks the channel ``instance``, or shows another stage.
     """
     render = read_render(folder, ("instance",))
     things = _things(render, stage)
@@ -111,9 +111,9 @@ def _row(
     whole = thing and _projected(thing.edges, view.K, camera_from_world, (view.width, view.height))
     if not thing or not whole or not _encloses(whole, seen):
         raise InputError(
-            f"the view {view.name!r} shows {path} where this stage does not have it",
+            f"the view {view.name!r} shows {path}, which this stage does not have",
             place=render.folder,
-            remedy=f"give the stage that was rendered ({render.manifest.stage}), or render anew",
+            remedy=f"give the stage that was rendered ({render.manifest.stage}), or render again",
         )
     return {
         "instance": instance,

@@ -121,11 +121,10 @@ def _without_halves(view: View) -> View:
     return replace(view, images=images)
 
 
-# The network is made for pictures of surfaces. What is reflected is denoised with base colour and
-# normal as guides; what is received has no texture, so with the normal alone (beside a white
-# albedo, which the network asks for); a visibility is a number between 0 and 1. Masks have no
-# noise; a tile of a hemisphere is no picture of a surface, and a difference may be negative:
-# these stay raw.
+# The network is made for pictures of surfaces. Reflected light is denoised with base colour and
+# normal as guides. Received light has no texture, so its only guide is the normal, beside the white
+# albedo that the network needs. A visibility is a number between 0 and 1. Masks have no noise, a
+# tile of a hemisphere does not show a surface, and a difference may be negative: these stay raw.
 # Every channel is denoised for itself: denoised lights no longer sum exactly to the denoised
 # whole.
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
         Plain data: info, images, categories, annotations.
 
     Raises:
-        InputError: One is no render, lacks the channels that this needs, or is given twice.
+        InputError: One is not a render, lacks the channels that this needs, or is given twice.
     """
     renders = [read_render(folder) for folder in folders]
     found = Annotations(taxonomy, _class_numbers(renders, taxonomy))
@@ -172,7 +172,7 @@ def _class(
     number = int(view.labels(channel)[mask][0])
     if number and number not in numbers.values():
         raise InputError(
-            f"the channel {channel!r} holds {number}, which is no number of a class",
+            f"the channel {channel!r} holds {number}, which is not the number of a class",
             place=view.folder / CHANNELS_FILE,
             remedy=AGAIN,
         )

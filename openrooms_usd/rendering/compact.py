@@ -85,7 +85,7 @@ class CompactChannels(Mapping[str, Pixels]):
         sources = sources_of(name)
         if not sources or not {*sources} <= {*self._names}:
             raise InputError(
-                f"the manifest says of no file that it holds the channel {name!r}",
+                f"the manifest lists no file with the channel {name!r}",
                 place=self._folder,
                 remedy=AGAIN,
             )
@@ -118,5 +118,5 @@ class Numbered(Mapping[int, Pixels]):
 def _scope(name: str) -> str:
     try:
         return definition(name).scope
-    except KeyError:  # somebody else's
+    except KeyError:  # another tool's
         return ""

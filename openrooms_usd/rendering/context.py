@@ -366,7 +366,7 @@ class RenderContext:
         """A camera with the scene's exposure, and the lens that is asked for.
 
         Raises:
-            RenderError: It is no camera that has a lens.
+            RenderError: It is not a camera with a lens.
         """
         if camera.exposure is None:
             camera = replace(camera, exposure=self.scene.exposure)

@@ -86,8 +86,8 @@ class Image:
             give no estimate: a single one, or where none of them has met any light.
         replaced: Pixels in which the renderer put 0 where it found no number.
         halves: What it is the mean of, where that was asked for and there are two.
-        bias: How far it is from the reference beyond noise; None where nobody measured it, such as
-            of the reference itself.
+        bias: How far it is from the reference beyond noise; None if not measured, such as for the
+            reference itself.
         robust_error: Estimated robust error, which no single pixel dominates; as ``error``.
     """
 
@@ -234,7 +234,7 @@ class MethodicalSession(Protocol):
     """A session that has more than one method; others have `REFERENCE` alone."""
 
     methods: tuple[Method, ...]
-    """Those that it has here; the first is the one that it takes where nobody asks."""
+    """Those that it has here; the first is the default."""
 
 
 class Renderer(Protocol):

@@ -1,4 +1,4 @@
-"""The contract of datasets: finished renders in the form of somebody else's dataset.
+"""The contract of datasets: finished renders in the form of a published dataset.
 
 A form is written of one render, of the variants of one room, or of all rooms at once: each says so.
 """

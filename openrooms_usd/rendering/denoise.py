@@ -1,6 +1,6 @@
 """Denoised radiance: a picture for people beside the raw one, by Intel's Open Image Denoise.
 
-The network was trained on pictures and is biased: it is no measurement. It sees the radiance with
+The network was trained on pictures and is biased: not a measurement. It sees the radiance with
 base colour and shading normal as guides, both in the mean over whole pixels: where fine patterns
 alias at the pixels' centres, it would bring their moire into pictures that have none. It runs on
 the processor, where it gives the same bytes whatever the number of threads.
@@ -51,9 +51,9 @@ class Denoiser:
         """
         if SOURCE not in channels:
             raise InputError(
-                f"only the channel {SOURCE!r} can be denoised, and it is not asked for",
+                f"only the channel {SOURCE!r} can be denoised, and it is not requested",
                 place="channels",
-                remedy=f"add {SOURCE}, or leave --denoise away",
+                remedy=f"add {SOURCE}, or omit --denoise",
             )
 
     def complete(self, view: View) -> View:
@@ -70,7 +70,7 @@ class Denoiser:
         """Denoise a picture.
 
         Args:
-            radiance: (H, W, 3) scene-linear; what is no number counts as 0.
+            radiance: (H, W, 3) scene-linear; values that are not finite count as 0.
             guides: (H, W, 3) by channel; with hardly any noise.
             hdr: Whether it may have any brightness; otherwise it lies between 0 and 1.
 
@@ -92,7 +92,7 @@ class Denoiser:
         except (RuntimeError, MemoryError) as error:
             raise RenderError(
                 f"Open Image Denoise failed: {error or 'out of memory'}",
-                remedy="leave --denoise away, or ask for fewer pixels",
+                remedy="omit --denoise, or render fewer pixels",
             ) from error
         inner = np.nan_to_num(found[_BORDER_PIXELS:-_BORDER_PIXELS, _BORDER_PIXELS:-_BORDER_PIXELS])
         return np.asarray(np.maximum(inner, 0.0) * scale, dtype=np.float32)
@@ -133,7 +133,7 @@ def _package() -> ModuleType:
     except (ImportError, OSError) as error:
         raise MissingPackageError(
             f"denoising needs the package 'pyoidn', which cannot be imported ({error})",
-            remedy="pip install openrooms-usd[denoise], or leave --denoise away",
+            remedy="pip install openrooms-usd[denoise], or omit --denoise",
         ) from error
 
 

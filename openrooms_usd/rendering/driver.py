@@ -120,7 +120,7 @@ class RenderSummary:
         timing: What stands in ``timing.json``.
         stay: Views of an earlier run that are not described any more, and not ours to remove.
         report: What became of every prim.
-        spares: Cameras that are no views, since the room keeps them in case.
+        spares: Spare cameras of the room, which are not rendered.
     """
 
     out: Path
@@ -230,7 +230,7 @@ def write_views(
             shown = context.photograph(name) if is_own else None
             # Cameras may have sizes of their own.
             sized = replace(listed, width=view.width, height=view.height)
-            # What is told of the next view is no part of this one's manifest.
+            # Reports on the next view do not belong in this one's manifest.
             told = report.as_dict()
             writer.put(view, partial(run.add, name, view, sized, took, shown, told))
     return RenderSummary(out, run.manifest, run.timing, tuple(run.stay), report)

@@ -123,13 +123,13 @@ def variance(a: NDArray[Any], b: NDArray[Any], samples_a: int = 1, samples_b: in
 def estimate_of_ratio(
     picture: NDArray[Any], a: NDArray[Any], b: NDArray[Any], samples_a: int, samples_b: int
 ) -> ErrorEstimate:
-    """The same of a ratio of two means, which is no mean of the halves' ratios.
+    """The same of a ratio of two means, which differs from the mean of the halves' ratios.
 
     Both halves may be wrong alike. What the ratio of all samples differs from the mean of the
-    halves' is about its bias (the jackknife, Quenouille 1949). And a pixel that n samples say is
-    all lit, all dark or faces no light may be at an edge, with a chance of 1 / (n + 2) (Laplace's
-    rule of succession); it then is like the neighbour that differs most. How many of the pixels
-    beside an edge are candidates is measured (`benchmarks.light.honesty`).
+    halves' is about its bias (the jackknife, Quenouille 1949). A pixel that n samples show as all
+    lit, all dark or facing no light may still be at an edge, with a chance of 1 / (n + 2)
+    (Laplace's rule of succession). It then equals the neighbour that differs most. How many of the
+    pixels beside an edge are candidates is measured (`benchmarks.light.honesty`).
 
     Args:
         picture: (height, width, components) of all samples.
@@ -160,11 +160,11 @@ def estimate(
 ) -> ErrorEstimate:
     """The estimated errors of the mean of two independent halves.
 
-    With m the mean of the two weighted by their samples, v the `variance` of m, s what is
-    supported of m, e the rest as far as one half alone has met it, spread, and f the standard error
-    of e: q is the mean over components of (v + (e + f)^2) / ((s + e)^2 + 0.01 M^2). M is the mean
-    of m without the pixel that has most beyond its s. Estimated are the means over pixels of q and
-    of the same with each component's part capped at 1, each with its own standard error added,
+    m is the mean of the two weighted by their samples, and v the `variance` of m. s is the
+    supported part of m, e the rest as far as one half alone has met it, spread, and f the standard
+    error of e. q is the mean over components of (v + (e + f)^2) / ((s + e)^2 + 0.01 M^2). M is the
+    mean of m without the pixel that has most beyond its s. Estimated are the means over pixels of q
+    and of the same with each component's part capped at 1, each with its own standard error added,
     sqrt(sum q^2) over the number of pixels.
 
     Args:

@@ -187,7 +187,7 @@ def _rank(part: str) -> int:
 def _check_parts(path: Path, layer: str, parts: Iterable[str]) -> None:
     try:
         wanted = definition(layer).components
-    except KeyError:  # somebody else's
+    except KeyError:  # another tool's
         return
     if {*parts} != {*wanted}:
         raise InputError(
@@ -216,14 +216,14 @@ def _read(path: Path, size: tuple[int, int] | None) -> tuple[list[str], Pixels]:
             source.close()
     # Its names and its own messages quote the file, in whatever bytes.
     except UnicodeDecodeError as error:
-        raise InputError(_reason("its header is no text"), place=path, remedy=_AGAIN) from error
+        raise InputError(_reason("its header is not text"), place=path, remedy=_AGAIN) from error
     return names, np.asarray(pixels, np.float32)
 
 
 def _check_header(path: Path, source: Any, size: tuple[int, int] | None, bytes_there: int) -> None:
     spec = source.spec()
     if source.format_name() != "openexr" or spec.deep or spec.depth != 1:
-        raise InputError("this is no flat OpenEXR picture", place=path, remedy=_AGAIN)
+        raise InputError("this is not a flat OpenEXR picture", place=path, remedy=_AGAIN)
     if size and (spec.width, spec.height) != size:
         raise InputError(
             f"the picture has {spec.width}x{spec.height} pixels, the manifest says "

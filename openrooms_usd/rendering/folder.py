@@ -32,7 +32,7 @@ LIGHTS_FOLDER: Final = "lights"
 # What the centres of openings see of the surroundings.
 OPENINGS_FOLDER: Final = "openings"
 _TOP_FILES: Final = (MANIFEST, TIMING, SHEET)
-# Folders of these names are no views: a room may lie in the same folder.
+# Folders of these names are not views: a room may lie in the same folder.
 _TAKEN: Final = (OPENINGS_FOLDER, LAYERS, LIGHTS_FOLDER)
 # Channels that are also written as plain pictures, for any viewer.
 PLAIN_FILES: Final = {"radiance": "radiance.exr", "denoised": "denoised.exr"}
@@ -103,16 +103,16 @@ def check_view_names(out: Path, views: Iterable[str]) -> None:
     for name in views:
         taken = name in _TAKEN
         if taken or not is_plain_name(name) or name.startswith("."):
-            reason = "the folder of that name is for something else" if taken else "it is no name"
+            reason = "that folder is reserved" if taken else "it is not a valid name"
             raise OutputError(
-                f"a view cannot be called {name!r}: {reason}",
+                f"a view cannot be named {name!r}: {reason}",
                 place=out,
                 remedy="give the camera another name, without / and not beginning with a dot",
             )
 
 
 def check_replaceable(out: Path, views: Iterable[str]) -> None:
-    """See that only earlier renders would be replaced, nothing that somebody else put there.
+    """Check that only earlier renders would be replaced, not other files.
 
     Args:
         out: The folder of the run, which this process has claimed.
@@ -145,7 +145,7 @@ def load_manifest(folder: Path) -> tuple[str, dict[str, Any]]:
     """The text of a manifest and the JSON object that it is, otherwise unchecked.
 
     Raises:
-        InputError: There is none, or it is no JSON object of a render with views.
+        InputError: It is missing, or is not the JSON object of a render with views.
     """
     text, found = _load(folder)
     if not isinstance(found.get("views"), dict) or not found["views"]:
@@ -158,7 +158,7 @@ def _load(folder: Path) -> tuple[str, dict[str, Any]]:
     path, remedy = folder / MANIFEST, "give a folder that 'orusd render' wrote"
     if not os.path.lexists(path):
         raise InputError(
-            "this is no finished render",
+            "this is not a finished render",
             place=folder,
             remedy=f"{remedy}: it holds a {MANIFEST} with views",
         )

@@ -20,19 +20,19 @@ def frames_of(text: str) -> tuple[float, ...]:
     """The time codes of ``A:B`` or ``A:B:STEP``, with both ends.
 
     Raises:
-        InputError: It is no such range, or one without end.
+        InputError: It is not such a range, or has no end.
     """
     found = _RANGE.fullmatch(text.strip())
     if found is None:
         raise InputError(
-            f"{text!r} is no range of frames",
+            f"{text!r} is not a range of frames",
             place="--frames",
-            remedy="say A:B or A:B:STEP, such as 1:48 or 0:10:0.5",
+            remedy="give A:B or A:B:STEP, such as 1:48 or 0:10:0.5",
         )
     begin, end, step = (float(number or 1.0) for number in found.groups())
     if end < begin or step <= 0.0:
         raise InputError(
-            f"{text} has no frames", place="--frames", remedy="say A:B:STEP with A <= B, STEP > 0"
+            f"{text} has no frames", place="--frames", remedy="give A:B:STEP with A <= B, STEP > 0"
         )
     count = math.floor((end - begin) / step + _ROUNDING) + 1
     if count > _MOST_FRAMES:

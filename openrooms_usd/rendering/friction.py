@@ -76,7 +76,7 @@ class FrictionMap:
         return tuple(name for name in CHANNELS if name in needed)
 
     def complete(self, view: View, channels: tuple[str, ...]) -> View:
-        """The view with its friction, and without the sources that nobody asked for."""
+        """The view with its friction, and without sources that were not requested."""
         began = time.perf_counter()
         pixels = self.pixels(*(view.images[name].pixels for name in SOURCES))
         source = view.images["base_color"]

@@ -39,7 +39,7 @@ def remedy_for(channel: str) -> str:
     """How to come by a channel that the chosen renderer does not give."""
     found = [name for name in adapters.available(adapters.RENDERERS) if _gives(name, channel)]
     if not found:
-        return "no renderer that is installed gives it"
+        return "no installed renderer gives it"
     return " or ".join(f"--renderer {name}" for name in found) + " gives it"
 
 
@@ -94,6 +94,7 @@ def check_request(request: RenderRequest, own: tuple[str, ...], session: RenderS
             )
     if request.width < 1 or request.height < 1 or request.bounces < 0:
         raise RenderError(
-            f"no picture has {request.width}x{request.height} pixels and {request.bounces} bounces",
-            remedy="give a positive resolution and no negative number of bounces",
+            f"a picture cannot have {request.width}x{request.height} pixels and {request.bounces} "
+            "bounces",
+            remedy="give a positive resolution and at least 0 bounces",
         )

@@ -49,8 +49,8 @@ def write_labels(
         stage: What was rendered, for ``boxes``.
 
     Raises:
-        InputError: One is no render or lacks a channel, or the stage is missing, or boxes are asked
-            of several.
+        InputError: One is not a render or lacks a channel, the stage is missing, or boxes of
+            several renders are requested.
         OutputError: The file cannot be written, or is there and not ours.
     """
     claims.check_output(out)
@@ -71,10 +71,10 @@ def _boxes(renders: Sequence[Path], stage: Path | None) -> dict[str, Any]:
 
     if len(renders) != 1:
         raise InputError(
-            f"boxes in 3D are those of one stage, and {len(renders)} renders are given",
-            remedy="label each render by itself",
+            f"boxes in 3D need a single render, got {len(renders)}",
+            remedy="label each render separately",
         )
     if stage is None:
-        raise InputError("boxes in 3D are the stage's", remedy="say --stage scene.usda")
+        raise InputError("boxes in 3D come from the stage", remedy="give --stage scene.usda")
     with quiet():
         return boxes(renders[0], open_stage(stage))

@@ -1,9 +1,9 @@
 """The light cache of a room as a file beside it, for any number of processes at any time.
 
 A file is named by all that determines what it holds: the scene's surfaces, textures and lights, how
-it is filled, and the code that fills it (`content_key`). So a file that is there is right, whoever
-wrote it, and who finds none computes the light and writes the same bytes. Files appear whole;
-nobody waits for anybody.
+it is filled, and the code that fills it (`content_key`). So an existing file is valid, whichever
+process wrote it. A process that finds none computes the light and writes the same bytes. Files
+appear whole, and no process waits for another.
 
 Its bytes are a line that says what it is, the SHA-256 of all that follows, a line of JSON with the
 key and the arrays' names, types and shapes, and then the arrays, one after the other.

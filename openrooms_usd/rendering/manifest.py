@@ -54,8 +54,8 @@ CONVENTIONS: Final = {
     "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
     "estimated_error": "what the mean over pixels and components of (x - t)^2 / (t^2 + 0.01 T^2) "
     "is likely to be, x the picture, t what it would be with endless samples, T the mean of t in a "
-    "component: told by two independent halves of the samples, with rare bright paths in mind, "
-    "and rather too large than too small; 0 where one ray is exact, null where there is no "
+    "component: estimated from two independent halves of the samples, allowing for rare bright "
+    "paths, so rather too large than too small; 0 where one ray is exact, null where there is no "
     "estimate, such as where no sample has met any light",
     "estimated_robust_error": "the same with the part of every pixel and component capped at 1: no "
     "single pixel dominates it; a render that stops at an error stops by this one",
@@ -63,7 +63,7 @@ CONVENTIONS: Final = {
     "than the reference over the sum of the reference, by paths that are independent of the "
     "picture in so many pixels; worst_tenth is the mean size of the bias in the tenth of the "
     "pixels, in groups of neighbours, where it is worst, relative to the reference there: about "
-    "0 where there is none; each with its standard error (_error); null where nobody measured it",
+    "0 where there is none; each with its standard error (_error); null where it was not measured",
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
     "bounces": "at most this many scatterings on the way from a light to the camera",
@@ -271,11 +271,11 @@ def view_lights(
         masks: By number, (height, width, 1) images of ``mask_i``, where they were asked for.
 
     Returns:
-        For each light its ``number``; its box as ``camera_from_box`` in the OpenCV frame and
-        ``opengl_from_box`` in OpenGL's; ``box2d_projected``: left, top, right, bottom of the box as
-        if nothing hid it, cut off at the edges of the picture, empty where it is not in it; and
-        where there is a mask ``box2d`` of its pixels, right and bottom exclusive, empty where
-        there are none. ``elsewhere`` has no boxes.
+        For each light its ``number``, and its box as ``camera_from_box`` in the OpenCV frame and
+        ``opengl_from_box`` in OpenGL's. ``box2d_projected`` is left, top, right, bottom of the box
+        as if nothing hid it, cut off at the edges of the picture and empty outside. With a mask
+        also ``box2d`` of its pixels, right and bottom exclusive, empty where there are none.
+        ``elsewhere`` has no boxes.
     """
     camera_from_world: Array = np.linalg.inv(world_from_camera).astype(np.float64)
     return [_in_view(record, K, camera_from_world, size, masks) for record in records]

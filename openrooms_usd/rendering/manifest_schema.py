@@ -1,4 +1,4 @@
-"""What a manifest must look like: it is checked whole before anybody uses a word of it.
+"""What a manifest must look like: it is checked whole before any of it is used.
 
 The models say what our readers rely on; what else stands in a manifest is let through. What later
 versions added has a default, so that older renders can still be read.
@@ -81,7 +81,7 @@ def _direction(vector: _Row3) -> _Row3:
 
 def _plain_name(name: str) -> str:
     if not is_plain_name(name):
-        raise ValueError("expected a name that a folder can have")
+        raise ValueError("expected a valid name of a folder")
     return name
 
 
@@ -281,15 +281,15 @@ def read_manifest(folder: Path) -> Manifest:
         folder: What ``orusd render`` wrote.
 
     Raises:
-        InputError: There is none, it is no manifest of a render, or something in it is wrong.
+        InputError: It is missing, is not the manifest of a render, or something in it is wrong.
     """
     path = folder / MANIFEST
     text, found = load_manifest(folder)
     version = found.get("format", FORMAT)
     if isinstance(version, int) and version > FORMAT:
         raise InputError(
-            f"a newer version of this program wrote this: it has the format {_shown(version)}, and "
-            f"this version knows {FORMAT}",
+            f"this manifest has format {_shown(version)}, written by a newer version; this "
+            f"version reads {FORMAT}",
             place=path,
             remedy="update openrooms_usd, or render again with this version",
         )
@@ -320,4 +320,4 @@ def _shown(value: Any) -> str:
     try:
         return shown(value)
     except ValueError:
-        return "a number of more digits than anybody reads"
+        return "a number with too many digits"

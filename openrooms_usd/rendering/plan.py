@@ -35,7 +35,7 @@ def paths_of(request: RenderRequest, views: int) -> float:
         views: How many there are.
     """
     lit = [CHANNELS[name].scope for name in request.channels if CHANNELS[name].kind == "light"]
-    # Those that stop by error or time: as many as where nobody says.
+    # Views that stop by error or time: the default number.
     samples = request.samples or DEFAULT_SAMPLES
     pixels = request.width * request.height if any(scope != "grid" for scope in lit) else 0
     points = math.prod(request.grid) if "grid" in lit else 0
@@ -69,7 +69,9 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
             )
         if name in _MADE:
             raise InputError(
-                f"the channel {name!r} is made from others", place="channels", remedy=_MADE[name]
+                f"the channel {name!r} is computed from others",
+                place="channels",
+                remedy=_MADE[name],
             )
         if name not in given:
             raise InputError(
@@ -78,7 +80,7 @@ def choose_channels(asked: Sequence[str] | None, given: Sequence[str]) -> tuple[
                 remedy=f"{remedy_for(name)}; this one gives: {', '.join(given)}",
             )
     if not asked:
-        raise InputError("no channel is asked for", place="channels", remedy="orusd channels")
+        raise InputError("no channel is requested", place="channels", remedy="orusd channels")
     return tuple(name for name in CHANNELS if name in asked)
 
 

@@ -1,6 +1,6 @@
 """Pictures of channels for people: 8-bit sRGB, one way of showing for every kind of number.
 
-What is not finite shows in magenta, so that nobody overlooks it.
+Values that are not finite are magenta, so that they are easy to see.
 """
 
 from collections.abc import Callable

@@ -165,7 +165,7 @@ def probe_stage(
     session = context.session
     if not isinstance(session, Prober):
         raise RenderError(
-            f"the renderer {settings.renderer} makes no probes", remedy="--renderer mitsuba"
+            f"the renderer {settings.renderer} does not support probes", remedy="--renderer mitsuba"
         )
     request = ProbeRequest(
         positions=tuple(place.position for place in places),

@@ -62,13 +62,13 @@ class RenderedView:
         """(3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
 
         Raises:
-            InputError: The view is no pinhole's, which whoever asks here cannot work with.
+            InputError: The view is not a pinhole camera's, which the caller needs.
         """
         if self.entry.projection != "pinhole":
             raise InputError(
-                f"the view is {self.entry.projection}, and this works with pinhole cameras alone",
+                f"the view is {self.entry.projection}, but this needs pinhole cameras",
                 place=self.folder,
-                remedy="leave such views out",
+                remedy="leave out such views",
             )
         return np.array(self.entry.K, dtype=np.float64)
 
@@ -96,7 +96,7 @@ class RenderedView:
         """(height, width) the numbers of a label channel.
 
         Raises:
-            InputError: It is missing, or something in it is no number of a label.
+            InputError: It is missing, or holds a value that is not the number of a label.
         """
         path = self.folder / CHANNELS_FILE
         if channel not in self.pixels:
@@ -105,7 +105,9 @@ class RenderedView:
         # A NaN lies between nothing.
         if not ((found >= 0.0) & (found <= MOST_LABELS) & (found == np.trunc(found))).all():
             raise InputError(
-                f"the channel {channel!r} holds what is no whole number", place=path, remedy=AGAIN
+                f"the channel {channel!r} holds values that are not whole numbers",
+                place=path,
+                remedy=AGAIN,
             )
         return found.astype(np.int64)
 
@@ -148,7 +150,7 @@ class RenderedView:
         """(rows, columns, 16, 32, 3) hemispheres such as ``environment``; None without them.
 
         Raises:
-            InputError: The file is no image, or no grid of hemispheres.
+            InputError: The file is not an image, or not a grid of hemispheres.
         """
         path = self.folder / f"{name}.exr"
         if not os.path.lexists(path):
@@ -157,7 +159,7 @@ class RenderedView:
         height, width, _ = picture.shape
         if height % HEMISPHERE.rows or width % HEMISPHERE.columns:
             raise InputError(
-                f"{width}x{height} is no grid of hemispheres of "
+                f"{width}x{height} is not a grid of hemispheres of "
                 f"{HEMISPHERE.columns}x{HEMISPHERE.rows}",
                 place=path,
                 remedy=AGAIN,
@@ -180,9 +182,7 @@ class RenderedView:
         found = read_array(path, 4, "f")
         if found.shape[-1] != _FITS[name]:
             raise InputError(
-                f"{found.shape[-1]} numbers are no {name}, which has {_FITS[name]}",
-                place=path,
-                remedy=AGAIN,
+                f"{name} has {found.shape[-1]} numbers, not {_FITS[name]}", place=path, remedy=AGAIN
             )
         return np.asarray(found, np.float32)
 
@@ -250,8 +250,8 @@ def read_render(folder: Path, channels: tuple[str, ...] = ()) -> RenderedScene:
         channels: What it must have.
 
     Raises:
-        InputError: It is no render, has no finished view, its manifest is not sound, or it lacks
-            a channel.
+        InputError: It is not a render, has no finished view, has a damaged manifest, or lacks a
+            channel.
     """
     manifest = read_manifest(folder)
     views = {

@@ -80,7 +80,7 @@ def relight(view: Path, out: Path, relighting: Relighting) -> dict[str, Any]:
         The manifest.
 
     Raises:
-        InputError: It is no view, has no light channels, or a light cannot be as wanted.
+        InputError: It is not a view, has no light channels, or a light cannot be changed as asked.
         OutputError: The folder cannot be written, or holds what is not ours.
     """
     return write_relit(out, relit_view(view, relighting))
@@ -94,11 +94,11 @@ def relit_view(view: Path, relighting: Relighting) -> Relit:
         relighting: How lights shall be.
 
     Raises:
-        InputError: It is no view, has no light channels, or a light cannot be as wanted.
+        InputError: It is not a view, has no light channels, or a light cannot be changed as asked.
     """
     scene, seen = _open(view)
     factors = light_factors(scene.lights, relighting, view)
-    # Pixels may hold any number, and what is none.
+    # Pixels may hold any number, NaN and infinity.
     with np.errstate(over="ignore", invalid="ignore"):
         pixels = relit(_contributions(scene, seen), factors)
     named = {light.name: factors[light.number] for light in scene.lights}
@@ -183,7 +183,7 @@ def _check_light(name: str, known: Mapping[str, LightRecord], place: Path) -> No
         )
     if not known[name].on:
         raise InputError(
-            f"the light {name!r} was off when this was rendered: nothing is known of what it does",
+            f"the light {name!r} was off when this was rendered, so its contribution is not known",
             place=place,
             remedy="turn it on in the room, render again with --channels radiance_i, and relight",
         )
@@ -205,9 +205,9 @@ def _tint(light: LightRecord, wanted: float | None, place: Path) -> NDArray[np.f
     name, was = light.name, light.kelvin
     if was is None:
         raise InputError(
-            f"the light {name!r} has no colour temperature to be changed",
+            f"the light {name!r} has no colour temperature",
             place=place,
-            remedy="only lights whose manifest entry has kelvin do",
+            remedy="choose a light with kelvin in the manifest",
         )
     low, high = _KELVIN
     if not low <= wanted <= high:
@@ -217,7 +217,7 @@ def _tint(light: LightRecord, wanted: float | None, place: Path) -> NDArray[np.f
     before, after = blackbody(was), blackbody(wanted)
     if np.any((before <= 0.0) & (after > 0.0)):
         raise InputError(
-            f"at {was:g} K the light {name!r} lacks a colour that {wanted:g} K needs",
+            f"at {was:g} K the light {name!r} lacks a primary that {wanted:g} K needs",
             place=place,
             remedy="render again with the other colour temperature",
         )
@@ -232,7 +232,7 @@ def _open(view: Path) -> tuple[RenderedScene, RenderedView]:
     if inside and len(scene.views) == 1:
         return scene, next(iter(scene.views.values()))
     raise InputError(
-        "this render has several views" if inside else "this is no view of the render",
+        "this render has several views" if inside else "this is not a view of the render",
         place=view,
         remedy=f"give one: {', '.join(str(scene.folder / name) for name in scene.views)}",
     )
@@ -243,15 +243,14 @@ def _contributions(scene: RenderedScene, view: RenderedView) -> Mapping[int, NDA
     missing = [light.name for light in scene.lights if light.number not in found]
     if missing or not found:
         raise InputError(
-            f"the view does not hold what {', '.join(missing) or 'the lights'} contribute",
+            f"the view does not have the contributions of {', '.join(missing) or 'the lights'}",
             place=view.folder / LIGHTS_FILE,
             remedy="render again with --channels radiance_i among them",
         )
     unknown = found.keys() - {light.number for light in scene.lights}
     if unknown:
         raise InputError(
-            f"the view holds what light {min(unknown)} contributes, which the manifest does not "
-            "know",
+            f"the view has the contribution of light {min(unknown)}, which is not in the manifest",
             place=view.folder / LIGHTS_FILE,
             remedy="render again",
         )

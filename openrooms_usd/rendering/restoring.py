@@ -79,7 +79,7 @@ def restored(name: str, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array
     """
     images = [parts[source].astype(np.float64) for source in sources_of(name)]
     base = definition(name).name
-    # Pixels may hold any number, and what is none.
+    # Pixels may hold any number, NaN and infinity.
     with np.errstate(over="ignore", invalid="ignore"):
         if base in _GEOMETRY:
             return _GEOMETRY[base][1](images[0], K, pose).astype(np.float32)
@@ -92,7 +92,7 @@ def follows(
 ) -> bool:
     """Whether a channel can be left out: what would be worked out is what was rendered.
 
-    A camera that is no pinhole, such as one of panoramas, has no position that follows from K.
+    Cameras other than pinholes, such as panoramas, have no position that follows from K.
 
     Args:
         name: One that has `sources_of`, which are all among ``parts``.

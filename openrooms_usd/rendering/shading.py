@@ -75,7 +75,7 @@ class Shading:
         return tuple(name for name in CHANNELS if name in needed)
 
     def complete(self, view: View, channels: tuple[str, ...]) -> View:
-        """The view with what it was asked for, and without the sources that nobody asked for.
+        """The view with the requested channels, and without sources that were not requested.
 
         Args:
             view: What was rendered by `needs`.

@@ -147,7 +147,7 @@ def test_a_closed_renderer_says_so(scene: ou.Scene) -> None:
 @pytest.mark.parametrize("name", ["../elsewhere", "a/b", "", ".hidden", "openings"])
 def test_views_lie_in_their_folder(name: str, renderer: ou.OpenRenderer, tmp_path: Path) -> None:
     camera = ou.Camera.look_at((1, 1, 1.5), (2, 1, 1), resolution=(8, 6))
-    with pytest.raises(ou.OrusdError, match="a view cannot be called"):
+    with pytest.raises(ou.OrusdError, match="a view cannot be named"):
         renderer.write(tmp_path / "out" / "inner", {name: camera}, channels="depth")
     assert not list(tmp_path.iterdir())
 

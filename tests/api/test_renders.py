@@ -88,7 +88,7 @@ def test_the_same_render_is_read_back(rendered: ou.Render) -> None:
     again = ou.open_render(rendered.folder)
     assert list(again) == list(rendered)
     assert np.array_equal(again["left"]["radiance"], rendered["left"]["radiance"])
-    with pytest.raises(InputError, match="no finished render"):
+    with pytest.raises(InputError, match="not a finished render"):
         ou.open_render(rendered.folder.parent)
 
 

@@ -66,7 +66,7 @@ LIMITS: dict[str, Limits] = {
     "openrooms_usd/library": Limits(54, 5),
     "openrooms_usd/loading": Limits(10, 2),
     "openrooms_usd/physics": Limits(0, 0),
-    "openrooms_usd/rendering": Limits(84, 20),
+    "openrooms_usd/rendering": Limits(0, 9),
     "openrooms_usd/scan": Limits(0, 2),
     "openrooms_usd/showroom": Limits(0, 0),
     "openrooms_usd/simulation": Limits(0, 0),

@@ -169,7 +169,7 @@ def test_many_renders_make_one_file(house: list[Path], tmp_path: Path) -> None:
         coco([*house, house[0]])
     paths = [str(path) for path in house]
     run = CliRunner().invoke(labels, [*paths, "-o", str(tmp_path / "x.json"), "--format", "boxes"])
-    assert isinstance(run.exception, InputError) and "by itself" in str(run.exception.remedy)
+    assert isinstance(run.exception, InputError) and "separately" in str(run.exception.remedy)
 
 
 def test_the_old_name_of_the_command_writes_the_same(house: list[Path], tmp_path: Path) -> None:
@@ -282,7 +282,7 @@ def test_the_command_writes_the_same_bytes_again(shots: Path, scene: Path, tmp_p
 def test_what_cannot_be_annotated_is_refused_with_a_remedy(
     shots: Path, scene: Path, tmp_path: Path
 ) -> None:
-    with pytest.raises(InputError, match="no finished render"):
+    with pytest.raises(InputError, match="not a finished render"):
         coco([tmp_path])
     manifest = json.loads((shots / "manifest.json").read_text())
     view = tmp_path / "bare" / "front"
@@ -295,7 +295,7 @@ def test_what_cannot_be_annotated_is_refused_with_a_remedy(
     assert "--channels all" in str(caught.value.remedy)
     moved = Usd.Stage.Open(Usd.Stage.Open(str(scene)).Flatten())
     moved.GetPrimAtPath("/World/near").GetAttribute("xformOp:translate").Set(Gf.Vec3d(0.6, 0, 0.45))
-    with pytest.raises(InputError, match="/World/near where this stage does not have it"):
+    with pytest.raises(InputError, match="/World/near, which this stage does not have"):
         boxes(shots, moved)
     moved.RemovePrim("/World/near")
     with pytest.raises(InputError, match="/World/near"):

@@ -105,7 +105,7 @@ def test_what_is_not_ours_is_not_replaced(room: Path, tmp_path: Path) -> None:
         rendered(room, tmp_path)
     with pytest.raises(InputError, match="does not move"):
         render_path(room / "room.usda", tmp_path / "out", "Camera", RenderSettings(resolution=SIZE))
-    with pytest.raises(InputError, match="frames a second"):
+    with pytest.raises(InputError, match="frames per second"):
         rendered(room, tmp_path, rate=0)
     with pytest.raises(InputError, match="seconds"):
         rendered(room, tmp_path, seconds=float("nan"))

@@ -14,7 +14,7 @@ def test_the_command_writes_a_scene_and_says_what_was_lost(tmp_path):
     plain = run("convert", tmp_path / "scene.usda", tmp_path / "out")
     assert plain.exit_code == 0
     assert (tmp_path / "out" / "scene.xml").is_file()
-    assert "approximated /Box: it has no material: taken as grey" in plain.output
+    assert "approximated /Box: it has no material: grey is used" in plain.output
     assert "approximated /: the stage has no light" in plain.output
     result = json.loads(
         run("convert", tmp_path / "scene.usda", tmp_path / "again.xml", "--json").output

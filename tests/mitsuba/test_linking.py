@@ -84,7 +84,7 @@ def test_what_knows_no_links_says_so() -> None:
     made = stage()
     session = session_of(made, variant="scalar")
     session.render(RenderRequest("/Camera", ("radiance",), 2, 2, samples=1))
-    assert [*session.report.losses()] == [("/One", "approximated", "it lights everything alike")]
+    assert [*session.report.losses()] == [("/One", "approximated", "it lights everything equally")]
 
 
 @pytest.mark.parametrize(("diffuse", "specular"), [(0.25, 1.0), (1.0, 0.25)])

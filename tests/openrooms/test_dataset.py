@@ -306,7 +306,7 @@ def test_the_command(render: RenderedScene, tmp_path: Path) -> None:
 
 
 def test_a_folder_that_is_no_render(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no finished render"):
+    with pytest.raises(InputError, match="not a finished render"):
         read_render(tmp_path)
 
 
@@ -342,5 +342,5 @@ def test_pixels_may_be_any_number(
     write([read_render(day)], tmp_path / "data")
     layers["semantic"][3, 3] = value
     write_exr(day / "view_1/channels.exr", layers)
-    with pytest.raises(InputError, match="'semantic' holds what is no whole number"):
+    with pytest.raises(InputError, match="'semantic' holds values that are not whole numbers"):
         write([read_render(day)], tmp_path / "data")

@@ -146,7 +146,7 @@ def test_a_channel_that_no_renderer_gives_says_so(
 ) -> None:
     point = EntryPoint("even", "nowhere:Even", adapters.RENDERERS)
     monkeypatch.setattr(adapters, "available", lambda group: {"even": point})
-    with pytest.raises(InputError, match="no renderer that is installed gives it"):
+    with pytest.raises(InputError, match="no installed renderer gives it"):
         render_stage(
             file, tmp_path / "out", RenderSettings(renderer="even", channels=["irradiance"])
         )

@@ -56,7 +56,7 @@ def refused(render: Path, said: str, taxonomy: str = "category") -> None:
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, -1.0, 0.5, 2.0**25])
 def test_labels_are_whole_numbers(render: Path, value: float) -> None:
     labels(render, value)
-    refused(render, "'instance' holds what is no whole number")
+    refused(render, "'instance' holds values that are not whole numbers")
 
 
 def test_labels_have_names(render: Path) -> None:
@@ -66,7 +66,7 @@ def test_labels_have_names(render: Path) -> None:
     assert coco([render])["annotations"][0]["area"] == 47
     images = {"instance": np.ones((6, 8, 1)), "semantic_nyu40": np.full((6, 8, 1), 41.0)}
     exr.write_channels(render / "left/channels.exr", images)
-    refused(render, "holds 41, which is no number of a class", "nyu40")
+    refused(render, "holds 41, which is not the number of a class", "nyu40")
 
 
 @pytest.mark.parametrize(
@@ -95,7 +95,9 @@ def test_layers_of_others_are_let_through(render: Path) -> None:
 def test_a_light_that_no_manifest_names(render: Path, tmp_path: Path) -> None:
     parts = ["radiance_7.R", "radiance_7.G", "radiance_7.B"]
     write_exr(render / "left/lights.exr", [*parts, "radiance_99999999999999.R"][:3])
-    with pytest.raises(InputError, match="light 7 contributes, which the manifest does not know"):
+    with pytest.raises(
+        InputError, match="the contribution of light 7, which is not in the manifest"
+    ):
         relight(render, tmp_path / "relit", Relighting())
 
 
@@ -104,7 +106,7 @@ def test_a_header_that_is_no_text(render: Path) -> None:
     path = render / "left/channels.exr"
     write_exr(path, ["instance.Y"])
     path.write_bytes(path.read_bytes().replace(b"chlist", b"c\xfflist"))
-    refused(render, "not a readable image: its header is no text")
+    refused(render, "not a readable image: its header is not text")
 
 
 def test_a_picture_that_claims_more_than_it_holds(render: Path) -> None:
@@ -132,7 +134,7 @@ def test_what_only_has_the_name_of_a_picture(render: Path, tmp_path: Path) -> No
     ):
         path.rmdir() if path.is_dir() else path.unlink(missing_ok=True)
         make()
-        refused(render, "a pipe|a device|a folder|no such file|not a readable|no flat OpenEXR")
+        refused(render, "a pipe|a device|a folder|no such file|not a readable|not a flat OpenEXR")
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -181,7 +183,7 @@ NO_ARRAYS = {
     "deep": npy("(" * 5000),
     "indented": npy("  \n  x\n y"),
     "another version": npy(FLOATS % "(1, 1, 1)", b"\0" * 4, b"\7\0"),
-    "no text": npy(FLOATS % "(1, 1, 1)").replace(b"descr", b"d\xffscr"),
+    "not text": npy(FLOATS % "(1, 1, 1)").replace(b"descr", b"d\xffscr"),
 }
 
 
@@ -207,7 +209,7 @@ def test_a_fit_has_the_numbers_of_its_kind(render: Path) -> None:
         found = view.fit(name)
         assert found is not None and found.shape == (3, 4, 9, depth)
         np.save(render / "left" / f"{name}.npy", np.ones((3, 4, 9, 5), np.float32))
-        with pytest.raises(InputError, match=f"5 numbers are no {name}"):
+        with pytest.raises(InputError, match=f"{name} has 5 numbers"):
             view.fit(name)
 
 

@@ -173,7 +173,7 @@ def test_it_is_off_unless_asked_for(renderer, scene, tmp_path) -> None:
 def test_only_radiance_can_be_denoised(renderer, scene, tmp_path) -> None:
     with pytest.raises(InputError, match="only the channel 'radiance' can be denoised"):
         render_stage(scene, tmp_path / "out", RenderSettings(channels=["depth"], denoise=True))
-    with pytest.raises(InputError, match="made from others") as caught:
+    with pytest.raises(InputError, match="computed from others") as caught:
         render_stage(scene, tmp_path / "out", RenderSettings(channels=[DENOISED]))
     assert "--denoise" in str(caught.value)
     assert not (tmp_path / "out").exists()

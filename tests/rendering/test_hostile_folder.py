@@ -130,7 +130,7 @@ def test_a_camera_cannot_have_the_name_of_another_folder(
         atomic.write_text(out / "layers" / "edits.usda", "adopted")
     before = snapshot(out)
     renderer.cameras = (f"/World/Cameras/{name}",)
-    with pytest.raises(OutputError, match="a view cannot be called"):
+    with pytest.raises(OutputError, match="a view cannot be named"):
         render_stage(scene, out)
     assert snapshot(out) == before
 

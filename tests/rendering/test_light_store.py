@@ -135,7 +135,7 @@ HOSTILE = {
     "empty": b"",
     "cut": None,
     "bits": None,
-    "no text": b"\xff" * 500,
+    "not text": b"\xff" * 500,
     "nested": _signed(b"[" * 60_000 + b"\n"),
     "no line": _signed(b"{" * 70_000),
     "no rows": _signed(b"{}\n"),

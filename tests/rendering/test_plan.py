@@ -79,7 +79,7 @@ def test_channels_in_the_order_of_the_table():
     [
         (["dept"], "did you mean 'depth'"),
         (["position"], "this one gives: depth, valid"),
-        ([], "no channel is asked for"),
+        ([], "no channel is requested"),
     ],
 )
 def test_wrong_channels(names, said):

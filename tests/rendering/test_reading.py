@@ -68,7 +68,7 @@ def test_a_grid_of_another_size_is_refused(tmp_path: Path) -> None:
     save_picture(
         tmp_path / "environment.exr", np.zeros((16, 33, 3), np.float32), names=["R", "G", "B"]
     )
-    with pytest.raises(InputError, match="no grid of hemispheres"):
+    with pytest.raises(InputError, match="not a grid of hemispheres"):
         view(tmp_path).grid("environment")
 
 

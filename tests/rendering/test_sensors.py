@@ -289,7 +289,7 @@ def test_a_photograph_is_of_the_denoised_light_where_there_is_some() -> None:
 
 
 def test_a_sensor_says_what_it_misses() -> None:
-    with pytest.raises(InputError, match="works with radiance, normal_geometric"):
+    with pytest.raises(InputError, match="needs radiance, normal_geometric"):
         sensor = Sensor(noise=Noise(), depth=DepthCamera())
         check_sensor(sensor, ["depth", "base_color", "roughness", "metallic"])
     with pytest.raises(ValueError, match="a sensor needs"):

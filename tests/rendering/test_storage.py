@@ -315,8 +315,8 @@ def test_bytes_do_not_depend_on_threads(
 @pytest.mark.parametrize(
     ("said", "about"),
     [
-        ({"sources": ["valid"]}, "of no file"),
-        ({"sources": []}, "of no file"),
+        ({"sources": ["valid"]}, "lists no file"),
+        ({"sources": []}, "lists no file"),
         ({"file": "a/masks.exr"}, "missing|no such|does not exist|not there"),
         ({"file": "a/light.exr"}, "no channel 'depth'"),
     ],

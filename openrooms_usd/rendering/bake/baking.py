@@ -61,9 +61,9 @@ _CONVENTIONS: Final = {
     "texture": "irradiance in lux of each primary, scene-linear Rec.709, of the side that the "
     "mesh's winding faces, about its shading normals: what is diffuse of the picture is "
     "base colour (1 - metallic) / pi times it",
-    "st1": "primvars:st1 of a mesh, times (scale s, scale t) and plus (offset s, offset t) of "
-    "scaleOffset of the mesh or of the instance that it is in, is where it is in its atlas; "
-    "t = 0 is the lower edge of the picture, whose rows begin at the top",
+    "st1": "the place in the atlas is primvars:st1 of a mesh, times (scale s, scale t), plus "
+    "(offset s, offset t), by scaleOffset of the mesh or of its instance; t = 0 is the "
+    "lower edge of the picture, whose rows begin at the top",
     "sum": "irradiance is the sum of lights, texel by texel",
 }
 
@@ -124,7 +124,8 @@ def bake_stage(
     stage, session = context.stage, context.session
     if not isinstance(session, TexelLighting):
         raise RenderError(
-            f"the renderer {settings.renderer} lights no texels", remedy="--renderer mitsuba"
+            f"the renderer {settings.renderer} cannot compute lightmaps",
+            remedy="--renderer mitsuba",
         )
     # 1. What is baked, and where in which picture.
     progress("laying out", 0.0)
@@ -157,10 +158,10 @@ def bake_stage(
 
 def _check(layout: AtlasLayout, bounces: int) -> None:
     wrong = {
-        f"no texel is {layout.texel_m:g} m wide": not 0.0 < layout.texel_m < np.inf,
+        f"a texel cannot be {layout.texel_m:g} m wide": not 0.0 < layout.texel_m < np.inf,
         f"light cannot be scattered {bounces} times": bounces < 1,
-        f"no atlas is {layout.side} texels wide": not 16 <= layout.side <= 1 << 15,
-        f"no lightmap has {layout.most_texels} texels": layout.most_texels < 256,
+        f"an atlas cannot be {layout.side} texels wide": not 16 <= layout.side <= 1 << 15,
+        f"a lightmap cannot have {layout.most_texels} texels": layout.most_texels < 256,
     }
     for reason, is_so in wrong.items():
         if is_so:
@@ -256,12 +257,12 @@ def _manifest(
     }
 
 
-# The floor below the leg of a table, a board where another one stands on it: a texel that is
-# partly hidden so would mix the dark in there with the light beside it, and the look-up of its
-# neighbours takes it too. From inside of a solid, nearly all that rays meet is turned away from
+# Some texels are partly hidden: the floor below the leg of a table, a board below another one. They
+# would mix the dark there with the light beside it, and their neighbours would be interpolated from
+# it. From inside of a solid, nearly all that rays meet is turned away from
 # them.
 def without_buried(texels: Texels, scene: Scene, tracer: RayTracer) -> Texels:
-    """The texels that somebody sees, by the points of them that are not inside of something.
+    """The visible texels, by the points of them that are not inside a solid.
 
     Args:
         texels: All that show a surface.

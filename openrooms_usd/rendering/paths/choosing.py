@@ -63,14 +63,14 @@ def choose_path(
         raise InputError(
             "this camera does not move",
             place=path,
-            remedy=f"give its transform time samples, or take --path {WALK}",
+            remedy=f"give its transform time samples, or use --path {WALK}",
         )
     camera = read_camera(prim, *size)
     if camera.projection != PINHOLE:
         raise InputError(
-            f"an {camera.projection} camera films nothing",
+            f"an {camera.projection} camera cannot film",
             place=path,
-            remedy=f"take a perspective one, or --path {WALK}",
+            remedy=f"choose a perspective one, or --path {WALK}",
         )
     length = (codes[1] - codes[0]) / stage.GetTimeCodesPerSecond()
     poses = timed_poses(prim, frame_times(seconds or length, rate))
@@ -153,26 +153,29 @@ class Keyframes:
         place: The file.
 
     Raises:
-        InputError: It is no such description.
+        InputError: It is not such a description.
     """
 
     def __init__(self, data: Any, place: Path) -> None:
         keys = data.get("keys") if isinstance(data, dict) and set(data) <= _TOP else None
         if not isinstance(keys, list) or not keys:
-            raise InputError("this describes no camera path", place=place, remedy=_REMEDY)
+            raise InputError("this does not describe a camera path", place=place, remedy=_REMEDY)
         for number, key in enumerate(keys):
             if not (isinstance(key, dict) and set(key) == _KEYS):
                 where = f"{place}: keys[{number}]"
-                raise InputError("this is no key of a path", place=where, remedy=_REMEDY)
+                raise InputError("this is not a key of a path", place=where, remedy=_REMEDY)
         rows = [[[key["time"]], key["position"], key["target"]] for key in keys]
         self.times = _numbers([row[0] for row in rows], 1, place)[:, 0]
         self.positions = _numbers([row[1] for row in rows], 3, place)
         self.targets = _numbers([row[2] for row in rows], 3, place)
         if (np.diff(self.times) <= 0.0).any():
-            raise InputError("the times of its keys do not rise", place=place, remedy=_REMEDY)
+            raise InputError("the times of its keys must increase", place=place, remedy=_REMEDY)
         self.fov = float(_numbers([[data.get("fov", FOV_DEG)]], 1, place)[0, 0])
         if not _FOVS_DEG[0] <= self.fov <= _FOVS_DEG[1]:
-            raise InputError(f"no camera sees {self.fov:g} degrees", place=f"{place}: fov")
+            raise InputError(
+                f"a camera cannot have a field of view of {self.fov:g} degrees",
+                place=f"{place}: fov",
+            )
 
     @property
     def seconds(self) -> float:
@@ -204,6 +207,6 @@ def _numbers(values: list[Any], width: int, place: Path) -> Array:
     for row in values:
         good = isinstance(row, list) and len(row) == width
         if not good or not all(isinstance(x, int | float) and abs(x) < 1e6 for x in row):
-            found = f"{row} are not {width} numbers" if width > 1 else f"{row[0]!r} is no number"
+            found = f"{row} are not {width} numbers" if width > 1 else f"{row[0]!r} is not a number"
             raise InputError(found, place=place, remedy=_REMEDY)
     return np.array(values, dtype=np.float64)

@@ -22,7 +22,7 @@ from openrooms_usd.rendering.tone import Tone, fitted_tone
 LONGEST_HISTORY_FRAMES: Final = 32.0
 _CLAMP_DEVIATIONS: Final = 2.0
 _NEIGHBOURS_PIXELS: Final = 3  # to each side
-# Of black surfaces what is scattered is no light per base colour.
+# Light per base colour is not defined for black surfaces.
 _LEAST_BASE_COLOR: Final = 0.04
 Pixels = NDArray[np.float32]
 
@@ -173,8 +173,8 @@ class _Clock:
 def flicker(now: Pixels, before: Pixels, taps: Taps) -> float:
     """The noise that two frames show at the same places, relative to their light.
 
-    The root mean square over the surfaces that both see of the change of luminance, relative to
-    sqrt(m^2 + 0.01 M^2) with m their mean there and M that of the picture, and over sqrt(2): of two
+    The root mean square of the change of luminance over the surfaces that both see, relative to
+    sqrt(m^2 + 0.01 M^2) and over sqrt(2). m is their mean there and M that of the picture. For two
     frames with independent errors it is the relative standard error of one of them.
 
     Args:
@@ -256,7 +256,7 @@ def divisor_of(base_color: Pixels) -> Pixels:
 
 
 def _near(before: list[Pixels], now: list[Pixels], shape: tuple[int, int]) -> list[Pixels]:
-    """History that is no farther than the neighbourhood of a pixel allows."""
+    """History, clamped to the neighbourhood of a pixel."""
     fresh, old = (np.float32(0.5) * (a + b) for a, b in (now, before))
     picture = fresh.reshape(*shape, 3)
     mean = _blurred(picture)

@@ -60,7 +60,7 @@ class FreeSpace:
             if self._free.any():
                 break
         else:
-            raise RenderError("there is no room for a walk around the camera", place=str(start))
+            raise RenderError("there is no space for a walk around the camera", place=str(start))
         self.usable: NDArray[np.int64] = np.argwhere(self._free)
 
     def cell(self, place: Array) -> Cell:

@@ -41,10 +41,10 @@ _RATES: Final = (1, 240)
 _MOST_SECONDS: Final = 3600.0
 CONVENTIONS: Final = {
     "estimated_error": "of what the samples of a frame and its history say, before denoising: the "
-    "relative mean squared error, told by two halves that never meet",
-    "flicker": "of what is shown, by base colour: root mean square over what a frame and the one "
-    "before it both see of the change of luminance, over sqrt(m^2 + 0.01 M^2) and sqrt(2), m its "
-    "mean there and M that of the picture",
+    "relative mean squared error, estimated from two separate halves",
+    "flicker": "of the video, by base colour: root mean square of the change of luminance where "
+    "a frame and the one before it see the same, over sqrt(m^2 + 0.01 M^2) and "
+    "sqrt(2); m is its mean there and M that of the picture",
     "new": "the part of the pixels that the frame before did not see",
     "exposure": "what radiance in nits is multiplied by in the video, the same for all frames",
     "shows": "how light is shown in the video, the same for all frames",
@@ -111,7 +111,7 @@ def render_path(
     Raises:
         InputError: There is no such path, or a number is absurd.
         MissingPackageError: What encodes videos, or the denoiser, is not installed.
-        OutputError: The folder cannot be written, or holds somebody else's files of these names.
+        OutputError: The folder cannot be written, or holds other files of these names.
         RenderError: There is no room for a walk, or the renderer cannot do it.
     """
     from openrooms_usd.rendering.opening import check_settings, load_renderer, open_for_rendering
@@ -125,7 +125,9 @@ def render_path(
     _check(seconds, rate)
     video.check(size)
     if LIGHT not in load_renderer(settings).channels:
-        raise InputError(f"the renderer {settings.renderer} gives no light", place="renderer")
+        raise InputError(
+            f"the renderer {settings.renderer} does not compute light", place="renderer"
+        )
     denoiser = check_settings(settings).denoiser
     folder.check_writable(out)
 
@@ -160,10 +162,10 @@ def render_path(
 
 def _check(seconds: float | None, rate: int) -> None:
     if seconds is not None and not 0.0 < seconds <= _MOST_SECONDS:
-        raise InputError(f"no path takes {seconds:g} seconds", place="duration (--duration)")
+        raise InputError(f"a path cannot take {seconds:g} seconds", place="duration (--duration)")
     if not _RATES[0] <= rate <= _RATES[1]:
         wanted = f"between {_RATES[0]} and {_RATES[1]}"
-        raise InputError(f"{rate} frames a second are not {wanted}", place="rate (--fps)")
+        raise InputError(f"{rate} frames per second are not {wanted}", place="rate (--fps)")
 
 
 def _method(asked: Method | None, session: RenderSession) -> Method:

@@ -22,7 +22,7 @@ CHANNELS: Final = ("position", "normal_geometric", "instance", "valid")
 _LEAST_NORMAL_COS: Final = 0.9
 # Off the surface's plane, relative to the distance from the camera.
 _MOST_OFF_PLANE_SHARE: Final = 0.01
-# What counts less than this is no history.
+# History with a smaller weight is dropped.
 _LEAST_WEIGHT: Final = 0.05
 # Where there is no surface, the surroundings: as good as infinitely far.
 _SKY_M: Final = 1e5

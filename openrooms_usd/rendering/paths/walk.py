@@ -61,7 +61,7 @@ def walk(caster: RayCaster, cameras: Sequence[Array], times: Array) -> Array:
     seconds = _seconds(marks, looks)
     length = float(times[-1] - times[0]) or 1.0
     share = eased((times - times[0]) / length)
-    # Nobody runs to see all of it: who has little time sees less.
+    # The speed stays that of a walk: a short path shows less of the room.
     now = share * min(seconds[-1], length)
     along = interpolated(seconds, marks[:, None], now)[:, 0]
     along = np.maximum.accumulate(np.clip(along, 0.0, marks[-1]))
@@ -97,8 +97,8 @@ def check_passable(caster: RayCaster, eyes: Array) -> None:
     if len(blocked):
         x, y, z = eyes[blocked[0]]
         raise RenderError(
-            f"the path passes through something at ({x:.2f}, {y:.2f}, {z:.2f})",
-            remedy="lead it around walls and furniture, or let `--path walk` find a way",
+            f"the path passes through an object at ({x:.2f}, {y:.2f}, {z:.2f})",
+            remedy="lead it around walls and furniture, or use `--path walk`",
         )
 
 

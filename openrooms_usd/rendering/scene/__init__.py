@@ -1,15 +1,15 @@
-"""A composed USD stage as what a renderer receives, and all that can be told of it without light.
+"""A composed USD stage as what a renderer receives, and everything that is computed without light.
 
 In the order in which they are needed:
 
 - ``translate`` tells the story: lights, surfaces, labels and a report of every prim become a
-  ``Scene`` (``arrays``). It reads lamps and surroundings (``lamps``), what surfaces do to light
-  (``surfaces``, with ``pictures``, ``codes`` and ``wrapping`` for their textures), what each mesh
-  is made of (``mesh_surfaces``, with the colours that it brings itself, ``painted``, and what its
-  material moves, ``displaced``), which object, part and class everything belongs to (``labels``,
-  ``legend``), and names what is in no picture (``unseen``). ``gathering`` makes shapes of what has
-  the same surface: plain ``triangles``, and ``instances`` that share theirs. A stage without any
-  light stands in a default one.
+  ``Scene`` (``arrays``). It reads lamps and surroundings (``lamps``) and the reflection of surfaces
+  (``surfaces``, with ``pictures``, ``codes`` and ``wrapping`` for their textures). It reads the
+  material of each mesh (``mesh_surfaces``, with colours of the mesh, ``painted``, and displacement,
+  ``displaced``). It assigns objects, parts and classes (``labels``, ``legend``), and reports what
+  no picture shows (``unseen``). ``gathering`` makes shapes of what has the same surface: plain
+  ``triangles``, and ``instances`` that share theirs. A stage without any light stands in a default
+  one.
 - ``models`` gives all surfaces one reflectance model where a renderer takes no other; ``cameras``
   says what is lost of the stage's, and ``framing`` makes one for a large scene without any.
 - ``sources`` numbers the lights. ``light_records`` describes them (``lights``), openings by the

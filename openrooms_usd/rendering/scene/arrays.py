@@ -147,8 +147,8 @@ class Scene:
         owners: Prims by path with the surface that they gave: materials, and meshes without one.
         report: What became of every prim.
         folder: Where the stage's file lies, for what is kept beside it; None where it has none.
-        panes: Clear panes, which are no patches: geometry and labels look through them, and light
-            goes straight on, less what they mirror and hold back.
+        panes: Clear panes, which are not patches: geometry and labels look through them. Light
+            passes straight through, less what they reflect and absorb.
         exposure: What pictures of it are multiplied by where its cameras do not say; None: what
             fits each.
     """
@@ -188,7 +188,7 @@ class Scene:
 
     @cached_property
     def indoors(self) -> NDArray[np.bool_]:
-        """(M,) which of `triangles` are no part of what stands outside before the windows."""
+        """(M,) which of `triangles` do not belong to the surroundings outside the windows."""
         return self._indoor_pieces[self.triangles.pieces]
 
     @property

@@ -27,7 +27,7 @@ def light_digest(scene: Scene, *settings: Any) -> str:
         64 hexadecimal digits, the same in every process.
 
     Raises:
-        TypeError: A setting is no plain data.
+        TypeError: A setting is not plain data.
     """
     lit = (
         scene.patches,
@@ -72,7 +72,7 @@ def _digest(value: Any, known: dict[int, bytes]) -> bytes:
         plain = value.item() if isinstance(value, np.generic) else value
         found.update(f"{type(plain).__name__} {plain!r}".encode())
     else:
-        raise TypeError(f"{type(value).__name__} is no plain data")
+        raise TypeError(f"{type(value).__name__} is not plain data")
     if isinstance(value, np.ndarray) or is_dataclass(value):
         known[id(value)] = found.digest()
     return found.digest()

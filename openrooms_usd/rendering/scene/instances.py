@@ -17,7 +17,7 @@ _MOST_TRIANGLES: Final = 1 << 18
 
 
 class Instances(Triangles):
-    """The same triangles in many places, which are expanded only where somebody asks for all.
+    """The same triangles in many places, expanded only on demand.
 
     They lie one instance after the other. Where a transform mirrors, the winding is turned round,
     so that the front stays the front.
@@ -90,7 +90,7 @@ class Instances(Triangles):
         return matrices
 
     def forget(self) -> None:
-        """Let go of what was expanded, until somebody asks again."""
+        """Drop what was expanded, until the next demand."""
         for one in fields(Triangles):
             vars(self).pop(one.name, None)
 
@@ -183,7 +183,7 @@ def _of_parts(name: str) -> Any:
 
 
 class _Several(Triangles):
-    """Plain triangles and instances, one after the other; plain only where somebody asks."""
+    """Plain triangles and instances, one after the other; made plain only on demand."""
 
     def __init__(self, parts: Sequence[Triangles]) -> None:
         ends = np.cumsum([0, *map(len, parts)])

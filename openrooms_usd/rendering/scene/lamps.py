@@ -59,7 +59,7 @@ def _sky(file: str | None) -> tuple[Floats, tuple[str, ...]]:
     try:
         return _read_sky(file)
     except InputError as error:
-        return constant, (told(error), "it is taken as constant")
+        return constant, (told(error), "it is treated as constant")
 
 
 def _pole_to_pole(pixels: Floats) -> Floats:
@@ -87,7 +87,7 @@ def _read_sky(file: str) -> tuple[Floats, tuple[str, ...]]:
         return rgb, ()
     count = int(wrong.any(axis=2).sum())
     return np.where(wrong, np.float32(0), rgb), (
-        f"{file}: {count} negative or infinite pixels taken as 0",
+        f"{file}: {count} negative or infinite pixels replaced by 0",
     )
 
 
@@ -103,7 +103,7 @@ def nothing(light: Shaped) -> str:
         return "its transform is singular"
     found = shape(light, 0)
     if not (np.abs(found.corners) < FARTHEST_M).all():
-        return "it reaches farther than renderers can count"
+        return "its coordinates exceed the range of renderers"
     return "" if is_extended(found) else "it has no size"
 
 
@@ -150,7 +150,7 @@ def radiance(light: Shaped) -> tuple[Value, tuple[str, ...]]:
     try:
         space = color_space(light.texture)
     except InputError as error:
-        return (red, green, blue), (told(error), "its texture is taken as white")
+        return (red, green, blue), (told(error), "its texture is replaced by white")
     texture = Texture(
         light.texture,
         color_space=space,

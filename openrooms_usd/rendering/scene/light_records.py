@@ -179,10 +179,10 @@ def fit(sky: Surroundings, portal: Portal) -> tuple[tuple[Gaussian, ...], float]
     """Sun, sky and ground as an opening sees them.
 
     Returns:
-        The Gaussians, and the root of the mean squared error of their sum over the directions that
-        come in, weighted by their cosine, relative to that of the surroundings; both in cells of
-        5.6 degrees, and without a sun that has a lobe by itself: one that is as small as the sun is
-        right by its flux, not pixel by pixel.
+        The Gaussians, and their relative error: the root of the mean squared error of their sum
+        over incoming directions, weighted by cosine, over that of the surroundings. Both are in
+        cells of 5.6 degrees, without a sun that has its own lobe: a source that small is right by
+        its flux, not pixel by pixel.
     """
     outwards = portal.world_from_portal[:3, 2]
     outside = sky.directions @ outwards > 0.0

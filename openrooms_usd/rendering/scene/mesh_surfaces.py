@@ -39,7 +39,7 @@ class MeshSurfaces:
         Args:
             reader: What reads materials.
             passed_on: Primvars that some prim may inherit (`painted.passed_on`).
-            report: Where what was lost of materials is told.
+            report: Receives what is lost of materials.
         """
         self.owners: list[tuple[str, Surface]] = []
         self._reader = reader
@@ -143,7 +143,7 @@ class MeshSurfaces:
         }
         if material is None:
             shown = "its displayColor" if "base_color" in found else "grey"
-            losses.append(f"it has no material: taken as {shown}")
+            losses.append(f"it has no material: {shown} is used")
         if not found:
             if material is None:
                 self.owners.append((mesh.path, surface))

@@ -38,7 +38,7 @@ def without_shaping(scene: Scene) -> Scene:
     """The scene whose lamps shine evenly, with the same flux; its report says which did not."""
     if all(patch.shaping is None for patch in scene.patches):
         return scene
-    lost, why = {}, "it shines evenly, by no profile or cone"
+    lost, why = {}, "it shines evenly, without profile or cone"
     for patch in scene.patches:
         if patch.shaping is not None:
             for row in np.unique(patch.triangles.pieces):
@@ -51,7 +51,7 @@ def report_simplified(scene: Scene) -> None:
     """Say in the report what lights lose where all light everything and suns are points."""
     lamps = {lamp for patch in scene.patches for lamp in patch.unlit_by}
     lamps |= {patch.lamp for patch in scene.patches if patch.response != (1.0, 1.0)}
-    scene.report.lose(dict.fromkeys(sorted(lamps), "it lights everything alike"))
+    scene.report.lose(dict.fromkeys(sorted(lamps), "it lights everything equally"))
     suns = [sun.path for sun in scene.suns if sun.angle > 0.0]
     scene.report.lose(dict.fromkeys(suns, "its angle is left out: shadows are sharp"))
 
@@ -76,7 +76,7 @@ def report_plain(scene: Scene) -> None:
     """Say in the report what is lost where Mitsuba's own textures and emitters are all there is."""
     seen = "it is seen as a ball or tube of 1 mm"
     scene.report.lose({patch.lamp: seen for patch in scene.patches if patch.unseen})
-    why = "its pictures go on along t as along s"
+    why = "its textures wrap along t as along s"
     scene.report.lose(
         {
             path: why

@@ -153,7 +153,7 @@ def _value(
         field: Its name; ``base_color`` has three channels, others have one.
         mean: The value where there is no picture.
         picture: The values.
-        threshold: Of an opacity that is a mask; 0 where it is none.
+        threshold: Of an opacity that is a mask; 0 if it is not a mask.
     """
     many = 3 if field == "base_color" else 1
     numbers = np.array([mean]) if picture is None else picture.pixels

@@ -173,7 +173,7 @@ def times(color: Value, share: Value) -> Value:
     if isinstance(color, Picture):
         losses = (*color.losses, *losses)
         if color.wrap != share.wrap or not np.array_equal(color.uv, share.uv):
-            losses = (*losses, "emissiveColor goes on beyond the picture as opacity does")
+            losses = (*losses, "emissiveColor wraps beyond the picture as opacity does")
     return Picture(pixels.astype(np.float32), share.wrap, share.uv, losses)
 
 
@@ -201,7 +201,9 @@ def load(
             losses.append(made_smaller(texture.file, side))
         stored, damaged = mended(stored)
         if damaged:
-            losses.append(f"{texture.file}: {damaged} texels are no numbers; mended by neighbours")
+            losses.append(
+                f"{texture.file}: {damaged} texels are not numbers; replaced by their neighbours"
+            )
         rgba = _rgba(within(stored, side))
         if texture.color_space == "sRGB":
             rgba[..., :3] = linear_from_srgb(rgba[..., :3])
@@ -212,7 +214,7 @@ def load(
         picked = rgba[..., list(chosen(texture.channel, channels))] * scale + bias
     if not np.isfinite(picked).all():
         least = max(limits[0], 0.0)
-        losses.append(f"{texture.file}: pixels that are no numbers are taken as {least:g}")
+        losses.append(f"{texture.file}: pixels that are not numbers are replaced by {least:g}")
         picked = np.nan_to_num(picked, nan=least, posinf=least, neginf=least)
     directed = are_directions(channels, limits)
     if directed:
@@ -238,7 +240,7 @@ def placed(where: Array, uv: Array) -> Array:
 
 
 def mended(stored: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
-    """Replace values that are no finite numbers.
+    """Replace values that are not finite.
 
     Each becomes the mean of the finite ones among its eight neighbours (the picture repeats), or of
     the whole channel where there is none, or 0.
@@ -267,11 +269,11 @@ def _directed(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], str]:
     """Normals that are directions, and what was lost: a picture without hue holds none."""
     flat = np.array([0.0, 0.0, 1.0], dtype=np.float32)
     if np.ptp(normals, axis=2).max(initial=0.0) < 1e-3:
-        return flat.reshape(1, 1, 3), "a grey-scale picture is no normal map; left out"
+        return flat.reshape(1, 1, 3), "a grey-scale picture cannot be a normal map; left out"
     nowhere = np.linalg.norm(normals, axis=2, keepdims=True) < 1e-3
     if not nowhere.any():
         return normals, ""
-    return np.where(nowhere, flat, normals), "normals without length point outwards"
+    return np.where(nowhere, flat, normals), "normals of length zero point outwards"
 
 
 def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -283,7 +285,7 @@ def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
 
 def made_smaller(file: str, side: int) -> str:
     """What is lost of a picture that is longer than is kept."""
-    return f"{file}: longer than {side} pixels, made smaller"
+    return f"{file}: larger than {side} pixels, resized"
 
 
 def within(stored: NDArray[np.float32], side: int = MAX_SIDE) -> NDArray[np.float32]:

@@ -73,8 +73,8 @@ class Surface:
         f0: Reflectance at normal incidence of OpenRooms' model, which it then is of; None where it
             is a UsdPreviewSurface.
         pane: What the glass of a thin clear pane lets through at normal incidence, by primary; it
-            then has no matter but that and ``ior``. None where it is none.
-        one_sided: Whether it is there for who sees its front alone.
+            then has no matter but that and ``ior``. None where there is none.
+        one_sided: Whether only its front is visible.
         losses: What could not be kept, in words.
     """
 
@@ -208,7 +208,7 @@ class SurfaceReader:
         return red, green, blue
 
     def _mean(self, preview: PreviewSurface, name: str, uv: Array) -> float:
-        """The mean of an input; 0 where nobody says any."""
+        """The mean of an input; 0 if not authored."""
         if getattr(preview, name) is None:
             return 0.0
         value = self._value(preview, name, uv)
@@ -307,7 +307,7 @@ def _ior(wanted: float) -> tuple[float, list[str]]:
     """An index of refraction that is one, and what was lost."""
     if wanted >= 1.0:
         return min(wanted, _MOST_IOR), []
-    return 1.0, [f"ior {wanted:g} is taken as 1"]
+    return 1.0, [f"ior {wanted:g} is replaced by 1"]
 
 
 def _transmission(wanted: float, base_color: Value) -> tuple[float, list[str]]:
@@ -344,8 +344,8 @@ def _many_primvars(preview: PreviewSurface) -> bool:
 
 
 _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
-    (_is_textured("clearcoat"), "a textured clearcoat is taken as its mean"),
-    (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is taken as its mean"),
+    (_is_textured("clearcoat"), "a textured clearcoat is replaced by its mean"),
+    (_is_textured("clearcoat_roughness"), "a textured clearcoatRoughness is replaced by its mean"),
     (_is_clear, CLEAR),
     (_many_primvars, "its textures use several sets of coordinates; one set is used for all"),
 )

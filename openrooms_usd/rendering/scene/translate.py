@@ -45,7 +45,7 @@ BRIGHTEST_FROM: Final[Array] = unit(np.array([-0.35, -0.5, 0.8]))
 EXPOSURE: Final = 0.5
 """What pictures in the default light are multiplied by: white that faces it is nearly white."""
 TOLD: Final = (
-    "the stage has no light: it stands in a default one of 1 nit in the mean, brighter from above "
+    "the stage has no light: a default one lights it, 1 nit on average and brighter from above "
     "(--no-default-light leaves it dark)"
 )
 
@@ -247,7 +247,7 @@ def _folder(stage: Usd.Stage) -> Path | None:
 
 
 def is_unlit(stage: Usd.Stage) -> bool:
-    """Whether nobody says how a stage is lit.
+    """Whether a stage has no light at all.
 
     A light that is off or invisible says it, and so does our own step that writes lights, which may
     write none. What is bright by its material does, too (`merely_glows`).
@@ -262,7 +262,7 @@ def is_unlit(stage: Usd.Stage) -> bool:
 
 
 def merely_glows(radiance: Value) -> bool:
-    """Whether an emission is none that is meant to light the rest.
+    """Whether an emission is too weak to light the rest.
 
     Screens and signs of models that are shown in any light have colours up to 1; what shall light a
     scene is brighter.

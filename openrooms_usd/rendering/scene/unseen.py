@@ -1,4 +1,4 @@
-"""Names what of a stage is not in the picture, and why: prims, and what somebody wrote of them."""
+"""Names the prims and authored properties of a stage that the picture does not show, and why."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
@@ -24,7 +24,7 @@ _ALARMING: Final = (LABEL, OLD, MISSING, UNREADABLE, DOUBT)
 
 
 def report_unseen(stage: Usd.Stage, report: Report) -> None:
-    """Say of each prim what might be expected in a picture, and neither is there nor told of yet.
+    """Report for each prim what a picture should show but does not, if not reported yet.
 
     Args:
         stage: The composed stage.
@@ -90,7 +90,7 @@ def _foreign(kind: str) -> str:
     """Why a type is in no picture; empty for what shapes others, or belongs to other uses."""
     row = mapping.row_of_type(kind)
     if row is None:
-        return f"{kind} has no place in a picture" if kind else ""
+        return f"{kind} does not appear in a picture" if kind else ""
     return f"{kind}: {row.becomes}" if row.outcome == "reported" else ""
 
 
@@ -104,7 +104,7 @@ def _why(prim: Usd.Prim) -> str:
     return f"{prim.GetTypeName() or 'it'} has nothing to draw"
 
 
-# What somebody wrote of them.
+# Their authored values.
 
 
 def _losses(prim: Usd.Prim) -> Iterator[str]:
@@ -128,7 +128,7 @@ def _losses(prim: Usd.Prim) -> Iterator[str]:
 
 
 def _says_something(attribute: Usd.Attribute) -> bool:
-    """Whether an attribute has another value than one that nobody wrote."""
+    """Whether an attribute has an authored value other than its fallback."""
     if attribute.HasAuthoredConnections():
         return True
     name, value = attribute.GetName(), attribute.Get(TIME)

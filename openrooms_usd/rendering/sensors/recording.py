@@ -47,9 +47,9 @@ def check_sensor(sensor: Sensor, channels: Sequence[str]) -> None:
     """
     if missing := [name for name in needed(sensor) if name not in channels]:
         raise InputError(
-            f"the sensor works with {', '.join(missing)}, which no view has",
+            f"the sensor needs {', '.join(missing)}, which no view has",
             place="sensor",
-            remedy="add them to `channels`, or take `usual`",
+            remedy="add them to `channels`, or use `usual`",
         )
 
 
@@ -139,9 +139,9 @@ def _files(name: str, what: str) -> dict[str, str]:
     return {what: f"{name}/{what}.exr", f"{what}_preview": f"{name}/{what}.png"}
 
 
-# The model of EMVA 1288 (Standard for characterization of image sensors, release 4.0, 2021,
-# section 2): electrons come one by one, so their number is Poisson distributed; reading them out
-# adds Gaussian noise; the gain makes numbers of them, which are rounded. Of a number with gain K
+# The model of EMVA 1288 (Standard for characterization of image sensors, release 4.0, 2021, section
+# 2). Electrons arrive one by one, so their number is Poisson distributed. Reading them out adds
+# Gaussian noise; the gain converts them to numbers, which are rounded. Of a number with gain K
 # and mean m above black the variance is K m + K^2 s^2 + 1/12, s the read noise: the photon
 # transfer curve.
 

@@ -36,7 +36,7 @@ NEEDED: Final = ("depth", "normal_geometric", "base_color", "roughness", "metall
 
 _FOCAL_PX: Final = 585.0  # of the camera whose lateral noise was measured
 _STEP_PER_M: Final = 2.85e-3
-# The widest angle that the noise is told for; beyond, what returns is not told apart.
+# The widest angle of the noise model; beyond it, returns are not distinguished.
 _STEEPEST_DEG: Final = 80.0
 # Of the pattern's light comes back: base colour by cosine. Infrared is not rendered: red is near.
 _LEAST_RETURN: Final = 0.03

@@ -74,13 +74,13 @@ def test_a_file_says_where_the_camera_is(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("keys: []", "no camera path"),
-        ("frames: []", "no camera path"),
-        (KEYS.replace("time: 4", "time: 2"), "do not rise"),
+        ("keys: []", "not describe a camera path"),
+        ("frames: []", "not describe a camera path"),
+        (KEYS.replace("time: 4", "time: 2"), "must increase"),
         (KEYS.replace("[2, 0, 1.5]", "[2, 0]"), "are not 3 numbers"),
         (KEYS.replace("time: 4", "time: .nan"), "number"),
         (KEYS.replace("fov: 80", "fov: 200"), "200 degrees"),
-        (KEYS.replace("target: [2, 3, 1]", "aim: [2, 3, 1]"), "no key"),
+        (KEYS.replace("target: [2, 3, 1]", "aim: [2, 3, 1]"), "not a key"),
         ("{", "tour.yaml"),
     ],
 )

@@ -82,7 +82,7 @@ def test_what_cannot_be_reached_is_left_out() -> None:
 
 def test_where_there_is_no_room_there_is_no_walk() -> None:
     cupboard = RayCaster([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
-    with pytest.raises(RenderError, match="no room"):
+    with pytest.raises(RenderError, match="no space"):
         FreeSpace(cupboard, np.array([5.0, 5.0, 1.5]))
 
 

@@ -95,7 +95,7 @@ def test_a_stage_whose_textures_are_too_many_has_smaller_ones(
     scene = translate(stage)
     assert sides(scene) == {32}
     told = " ".join(reason for _, _, reason in scene.report.rows)
-    assert told.count("longer than 32 pixels, made smaller") == 2
+    assert told.count("larger than 32 pixels, resized") == 2
     # Who says a side has it.
     assert sides(translate(stage, texture_side=16)) == {16}
     assert sides(translate(stage, texture_side=4096)) == {64}
@@ -106,6 +106,6 @@ def test_renders_have_it_and_refuse_what_is_none(tmp_path: Path) -> None:
     stage.Export(str(tmp_path / "stage.usda"))
     asked = RenderSettings(renderer="preview", channels=["base_color"], resolution=(8, 6))
     summary = render_stage(tmp_path / "stage.usda", tmp_path / "out", asked.replace(texture_side=8))
-    assert any("longer than 8 pixels" in reason for _, _, reason in summary.report.rows)
+    assert any("larger than 8 pixels" in reason for _, _, reason in summary.report.rows)
     with pytest.raises(InputError, match="texture side"):
         render_stage(tmp_path / "stage.usda", tmp_path / "no", asked.replace(texture_side=0))

@@ -37,7 +37,7 @@ def test_what_is_textured_and_cannot_be_is_its_mean(half: str) -> None:
     made = read(clearcoat=coat, clearcoat_roughness=Texture(half, channel="r"))
     assert made.clearcoat == pytest.approx(0.4, abs=1e-3)
     assert made.clearcoat_roughness == pytest.approx(0.2, abs=1e-3)
-    assert any("clearcoat is taken as its mean" in loss for loss in made.losses)
+    assert any("clearcoat is replaced by its mean" in loss for loss in made.losses)
 
 
 def test_a_specular_colour_keeps_its_hue(half: str) -> None:

@@ -29,7 +29,7 @@ def test_what_the_table_tells_of_is_named_with_what_was_lost_before() -> None:
     stage = Usd.Stage.CreateInMemory()
     model(stage, "/Body").ApplyAPI("LODRootAPI")
     assert told(stage) == {
-        "/Body": "it has no material: taken as grey; "
+        "/Body": "it has no material: grey is used; "
         "LODRootAPI: all levels of detail are drawn at once; "
         "model:drawMode: models are drawn whole"
     }
@@ -44,7 +44,7 @@ def test_values_that_mean_nothing_are_not_told_of() -> None:
         prim.GetAttribute("model:drawMode").Set(mode)
         for space in ("", "lin_rec709_scene"):
             prim.GetAttribute("colorSpace:name").Set(space)
-            assert told(stage)["/Body"] == "it has no material: taken as grey"
+            assert told(stage)["/Body"] == "it has no material: grey is used"
     prim.GetAttribute("colorSpace:name").Set("lin_ap1_scene")
     assert "colorSpace:name" in told(stage)["/Body"]
     assert "normals" not in told(stage)["/Body/Empty"]
@@ -85,7 +85,7 @@ def test_types_of_others_are_named() -> None:
     for kind in ("OfNobody", "Volume", "OpenVDBAsset", "PhysicsScene", "Backdrop", ""):
         stage.DefinePrim(f"/{kind or 'Plain'}", kind)
     assert told(stage) == {
-        "/OfNobody": "OfNobody has no place in a picture",
+        "/OfNobody": "OfNobody does not appear in a picture",
         "/Volume": "Volume without a surface that is known here",
         "/OpenVDBAsset": "OpenVDBAsset: volumes are not drawn",
     }
