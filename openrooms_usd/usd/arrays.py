@@ -1,4 +1,4 @@
-"""Values of attributes as arrays; a value of another type than the schema's is none."""
+"""Values of attributes as arrays; a value of another type than the schema's counts as missing."""
 
 from typing import Any
 

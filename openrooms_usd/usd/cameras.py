@@ -54,7 +54,7 @@ _EXPOSURE: Final = tuple(
     f"exposure{suffix}" for suffix in ("", ":iso", ":time", ":fStop", ":responsivity")
 )
 
-# Custom data of ``exposure``: its value where nobody has asked for one.
+# Custom data of ``exposure``: its value while no exposure was chosen.
 _ESTIMATED: Final = f"{names.NAMESPACE}:estimated"
 
 
@@ -129,8 +129,8 @@ def define_camera(
         fov_degrees: Horizontal field of view, centred.
         K: (3, 3) intrinsics for this resolution in its place; pixels count as square.
         exposure: What previews multiply luminance in nits by.
-        estimate: A guess at it, where ``exposure`` is None: other programs begin with it, and
-            `read_camera` reads it as none, so that previews are fitted as ever.
+        estimate: An estimate, if ``exposure`` is None: other programs start with it. `read_camera`
+            ignores it, so previews are fitted as usual.
         lens: Its f-number, and metres to what is in focus; None: all is sharp.
     """
     width, height = resolution
@@ -191,11 +191,11 @@ def read_camera(prim: Usd.Prim, width: int, height: int) -> PinholeCamera:
         height: Pixels.
 
     Raises:
-        StageError: It is no camera, or its numbers make no picture.
+        StageError: It is not a camera, or its values cannot form a picture.
     """
     camera = UsdGeom.Camera(prim)
     if not camera:
-        raise _unusable(prim, "this prim is no camera", "name a Camera prim")
+        raise _unusable(prim, "this prim is not a camera", "name a Camera prim")
     stage = prim.GetStage()
     metres = frames.meters_per_unit(stage)
     parallel = camera.GetProjectionAttr().Get(frames.TIME) == UsdGeom.Tokens.orthographic
@@ -271,7 +271,7 @@ def _number(attribute: Usd.Attribute) -> float:
 
 
 def _clipping(camera: UsdGeom.Camera, metres: float, *, parallel: bool) -> tuple[float, float]:
-    """Nearest and farthest depth that is seen, metres; all of it where nobody says or nonsense."""
+    """Nearest and farthest depth that is seen, metres; unlimited if not authored or not valid."""
     attribute = camera.GetClippingRangeAttr()
     if not attribute.HasAuthoredValue():
         return UNCLIPPED
@@ -291,7 +291,7 @@ def _intrinsics(camera: UsdGeom.Camera, focal: float, width: int, height: int) -
     if not (0 < focal < math.inf and 0 < aperture < math.inf):
         raise _unusable(
             camera.GetPrim(),
-            f"focalLength {focal:g} and horizontalAperture {aperture:g} make no picture",
+            f"focalLength {focal:g} and horizontalAperture {aperture:g} cannot form a picture",
             "both must be positive, in tenths of a scene unit",
         )
     per_length = width / aperture
@@ -319,12 +319,12 @@ def _pose(prim: Usd.Prim, world: Array) -> Array:
 
 
 def _exposure(camera: UsdGeom.Camera) -> float | None:
-    """What previews multiply nits by; None where nobody says."""
+    """What previews multiply nits by; None if not authored."""
     prim = camera.GetPrim()
     said = [x for x in map(prim.GetAttribute, _EXPOSURE) if x and x.HasAuthoredValue()]
     if not said:
         return None
-    # Whoever changes the guess means it.
+    # A changed estimate counts as chosen.
     guess = camera.GetExposureAttr()
     if said == [guess] and guess.GetCustomDataByKey(_ESTIMATED) == guess.Get(frames.TIME):
         return None
@@ -347,7 +347,7 @@ def set_field_of_view(stage: Usd.Stage, degrees: float) -> None:
     """
     if not _LEAST_FIELD_DEG <= degrees <= _MOST_FIELD_DEG:
         raise InputError(
-            f"a field of view of {degrees:g} degrees makes no picture",
+            f"a field of view of {degrees:g} degrees cannot form a picture",
             remedy=f"give {_LEAST_FIELD_DEG:g} to {_MOST_FIELD_DEG:g}",
         )
     with Usd.EditContext(stage, stage.GetSessionLayer()):

@@ -1,4 +1,4 @@
-"""What cameras and lights say that hardly anybody means: taken by the letter, and told.
+"""Doubtful values of cameras and lights: they are used as authored, and reported.
 
 The usual cause is a unit: millimetres of a lens where USD counts tenths of a scene unit, stops
 where a factor is meant.
@@ -18,7 +18,7 @@ from openrooms_usd.usd.light.emitters import DistantLight, Light
 from openrooms_usd.usd.places.frames import TIME, meters_per_unit
 from openrooms_usd.usd.rendersettings import stage_resolution
 
-DOUBT: Final = " is hardly meant: "
+DOUBT: Final = " is probably a mistake: "
 """What stands in each sentence."""
 
 # The largest lenses that people carry have openings of 8 cm.
@@ -55,7 +55,7 @@ def camera_doubts(prim: Usd.Prim) -> Iterator[str]:
         stops = math.log2(exposure) if 0.0 < exposure < math.inf else math.inf
         if not _LEAST_STOPS <= stops <= _MOST_STOPS:
             factor = f"an exposure that multiplies nits by {exposure:.3g}"
-            yield f"{factor}{DOUBT}it is in stops, of which rooms want about -7"
+            yield f"{factor}{DOUBT}it is in stops, and rooms need about -7"
 
 
 def _said(prim: Usd.Prim, name: str) -> str:
@@ -68,7 +68,7 @@ def _lens(prim: Usd.Prim) -> str:
     factor = _MILLIMETRE / (0.1 * metres)
     return (
         f"{_said(prim, 'focalLength')} is in tenths of a scene unit of {metres:g} m, and with "
-        f"{_said(prim, 'fStop')} nearly all is out of focus. For millimetres write "
+        f"{_said(prim, 'fStop')} nearly everything is out of focus. For millimetres write "
         f"{factor * focal:g} and the apertures times {factor:g}, for sharp pictures fStop 0"
     )
 

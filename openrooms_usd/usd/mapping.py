@@ -37,7 +37,7 @@ class Row:
 
     @property
     def is_told_here(self) -> bool:
-        """Whether what somebody wrote of it is told of by the table alone."""
+        """Whether only the table reports its authored values."""
         return self.outcome == "reported" and not self.told_by
 
 

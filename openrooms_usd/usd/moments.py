@@ -1,7 +1,7 @@
 """A stage at one moment: what varies over time is held there, for every reader of the stage.
 
 Values are written as defaults into layers below the session layer, which are stronger than all of
-the stage's own, so that its files stay as they are and nobody who reads it has to know the time.
+the stage's own, so that its files stay as they are and readers need not know the time.
 """
 
 import math
@@ -46,10 +46,10 @@ def hold(stage: Usd.Stage, time_code: float | None = None) -> dict[str, str]:
         What is lost, by prim path: motion blur, and skinning that does not fit its skeleton.
 
     Raises:
-        InputError: The time is no finite number.
+        InputError: The time is not a finite number.
     """
     if time_code is not None and not math.isfinite(time_code):
-        raise InputError(f"{time_code} is no time code", remedy="give a number, such as 12")
+        raise InputError(f"{time_code} is not a time code", remedy="give a number, such as 12")
     blurred = _blurred(stage, time_code)
     if time_code is None and not any(prim.IsA(UsdSkel.Root) for prim in _everything(stage)):
         return blurred
@@ -60,7 +60,7 @@ def hold(stage: Usd.Stage, time_code: float | None = None) -> dict[str, str]:
     for layer in (held, posed):
         session.subLayerPaths.insert(0, layer.identifier)
     _expand(stage, held, anything=time_code is not None)
-    # Where nobody asks, all else is still there to be read at its times: paths of cameras are.
+    # By default everything else can still be read at its times, such as the paths of cameras.
     concerned = [p for p in _prims(stage) if time_code is not None or _poses(p)]
     values = [one for prim in concerned for one in _held(prim, when)]
     with Sdf.ChangeBlock():
@@ -166,7 +166,7 @@ def _instances(
     """Where instances are by their velocities."""
     count = len(array_of(instancer.GetProtoIndicesAttr().Get(when), np.int64))
     if not has_whole_rows(instancer, count, when):
-        return  # whoever reads the instancer says what is wrong
+        return  # the reader of the instancer reports what is wrong
     try:
         placed = instancer.ComputeInstanceTransformsAtTime(
             when, when, UsdGeom.PointInstancer.ExcludeProtoXform, UsdGeom.PointInstancer.IgnoreMask
@@ -235,7 +235,7 @@ def _blurred(stage: Usd.Stage, time_code: float | None) -> dict[str, str]:
         if many:
             lost[path] = (
                 f"motion blur is left out: its shutter is open from {opens:g} to {closes:g} "
-                f"around the frame, and {many} values change meanwhile"
+                f"around the frame, while {many} values change"
             )
     return lost
 

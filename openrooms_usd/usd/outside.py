@@ -1,6 +1,6 @@
 """Files outside a scene's folder: they go into nothing that is passed on, unless asked for.
 
-A layer may name any file of the machine that it is opened on. Whoever packages a scene of others
+A layer may name any file of the machine that it is opened on. Users who package a scene of others
 would pass those files on without knowing. The folder of the scene is the folder of its root layer;
 what lies inside is decided after following all links.
 """
@@ -20,10 +20,10 @@ from openrooms_usd.usd.files.diagnostics import reading
 _MAX_NAMED_FILES: Final = 5
 _LAYERS: Final = (".usda", ".usdc", ".usd")
 
-COPY_OR_TAKE_OUT: Final = "copy them into the folder and refer to them there, or take them out"
+COPY_OR_TAKE_OUT: Final = "copy them into the folder and refer to them there, or remove them"
 _REMEDY: Final = (
-    "copy them into the folder and refer to them there, take them out, or say --include-outside "
-    "where they may be passed on"
+    "copy them into the folder and refer to them there, remove them, or give --include-outside "
+    "if you may pass them on"
 )
 
 

@@ -56,7 +56,7 @@ def asked_resolution(stage: Usd.Stage) -> tuple[int, int] | None:
 
 
 def asked_cameras(stage: Usd.Stage) -> tuple[str, ...]:
-    """Paths of the cameras that products name; none where nobody makes a choice."""
+    """Paths of the cameras that products name; none if no camera is chosen."""
     return tuple(dict.fromkeys(filter(None, map(_camera_of, _products(stage)))))
 
 
@@ -96,7 +96,7 @@ def settings_losses(stage: Usd.Stage) -> Iterator[tuple[str, str]]:
         return
     bound = _tokens(settings.GetMaterialBindingPurposesAttr())
     if bound and bound[0] not in ("full", ""):
-        yield str(settings.GetPath()), f"materials bound for {bound[0]!r} give way to those in full"
+        yield str(settings.GetPath()), f"materials bound for {bound[0]!r} are replaced by full ones"
     size = asked_resolution(stage)
     for one in (settings, *_products(stage)):
         path = str(one.GetPath())
@@ -120,9 +120,9 @@ def _var_losses(product: UsdRender.Product) -> Iterator[tuple[str, str]]:
         var = UsdRender.Var(stage.GetPrimAtPath(path))
         name = str(var.GetSourceNameAttr().Get(TIME) or path.name).lower() if var else ""
         if name in _EXTRA:
-            yield str(path), f"it must be asked for: --channels usual,{name}"
+            yield str(path), f"it must be requested: --channels usual,{name}"
         elif name and name not in _CHANNELS:
-            yield str(path), f"no channel is {name!r}"
+            yield str(path), f"no channel has the name {name!r}"
 
 
 def _products(stage: Usd.Stage) -> list[UsdRender.Product]:

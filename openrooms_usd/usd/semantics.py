@@ -70,7 +70,7 @@ def classes() -> dict[str, Classes]:
 def class_of(category: str, taxonomy: str) -> str:
     """The class of one of our categories in a taxonomy.
 
-    A word that is none of ours keeps its name where the taxonomy has it too.
+    An unknown word keeps its name if the taxonomy has it too.
 
     Args:
         category: Such as ``armchair``; any word will do.
@@ -167,7 +167,7 @@ def _words(said: Said) -> tuple[str, ...]:
 
 
 def _known(words: Sequence[str]) -> str | None:
-    """The most special of words for a thing that anybody knows; hierarchies end with it."""
+    """The most specific known word for a thing; hierarchies end with it."""
     known = [name for word in words if (name := _spelled(word))]
     special = [name for name in known if name not in BROAD]
     return next(reversed(special or known), None)
@@ -209,19 +209,19 @@ def _listed(word: str, taxonomy: str) -> str:
 
 
 def unread_labels(prim: Usd.Prim) -> Iterator[str]:
-    """What of a prim's labels nobody here knows, one sentence each."""
+    """The unknown labels of a prim, one sentence each."""
     said = own_labels(prim)
     for taxonomy, words in said.items():
         listed = ", ".join(words)
         if taxonomy in TAXONOMIES:
             if not any(_listed(word, taxonomy) in _NUMBERS[taxonomy] for word in words):
-                yield f"{LABEL} {listed} is no class of {taxonomy}"
+                yield f"{LABEL} {listed} is not a class of {taxonomy}"
         elif taxonomy not in (*WORDS, *_UNNUMBERED):
             known = ", ".join((*WORDS, *TAXONOMIES))
             whose = taxonomy or "a list without a name"
-            yield f"{LABEL} {listed} is left out: {whose} is none of {known}"
+            yield f"{LABEL} {listed} is left out: {whose} is not one of {known}"
     if (words := _words(said)) and not _known(words) and TAXONOMIES.keys().isdisjoint(said):
-        yield f"{LABEL} {', '.join(words)} is no word that is known: it has no class"
+        yield f"{LABEL} {', '.join(words)} is not a known word: it has no class"
     applied = prim.GetAppliedSchemas()
     for attribute in prim.GetAuthoredPropertiesInNamespace(_LABELS.rstrip(":")):
         name = attribute.GetName()

@@ -144,7 +144,7 @@ def test_values_of_another_type_are_those_of_the_schema() -> None:
     scene = scene_of(stage)
     (patch,) = scene.patches
     assert patch.radiance == (1.0, 1.0, 1.0)
-    assert "inputs:color: it is no colour" in reasons(scene, "/light")
+    assert "inputs:color: it is not a colour" in reasons(scene, "/light")
 
 
 def test_what_reaches_beyond_single_precision_is_left_out() -> None:

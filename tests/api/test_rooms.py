@@ -88,7 +88,7 @@ def test_a_room_in_the_place_of_a_scene_is_explained() -> None:
 
 def test_what_has_no_physics_is_named(scene: ou.Scene) -> None:
     for simulate in (ou.simulate, ou.robots.load_world):
-        with pytest.raises(StageError, match="nothing of physics") as refused:
+        with pytest.raises(StageError, match="stage has no physics") as refused:
             simulate(scene)
         assert refused.value.place == str(scene.path)
 

@@ -248,7 +248,7 @@ def test_many_curves_have_few_sides_and_no_widths_are_told() -> None:
     points = [Gf.Vec3f(float(k), 0, float(z)) for k in range(600) for z in range(2)]
     found = surface("BasisCurves", points=points, curveVertexCounts=[2] * 600, type="linear")
     assert found.mesh is not None and len(found.mesh.points) == 600 * 2 * 4
-    assert ("approximated", "it has no widths: taken as 1") in found.losses
+    assert ("approximated", "it has no widths: 1 is used") in found.losses
 
 
 def test_a_patch_with_weights_is_a_cylinder_that_faces_outwards() -> None:
@@ -339,7 +339,7 @@ def test_what_of_a_curve_is_no_whole_piece_is_cut() -> None:
     whole = curves(BENT[:4], basis="bezier")
     assert found.mesh is not None and whole.mesh is not None
     assert np.abs(found.mesh.points - whole.mesh.points).max() < 1e-12
-    assert "what is over is cut" in found.losses[0][1]
+    assert "surplus points are dropped" in found.losses[0][1]
 
 
 def test_nurbs_without_knots_go_straight_through_their_points() -> None:
@@ -360,7 +360,7 @@ def test_one_width_is_that_of_all_and_others_that_do_not_fit_their_mean() -> Non
     assert volume(one) == pytest.approx(np.pi * 0.1**2 * 2.0)
     three = surface("BasisCurves", {"widths": "vertex"}, widths=[0.1, 0.2, 0.3], **line)
     assert volume(three) == pytest.approx(np.pi * 0.1**2 * 2.0)
-    assert "their mean is taken" in three.losses[0][1]
+    assert "their mean is used" in three.losses[0][1]
 
 
 @pytest.mark.parametrize("kind", ["linear", "cubic"])

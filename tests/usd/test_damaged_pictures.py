@@ -46,7 +46,7 @@ def test_pixels_that_the_bytes_cannot_hold_take_no_memory(
     tmp_path: Path, size: tuple[int, int]
 ) -> None:
     path = png(tmp_path / "a.png", *size)
-    with pytest.raises(InputError, match=r"are not read|not a readable picture"):
+    with pytest.raises(InputError, match=r"are not supported|not a readable picture"):
         read_texture(str(path))
     assert read_codes(str(path)) is None
 
@@ -187,7 +187,7 @@ HOW = {
     "missing": "is missing",
     "empty": "the file is empty",
     "pointer": "git lfs pull",
-    "page": "a page of a website",
+    "page": "a web page",
     "noise": "not a readable picture",
     "cut": "unreadable picture",
     "folder": "a folder",

@@ -81,4 +81,4 @@ def test_units_that_are_no_number_are_told() -> None:
     stage: Any = SimpleNamespace(GetMetadata=said.__getitem__)
     assert meters_per_unit(stage) == 0.01
     metres, up = odd_frame(stage)
-    assert "is no length" in metres and "'X' is none" in up
+    assert "is not a length" in metres and "'X' is not an axis" in up

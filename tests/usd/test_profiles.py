@@ -60,7 +60,10 @@ def test_planes_that_are_left_out_are_mirrored(head: str) -> None:
     ("wrong", "told"),
     [
         ("hello", "first line"),
-        (text([0, 90], 0, [1, 0]).replace("TILT=NONE", "TILT=INCLUDE"), "TILT=INCLUDE is not read"),
+        (
+            text([0, 90], 0, [1, 0]).replace("TILT=NONE", "TILT=INCLUDE"),
+            "TILT=INCLUDE is not supported",
+        ),
         (text([0, 90], 0, [1, 0]).replace("TILT=NONE", ""), "no line TILT"),
         (text([0, 90], 0, [1, 0]).replace("1 1 2 0", "1 2 2 0"), "type 2"),
         (text([0, 90], 0, [1, 0]) + "7", "numbers"),
@@ -69,7 +72,7 @@ def test_planes_that_are_left_out_are_mirrored(head: str) -> None:
         (text([0, 90], 0, [1, -1]), "below 0"),
         (text([90, 0], 0, [1, 0]), "vertical angles"),
         (text([0, 90], [0, 70], [[1, 0], [1, 0]]), "not of type C"),
-        (text([0, 90], 0, [1, 0]).replace("2 1 1 2", "1e9 1e9 1 2"), "no sensible"),
+        (text([0, 90], 0, [1, 0]).replace("2 1 1 2", "1e9 1e9 1 2"), "not plausible"),
     ],
 )
 def test_what_is_no_such_file_is_refused(wrong: str, told: str) -> None:

@@ -147,14 +147,14 @@ def test_what_pictures_do_not_have_is_told() -> None:
         first.CreateOrderedVarsRel().AddTarget(var.GetPath())
     told = dict(settings_losses(stage))
     assert told == {
-        "/Render/All": "materials bound for 'preview' give way to those in full",
+        "/Render/All": "materials bound for 'preview' are replaced by full ones",
         "/Render/a": "dataWindowNDC is left out: the whole picture is rendered",
         "/Render/b": "all views have 100x50 pixels",
-        "/Render/direct": "it must be asked for: --channels usual,direct",
-        "/Render/odd": "no channel is 'cryptomatte'",
+        "/Render/direct": "it must be requested: --channels usual,direct",
+        "/Render/odd": "no channel has the name 'cryptomatte'",
     }
     assert ("/Render/b", "pixels are square") in list(settings_losses(stage))
-    assert ("/Render/odd", "approximated", "no channel is 'cryptomatte'") in opened(
+    assert ("/Render/odd", "approximated", "no channel has the name 'cryptomatte'") in opened(
         stage
     ).report.rows
 

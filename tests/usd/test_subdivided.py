@@ -115,7 +115,7 @@ def test_creases_of_two_lengths_are_those_of_their_edges() -> None:
 def test_what_loop_cannot_refine_is_drawn_as_it_is() -> None:
     found = surface(lambda mesh: mesh.CreateSubdivisionSchemeAttr("loop"))
     assert found.mesh is not None and len(found.mesh.faces) == 8
-    assert "loop refines triangles alone" in found.losses[0][1]
+    assert "loop refines only triangles" in found.losses[0][1]
 
 
 def test_equal_topologies_are_refined_once_and_give_the_same() -> None:

@@ -1,4 +1,4 @@
-"""Reads crates that nobody vouches for, in a process that may crash (see `isolation`).
+"""Reads untrusted crates, in a process that may crash (see `isolation`).
 
 Crates are maps of memory: a few wrong bytes end USD's reader. What this very process has written
 needs no second reader.
@@ -15,7 +15,8 @@ from openrooms_usd.isolation import check_reads, serve
 if TYPE_CHECKING:
     from pxr import Sdf
 
-# Values of more specs than this are not all looked at: a scene that large is no small accident.
+# Of more specs than this, not all values are checked: the file then is a large scene, not a damaged
+# small one.
 _MOST_SPECS: Final = 50_000
 _MAX_DEPTH: Final = 1_000
 
@@ -47,7 +48,7 @@ def _going_on() -> Iterator[None]:
 
 
 def _read(name: str) -> None:
-    """Read all of a crate as whoever asks will; what is only wrong there is said there."""
+    """Read all of a crate as the caller will; the caller reports errors that only appear there."""
     from pxr import Sdf
 
     layer = None
@@ -130,7 +131,7 @@ def check_crate(stream: BinaryIO, size: int, place: object) -> None:
     """See that a crate's sections lie in it and announce no more than they can hold.
 
     Args:
-        stream: The file, or its bytes; what is no crate is not looked at.
+        stream: The file, or its bytes; files that are not crates are skipped.
         size: How many bytes there are.
         place: Where they are from, for messages.
 

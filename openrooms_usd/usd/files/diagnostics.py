@@ -11,9 +11,9 @@ from pxr import Tf, Usd, UsdUtils
 
 from openrooms_usd.errors import InputError, printable
 
-# What Python gets where USD cannot read something: the second for names that are no text.
+# What Python gets where USD cannot read something: the second for names that are not text.
 UNREADABLE: Final = (Tf.ErrorException, UnicodeDecodeError)
-# What values are whose type USD does not know: whoever takes them for numbers fails.
+# Python type of values whose type USD does not know: code that uses them as numbers fails.
 NO_TYPE: Final = "UnregisteredValue"
 # How the exception of a prim that USD does not have begins.
 _NO_PRIM: Final = "Accessed "
@@ -72,7 +72,7 @@ def reading(path: object) -> Iterator[None]:
         raise InputError(
             f"not a readable USD file: {reason(error)}",
             place=path,
-            remedy="open it with a USD tool that shows the mistake, or export it again",
+            remedy="open it with a USD tool to see the mistake, or export it again",
         ) from error
 
 

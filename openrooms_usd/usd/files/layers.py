@@ -48,9 +48,9 @@ def open_stage(path: Path) -> Usd.Stage:
     if path.suffix.lower() == ".usdz" and path.is_file() and not zipfile.is_zipfile(path):
         # USD reads the first files of an archive that is cut off, and misses the others.
         raise InputError(
-            "not a whole USDZ archive", place=path, remedy="copy it again, or export it again"
+            "the USDZ archive is incomplete", place=path, remedy="copy it again, or export it again"
         )
-    # USD caches layers by name as long as somebody holds them: they are read once.
+    # USD caches layers by name as long as they are referenced: they are read once.
     held = preflight.check_stage_file(path, is_whole=True)
     with reading(path):
         stage = Usd.Stage.Open(str(path))
@@ -95,7 +95,7 @@ def split_arrays(layer: Sdf.Layer) -> Sdf.Layer | None:
 
 
 def _length(value: Any) -> int:
-    # Strings have a length too, but they are no arrays.
+    # Strings have a length too, but they are not arrays.
     return len(value) if hasattr(value, "__len__") and not isinstance(value, str) else 0
 
 

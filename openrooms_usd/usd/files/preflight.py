@@ -33,7 +33,7 @@ MAX_DEPTH: Final = 200
 _PACKAGE: Final = ".usdz"
 _DESCRIPTIONS: Final = (".yaml", ".yml")
 _TEXT: Final = b"#"
-_REMEDY: Final = "open it with a USD tool that shows the mistake, or export it again"
+_REMEDY: Final = "open it with a USD tool to see the mistake, or export it again"
 # What may hold brackets that nest nothing: strings, names of files, comments. One that is not
 # closed goes on to the end, as it does for USD. Groups are not possessive: those of Python before
 # 3.11.5 take less than there is.
@@ -100,7 +100,8 @@ def check_file(path: Path) -> None:
         untrusted.checked(path, "archive")
         return
     with untrusted.opened(path, "usd") as stream:
-        # Crates are read in pieces, as they can be large; what is no USD is refused by USD.
+        # Crates are read in pieces, as they can be large; USD itself rejects files that are not
+        # USD.
         if not stream.read(len(_TEXT)).startswith(_TEXT):
             size = stream.seek(0, SEEK_END)
             check_crate(stream, size, path)
@@ -121,10 +122,10 @@ def check_stage_file(path: Path, *, is_whole: bool = False) -> tuple[Sdf.Layer, 
             passes over those that are not, and what they say would be gone.
 
     Returns:
-        The layers. As long as somebody holds them, USD reads none of them again.
+        The layers. As long as they are referenced, USD reads none of them again.
 
     Raises:
-        InputError: One of the files is no regular file, is too large, is no text, or nests too
+        InputError: One of the files is not a regular file, is too large, is not text, or nests too
             deeply. What is missing or damaged in another way is left to USD to tell.
     """
     _check_meant(path)
@@ -160,7 +161,7 @@ def _check_meant(path: Path) -> None:
     scene = path / SCENE
     if path.suffix.lower() in _DESCRIPTIONS and path.is_file():
         raise InputError(
-            "this describes a room, and is no stage yet",
+            "this is the description of a room, not a stage",
             place=path,
             remedy=f"compose it first: orusd compose {path} -o OUT; then name OUT/{SCENE}",
         )
@@ -320,7 +321,7 @@ def _below(spec: Sdf.PrimSpec) -> Iterator[Sdf.PrimSpec]:
 
 def _damaged(place: object) -> InputError:
     return InputError(
-        "not a readable USD file: it is damaged, and does not hold what it says",
+        "not a readable USD file: it is damaged, and its contents do not match its header",
         place=place,
         remedy="copy it again, or export it again",
     )

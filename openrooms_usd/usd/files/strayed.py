@@ -20,15 +20,14 @@ _SCHEME: Final = "file://"
 
 
 def locate(attribute: Usd.Attribute, asset: object) -> tuple[str, str]:
-    """Where the file of an asset path lies, and what is to be told of it.
+    """The file of an asset path, and a note to report about it.
 
     Args:
         attribute: That holds the path.
         asset: Its value.
 
     Returns:
-        The file, empty where it is missing or nobody names one; and a sentence, empty where all is
-        as it should be.
+        The file, empty if it is missing or not named; and a note, empty if all is well.
     """
     authored = str(getattr(asset, "path", "") or "")
     resolved = str(getattr(asset, "resolvedPath", "") or "")
@@ -36,7 +35,7 @@ def locate(attribute: Usd.Attribute, asset: object) -> tuple[str, str]:
         return resolved, ""
     for spec in attribute.GetPropertyStack():
         if found := _beside(spec.layer, attribute.GetStage(), authored):
-            return found, f"{authored} {MISSING}, {Path(found).name} beside its layer is taken"
+            return found, f"{authored} {MISSING}; {Path(found).name} beside its layer is used"
     return "", f"{authored} {MISSING}"
 
 

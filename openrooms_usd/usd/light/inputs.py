@@ -1,7 +1,7 @@
 """Inputs of lights, also by the names that they had before USD 21.02: without ``inputs:``.
 
-USD itself ignores the old names, and a light that has no others shines as nobody wrote it: white,
-of 1 nit and of the usual size. What people see in the file is the light that they mean.
+USD itself ignores the old names, and a light that has only these gets USD's fallbacks: white, 1 nit
+and the default size. What people see in the file is the light that they mean.
 """
 
 from functools import cache
@@ -10,7 +10,7 @@ from typing import Final
 from pxr import Usd, UsdGeom
 
 OLD: Final = "names of before USD 21.02"
-"""How it is told of a light that it has `old_names`."""
+"""How the report says that a light has `old_names`."""
 
 _PREFIX: Final = "inputs:"
 _BESIDE: Final = ("ShapingAPI", "ShadowAPI")
@@ -33,7 +33,7 @@ def light_input(prim: Usd.Prim, name: str) -> Usd.Attribute:
 
 def old_names(prim: Usd.Prim) -> tuple[str, ...]:
     """The inputs of a light that are read by their names of before USD 21.02."""
-    # Shapes were no lights then, and their own sizes have such names.
+    # Shapes were not lights then, and their own sizes have such names.
     if prim.IsA(UsdGeom.Gprim):
         return ()
     known = _inputs(prim.GetTypeName())

@@ -70,8 +70,10 @@ def _response(prim: Usd.Prim) -> tuple[tuple[float, float], tuple[str, ...]]:
     if diffuse == specular == 1.0:
         return (1.0, 1.0), ()
     if prim.GetTypeName() in _FROM_AFAR:
-        return (1.0, 1.0), ("inputs:diffuse, inputs:specular: light from afar has no multipliers",)
-    why = "inputs:diffuse, inputs:specular: the first counts on all but metals, the second on these"
+        return (1.0, 1.0), ("inputs:diffuse, inputs:specular: distant lights have no multipliers",)
+    why = (
+        "inputs:diffuse, inputs:specular: the first applies to all but metals, the second to metals"
+    )
     return (diffuse, specular), (why,)
 
 
@@ -102,9 +104,7 @@ class _Reader:
         glow, tinted = self.glow()
         area = emitters.world_area(self.prim)
         if area == 0.0 and self.normalize:
-            self.losses.append(
-                "inputs:normalize: the area of such a shape is not known; 1 is taken"
-            )
+            self.losses.append("inputs:normalize: the area of such a shape is not known; 1 is used")
         path, radiance, world, losses = self.common(area)
         return emitters.MeshLight(path, radiance * glow, world, losses, tinted)
 
@@ -139,7 +139,9 @@ class _Reader:
         return emitters.DistantLight(*common, angle, common[1] * size)
 
     def unknown(self) -> emitters.Light:
-        self.losses.append(f"{self.prim.GetTypeName() or 'a prim'} is not a kind of light we read")
+        self.losses.append(
+            f"lights of the type {self.prim.GetTypeName() or 'a prim'} are not supported"
+        )
         return emitters.UnknownLight(*self.common(1.0))
 
     # What the kinds are made of.
@@ -163,21 +165,21 @@ class _Reader:
         if value is not None and math.isfinite(value):
             return value
         what = "no number" if value is None else "not finite"
-        self.losses.append(f"{name}: {found} is {what}; {default} is taken")
+        self.losses.append(f"{name}: {found} is {what}; {default} is used")
         return default
 
     def color(self) -> NDArray[np.float64]:
         """(3,) the factor of each primary."""
         found = vector_of(self.value("inputs:color", (1.0, 1.0, 1.0)), 3)
         if found is None:
-            self.losses.append("inputs:color: it is no colour; white is taken")
+            self.losses.append("inputs:color: it is not a colour; white is used")
         return np.ones(3) if found is None else found
 
     def size(self, name: str, default: float) -> float:
         """A length, in the light's own units."""
         value = self.number(name, default)
         if value < 0.0:
-            self.losses.append(f"{name}: {value:g} is no length; 0 is taken")
+            self.losses.append(f"{name}: {value:g} is not a length; 0 is used")
         return max(value, 0.0)
 
     def thick(self, name: str, default: float, hint: str = "") -> float:
@@ -190,7 +192,9 @@ class _Reader:
         if length > 0.0 or not (self.normalize or (hint and self.value(hint, False))):
             return length
         self.normalize = self.thin = True
-        self.losses.append(f"{name}: it is taken as {1e3 * _THIN_METRES:g} mm thick, and not seen")
+        self.losses.append(
+            f"{name}: it is treated as {1e3 * _THIN_METRES:g} mm thick, and is not visible"
+        )
         scale = float(self.scales().mean())
         return _THIN_METRES / scale if scale > 0.0 else 0.0
 
@@ -218,7 +222,7 @@ class _Reader:
             self.losses.append(f"its texture {lost}")
         layout = self.value("inputs:texture:format", UsdLux.Tokens.automatic)
         if resolved and layout not in (UsdLux.Tokens.automatic, UsdLux.Tokens.latlong):
-            self.losses.append(f"textures in {layout} layout are not read")
+            self.losses.append(f"textures in {layout} layout are not supported")
             return None
         return resolved or None
 
@@ -230,12 +234,14 @@ class _Reader:
             return np.ones(3), False
         emissive = read_preview_surface(material)[0].emissive
         if mode == UsdLux.Tokens.independent:
-            self.losses.append("light:materialSyncMode: what is seen of it is what it sends")
+            self.losses.append(
+                "light:materialSyncMode: it looks as bright as the light that it emits"
+            )
             return np.ones(3), False
         if isinstance(emissive, Texture):
             return np.ones(3), True
         if not any(emissive):
-            self.losses.append("its material's glow is black; the light is not tinted by it")
+            self.losses.append("its material's emission is black; it does not tint the light")
             return np.ones(3), False
         return np.array(emissive), False
 
@@ -256,7 +262,7 @@ class _Reader:
         if from_afar and not includes_all(
             light.GetLightLinkCollectionAPI().ComputeMembershipQuery()
         ):
-            self.losses.append("lightLink: light from afar lights everything")
+            self.losses.append("lightLink: distant lights light everything")
 
     def scales(self) -> NDArray[np.float64]:
         """(3,) how much longer the local axes are in the world."""
@@ -278,11 +284,11 @@ _KINDS: Final[dict[str, Callable[[_Reader], emitters.Light]]] = {
 }
 # Attribute -> the value that changes nothing, and what any other value would do.
 _EXTRAS: Final[dict[str, tuple[Any, str]]] = {
-    "inputs:shadow:enable": (True, "the light casts shadows all the same"),
+    "inputs:shadow:enable": (True, "the light casts shadows anyway"),
     "inputs:shadow:color": (Gf.Vec3f(0.0), "shadows are black"),
-    "inputs:shadow:distance": (-1.0, "shadows have no end"),
-    "inputs:shadow:falloff": (-1.0, "shadows have no end"),
-    "inputs:shadow:falloffGamma": (1.0, "shadows have no end"),
+    "inputs:shadow:distance": (-1.0, "the length of shadows is not limited"),
+    "inputs:shadow:falloff": (-1.0, "the length of shadows is not limited"),
+    "inputs:shadow:falloffGamma": (1.0, "the length of shadows is not limited"),
 }
 
 # What renderers, who count in single precision, can still add up.
@@ -356,7 +362,7 @@ class LightLinks:
 
 
 def includes_all(query: Any) -> bool:
-    """Whether a collection is the whole stage, as it is where nobody wrote one."""
+    """Whether a collection is the whole stage, which is USD's default."""
     return bool(query.GetAsPathExpansionRuleMap() == _EVERYTHING)
 
 

@@ -198,7 +198,7 @@ def read_profile(path: Path) -> Profile:
     """Read an IES file.
 
     Raises:
-        InputError: It cannot be read, or is no LM-63 file of type C photometry without tilt.
+        InputError: It cannot be read, or is not an LM-63 file of type C photometry without tilt.
     """
     return parse_profile(read_text(path, "table"), str(path))
 
@@ -211,18 +211,18 @@ def parse_profile(text: str, place: str) -> Profile:
         place: The file's name, for messages.
 
     Raises:
-        InputError: The text is no LM-63 file of type C photometry without tilt.
+        InputError: The text is not an LM-63 file of type C photometry without tilt.
     """
     lines = text.splitlines()
     title = lines[0].strip() if lines else ""
     if not title.startswith(_TITLES):
-        raise _refusal(f"its first line is none of {', '.join(_TITLES)}", place)
+        raise _refusal(f"its first line is not one of {', '.join(_TITLES)}", place)
     tilts = [row for row, line in enumerate(lines) if line.strip().upper().startswith("TILT=")]
     if not tilts:
         raise _refusal("it has no line TILT=", place)
     tilt = lines[tilts[0]].strip()[5:].strip()
     if tilt.upper() != "NONE":
-        raise _refusal(f"TILT={tilt[:40]} is not read", place, "give a file with TILT=NONE")
+        raise _refusal(f"TILT={tilt[:40]} is not supported", place, "give a file with TILT=NONE")
     words = " ".join(lines[tilts[0] + 1 :]).replace(",", " ").split()
     try:
         numbers = np.array([float(word) for word in words[: _MOST_VALUES + 1]])
@@ -232,13 +232,13 @@ def parse_profile(text: str, place: str) -> Profile:
         raise _refusal("its numbers end too early or are not finite", place)
     multiplier, counts, kind = numbers[2], numbers[3:5], numbers[5]
     if kind != _TYPE_C:
-        raise _refusal(f"photometry of type {kind:g} is not read; type C is 1", place)
+        raise _refusal(f"photometry of type {kind:g} is not supported; type C is 1", place)
     if (counts != np.round(counts)).any() or counts.min() < 1 or counts.max() > _MOST_ANGLES:
-        raise _refusal(f"{counts[0]:g} x {counts[1]:g} angles are no sensible numbers", place)
+        raise _refusal(f"{counts[0]:g} x {counts[1]:g} angles are not plausible", place)
     vertical, planes = int(counts[0]), int(counts[1])
     wanted = _HEAD_NUMBERS + vertical + planes + vertical * planes
     if len(numbers) != wanted:
-        raise _refusal(f"it has {len(numbers)} numbers where its angles ask for {wanted}", place)
+        raise _refusal(f"it has {len(numbers)} numbers, but its angles need {wanted}", place)
     polar, around, flat = np.split(numbers[_HEAD_NUMBERS:], [vertical, vertical + planes])
     # Of the ballast: its factor and a factor of old files for photometry, 1 today.
     candela = flat.reshape(planes, vertical) * multiplier * numbers[10] * numbers[11]

@@ -95,7 +95,7 @@ _SURFACES: Final = (MeshLight, RectLight, DiskLight, SphereLight, CylinderLight)
 _ONE_SIDED: Final = (RectLight, DiskLight)
 _AFAR: Final = {
     "ies": "inputs:shaping:ies:file: the light does not follow its IES profile",
-    "cone": "inputs:shaping: the light is not held by its cone or focus",
+    "cone": "inputs:shaping: the light ignores its cone and focus",
 }
 _WHEN: Final = Usd.TimeCode.EarliestTime()
 
@@ -128,7 +128,7 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
 
 
 def _read_cone(prim: Usd.Prim, light: Light) -> tuple[Cone, list[str]]:
-    """The cone and the focus; an angle that nobody wrote cuts nothing, unless it is soft."""
+    """The cone and the focus; an angle that is not authored cuts nothing, unless it is soft."""
     losses: list[str] = []
     angle, softness, focus = (
         _finite(_said(prim, name), losses) for name in ("cone:angle", "cone:softness", "focus")
@@ -148,7 +148,7 @@ def _read_cone(prim: Usd.Prim, light: Light) -> tuple[Cone, list[str]]:
 
 
 def _finite(attribute: Usd.Attribute, losses: list[str]) -> float | None:
-    """The number that somebody wrote."""
+    """The authored number."""
     if not attribute or not attribute.HasAuthoredValue():
         return None
     value = attribute.Get(_WHEN)

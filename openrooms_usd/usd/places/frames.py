@@ -47,7 +47,7 @@ def up_axis(stage: Usd.Stage) -> str:
 
 
 def meters_per_unit(stage: Usd.Stage) -> float:
-    """Metres for one unit of a stage; USD's fallback, 0.01, where what it says is no length."""
+    """Metres for one unit of a stage; 0.01, USD's fallback, if not a length."""
     said = stated_metres(stage)
     return said if 0.0 < said < np.inf else _FALLBACK_METRES
 
@@ -62,10 +62,10 @@ def world_from_stage(stage: Usd.Stage) -> NDArray[np.float64]:
 def odd_frame(stage: Usd.Stage) -> list[str]:
     """What a stage says of its units and up axis that cannot be; USD's fallbacks are taken."""
     said, up = stated_metres(stage), up_axis(stage)
-    odd = [f"metersPerUnit: {said:g} is no length; {_FALLBACK_METRES:g} is taken"]
+    odd = [f"metersPerUnit: {said:g} is not a length; {_FALLBACK_METRES:g} is used"]
     found = odd if said != meters_per_unit(stage) else []
     known = (UsdGeom.Tokens.y, UsdGeom.Tokens.z)
-    return found if up in known else [*found, f"upAxis: {str(up)!r} is none; Y is taken"]
+    return found if up in known else [*found, f"upAxis: {str(up)!r} is not an axis; Y is used"]
 
 
 def local_to_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> NDArray[np.float64]:
@@ -76,7 +76,7 @@ def local_to_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> NDArray[np.floa
     try:
         return matrix(cache.GetLocalToWorldTransform(prim))
     except Tf.ErrorException:
-        # USD has now told of such operations; the cache holds what it makes of the others.
+        # USD has now reported such operations; the cache holds the result of the others.
         return matrix(cache.GetLocalToWorldTransform(prim))
 
 

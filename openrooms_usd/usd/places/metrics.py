@@ -56,7 +56,7 @@ class Misfit:
         """What is wrong, and what corrects it."""
         asset = f"@{self.asset}@"
         if not self.stated:
-            return f"{asset} does not say its units, and is shown as if it had the room's"
+            return f"{asset} does not author its units; the room's are assumed"
         how = ["lies on its side"] if self.turn else []
         if self.scale != 1.0:
             times, way = (1.0 / self.scale, "large") if self.scale < 1.0 else (self.scale, "small")

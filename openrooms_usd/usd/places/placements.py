@@ -19,7 +19,7 @@ _KINDS: Final = {
 }
 # Decimals of what is written: micrometres, and millionths of a degree.
 _DIGITS: Final = 6
-# Smaller changes of an operation's value are none (metres, degrees, factors).
+# Smaller changes of an operation's value are ignored (metres, degrees, factors).
 _SAME_VALUE_TOLERANCE: Final = 1e-4
 
 
@@ -75,7 +75,7 @@ def _parts(local: Gf.Matrix4d) -> dict[str, Gf.Vec3d] | None:
 
 
 def _is_product(parts: dict[str, Gf.Vec3d], local: Gf.Matrix4d) -> bool:
-    """Whether the operations make the matrix again: one that shears is no product of them."""
+    """Whether the operations make the matrix again: a shear cannot be a product of them."""
     x, y, z = (Gf.Rotation(Gf.Vec3d(*axis), parts[_ROTATE][i]) for i, axis in enumerate(np.eye(3)))
     made = Gf.Matrix4d(1.0).SetScale(parts[_SCALE]) * Gf.Matrix4d(1.0).SetRotate(x * y * z)
     made.SetTranslateOnly(parts[_TRANSLATE])

@@ -20,7 +20,7 @@ _TRANSLATE: Final = f"xformOp:translate:{_SUFFIX}"
 _ORIENT: Final = f"xformOp:orient:{_SUFFIX}"
 _TRANSFORM: Final = f"xformOp:transform:{_SUFFIX}"
 _RESET: Final = "!resetXformStack!"
-# Smaller motions are none, metres or radians.
+# Smaller motions are ignored, metres or radians.
 _STILL_M_RAD: Final = 1e-9
 _RIGID_TOLERANCE: Final = 1e-6
 

@@ -28,7 +28,7 @@ KINDS: Final = (
 )
 UNKNOWN_KINDS: Final = {
     Kind.DistanceJoint: "a distance joint",
-    Kind.CustomJoint: "a joint of its own kind",
+    Kind.CustomJoint: "an unknown kind of joint",
 }
 _DIRECTIONS: Final = ("transX", "transY", "transZ", "rotX", "rotY", "rotZ")
 # What may drive a joint of each kind.
@@ -135,7 +135,9 @@ def _tell_idle_drives(frames: Frames, kind: Any, desc: Any, reader: ShapeReader)
     applied = frames.stage.GetPrimAtPath(desc.primPath).GetAppliedSchemas()
     drives = {name.partition(":")[2] for name in applied if name.startswith("PhysicsDriveAPI:")}
     for name in sorted(drives - set(_DRIVES.get(kind, ()))):
-        reader.lose(desc.primPath, "approximated", f"no joint of its kind has the drive {name!r}")
+        reader.lose(
+            desc.primPath, "approximated", f"a joint of its kind cannot have the drive {name!r}"
+        )
 
 
 def _several(frames: Frames, desc: Any, reader: ShapeReader) -> Iterator[Freedom]:
@@ -275,7 +277,7 @@ def positions(
 ) -> tuple[Array, list[float]]:
     """(4, 4) from the joint's frame in body1 to that in body0, and how far each freedom moved it.
 
-    What no freedom explains is told.
+    What no freedom explains is reported.
     """
     first, second = (frame @ anchor for frame, anchor in zip(frames, edge.anchors, strict=True))
     moved = inverse(first) @ second
@@ -284,7 +286,9 @@ def positions(
     angles, off = _angles(moved[:3, :3], about)
     aside = float(np.linalg.norm(np.delete(moved[:3, 3], along)))
     if max(off, aside) > _APART_M_RAD:
-        reader.lose(edge.path, "approximated", "its two frames do not meet: the child stays")
+        reader.lose(
+            edge.path, "approximated", "its two frames do not coincide: the child keeps its place"
+        )
     ways = [*(float(moved[axis, 3]) for axis in along), *angles]
     return moved, [round(value, _FRAME_DIGITS) for value in ways]
 

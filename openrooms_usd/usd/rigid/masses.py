@@ -84,8 +84,8 @@ def _without_colliders(
     hulls = [convex_hull(mesh.points[np.unique(mesh.triangles)]) for mesh in drawn]
     if not (hulls or said):
         raise InputError(
-            "nothing says what this body weighs: it has no mass, no collider with a volume, and"
-            " nothing of it is drawn",
+            "the mass of this body is unknown: it has no mass, no collider with a volume, and no "
+            "visible geometry",
             place=prim.GetPath(),
             remedy=_REMEDY,
         )

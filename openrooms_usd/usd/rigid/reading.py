@@ -39,7 +39,7 @@ from openrooms_usd.usd.semantics import read_category
 from openrooms_usd.usd.shapes.meshes import read_meshes
 
 _Type = UsdPhysics.ObjectType
-_STILL: Final = "nothing that moves is joined by it"
+_STILL: Final = "it joins no moving body"
 _SHAPES: Final = tuple(getattr(_Type, name) for name in _Type.names if name.endswith("Shape"))
 # Until USD 26 the parser had the first of these names alone.
 _PARSE: Final = (
@@ -71,10 +71,10 @@ def read_world(stage: Usd.Stage, place: object = None) -> World:
     parsed = {kind: list(zip(*rows, strict=True)) for kind, rows in found.items()}
     if not any(parsed.get(kind) for kind in (_Type.RigidBody, *_SHAPES)):
         raise StageError(
-            "this stage says nothing of physics: it has no rigid bodies and no colliders",
+            "this stage has no physics: no rigid bodies and no colliders",
             place=place or stage.GetRootLayer().identifier,
-            remedy="write `physics: {}` into the description and compose again; to a stage of"
-            " another program apply UsdPhysics schemas",
+            remedy="write `physics: {}` into the description and compose again; for other stages "
+            "apply UsdPhysics schemas",
         )
     return _Reading(stage, parsed).world()
 
@@ -193,7 +193,7 @@ class _Reading:
     def _edges(self) -> Iterator[Edge]:
         for kind, what in UNKNOWN_KINDS.items():
             for path, _ in self.parsed.get(kind, ()):
-                self.reader.lose(path, "skipped", f"{what}: no hinge, rail, ball or fixed joint")
+                self.reader.lose(path, "skipped", f"{what}: not a hinge, rail, ball or fixed joint")
         for kind in KINDS:
             for path, desc in self.parsed.get(kind, ()):
                 if not desc.jointEnabled:
@@ -224,7 +224,7 @@ class _Reading:
             # What a joint names need not be there, or be a prim.
             is_there = rel.IsPrimPath() and self.stage.GetPrimAtPath(rel)
             if rel and not is_there:
-                lost = f"it joins {rel}, which is missing: it holds on to what stands still"
+                lost = f"it joins {rel}, which is missing: it is fixed to the world"
                 self.reader.lose(path, "approximated", lost)
             named = rel if is_there else path
             fixed = self._add(self._owner(named), moves=False)

@@ -52,7 +52,7 @@ def trees(
     Args:
         links: In the order of the stage.
         edges: Joints between them, without loops.
-        roots: What somebody calls the root of an articulation.
+        roots: Authored roots of articulations.
     """
     beside: dict[Sdf.Path, list[Edge]] = {path: [] for path in links}
     for edge in edges:
@@ -106,11 +106,13 @@ def loops(
     called: Mapping[Sdf.Path, LinkName],
     reader: ShapeReader,
 ) -> Iterator[Loop]:
-    """Joints that close loops as points that stay together; what these cannot do is told."""
+    """Joints that close loops, as pairs of points that stay together; losses are reported."""
     for edge in edges:
         pins = _pins(edge)
         if not pins:
-            what = "it closes a loop and slides, or turns about two axes: only points can close one"
+            what = (
+                "it closes a loop and slides, or turns about two axes: loops close only at points"
+            )
             reader.lose(edge.path, "skipped", what)
             continue
         if any(np.isfinite(f.limits).any() or f.damping or f.drive for f in edge.freedoms):

@@ -77,7 +77,7 @@ def _read_surface(
 
 
 def unmoved_by(material: UsdShade.Material) -> str:
-    """The output whose displacement nobody here reads; empty where there is none."""
+    """The output whose displacement is not supported; empty where there is none."""
     if _displacer(material):
         return ""
     for context in (UsdShade.Tokens.universalRenderContext, _MATERIALX):
@@ -89,7 +89,7 @@ def unmoved_by(material: UsdShade.Material) -> str:
 def _displacement(
     network: Network, material: UsdShade.Material, surface: UsdShade.Shader | None, *, moves: bool
 ) -> float | Texture:
-    """How far points move; 0 where nobody moves them, which is told."""
+    """How far points move; 0, with a report, if they are not moved."""
     shader = _displacer(material) if material else None
     said = shader or surface
     none: float | Texture = 0.0
@@ -124,7 +124,7 @@ def _part_of_light(network: Network, material: UsdShade.Material, name: str) -> 
     if value is None:
         return None
     if not (isinstance(value, float) and 0.0 <= value <= 1.0):
-        network.losses.append(f"{attribute.GetPath()}: {value} is no part of the light; left out")
+        network.losses.append(f"{attribute.GetPath()}: {value} does not affect the light; left out")
         return None
     return value
 
@@ -142,7 +142,7 @@ def _tint(network: Network, material: UsdShade.Material) -> Color | None:
     if value is None:
         return None
     if not (isinstance(value, Gf.Vec3f) and all(0.0 <= part <= 1.0 for part in value)):
-        network.losses.append(f"{attribute.GetPath()}: {value} is no part of the light; left out")
+        network.losses.append(f"{attribute.GetPath()}: {value} does not affect the light; left out")
         return None
     red, green, blue = map(float, value)
     return red, green, blue
@@ -161,7 +161,9 @@ def _any_surface(network: Network, material: UsdShade.Material) -> UsdShade.Shad
         if str(shader.GetShaderId() or "") in _PREVIEWS or any(known):
             return shader
     if not shaders:
-        network.losses.append(f"{material.GetPath()}: no surface shader for every renderer")
+        network.losses.append(
+            f"{material.GetPath()}: no surface shader of the universal render context"
+        )
     else:
         foreign = mdl.name_of(shaders[0])
         what = f"{foreign} of MDL" if foreign else shaders[0].GetShaderId()

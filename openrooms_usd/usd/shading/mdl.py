@@ -53,7 +53,7 @@ _IDLE: Final[dict[str, Any]] = {
 
 
 def name_of(shader: UsdShade.Shader) -> str:
-    """The name of a material of MDL; empty of what is none."""
+    """The name of a material of MDL; empty for other shaders."""
     asset = shader.GetSourceAsset(MDL)
     said = shader.GetSourceAssetSubIdentifier(MDL) or shader.GetShaderId() or ""
     if asset or str(said) in _OMNI_PBR:
@@ -68,7 +68,7 @@ def is_known(shader: UsdShade.Shader) -> bool:
 
 
 def read_omni_pbr(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
-    """Read an OmniPBR; that it is approximated is told, and what is left out.
+    """Read an OmniPBR; report that it is approximated, and what is left out.
 
     Args:
         network: Receives what is lost.

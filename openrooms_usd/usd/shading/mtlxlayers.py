@@ -120,16 +120,16 @@ def _elements(file: str, depth: int = 0) -> ElementTree.Element:
 
     Raises:
         ValueError: It has entities, or includes too much.
-        InputError: It is no regular file of a sensible size.
+        InputError: It is not a regular file of a plausible size.
     """
     data = _bytes(file)
     if _ENTITIES.search(data) or len(data) > _MOST_BYTES:
-        raise ValueError("no material needs entities")
+        raise ValueError("entities are not allowed in materials")
     root = ElementTree.fromstring(data.lstrip().replace(_PREFIXED, _INCLUDE.encode()))
     for place, element in enumerate(list(root)):
         if element.tag == _INCLUDE and depth < _MOST_NESTED:
             if len(root.findall(_INCLUDE)) > _MOST_INCLUDES:
-                raise ValueError("it includes too much")
+                raise ValueError("it includes too many files")
             inner = _elements(_beside(file, element.get("href", "")), depth + 1)
             group = ElementTree.Element(_GROUP, _inherited(inner))
             group.extend(list(inner))
@@ -274,7 +274,7 @@ class _Document:
                     made.colorSpace = self._space_of(one, socket)
 
     def _space_of(self, one: _Placed, socket: _Placed) -> str:
-        """Of a picture that is no colour there is none, unless it says so itself."""
+        """A picture that is not a colour has none, unless it says so itself."""
         is_file = socket.element.get("type") == "filename"
         if is_file and not one.element.get("type", "").startswith("color"):
             return socket.element.get("colorspace", "")

@@ -1,8 +1,8 @@
 """Documents of older versions of MaterialX in the words of today.
 
-As MaterialX 1.39 itself does when it reads them: ``channels`` of an input or output become a node
-that picks them (up to 1.38), ``material`` with its ``shaderref`` becomes a shader and a material
-that takes it, ``parameter`` an input (up to 1.37).
+As MaterialX 1.39 itself does when it reads them. ``channels`` of an input or output become a node
+that picks them (up to 1.38). ``material`` with its ``shaderref`` becomes a shader and a material
+that uses it, ``parameter`` an input (up to 1.37).
 """
 
 from collections.abc import Iterator

@@ -22,7 +22,7 @@ class Source:
         constant: The constant; None where a shader drives the input or nothing does.
         shader: The shader that drives it, if one does.
         output: The shader's output, without its ``outputs:`` prefix.
-        space: The colour space that a constant is said to be of; empty where nobody says.
+        space: The authored colour space of a constant; empty if not authored.
     """
 
     constant: Any = None

@@ -1,7 +1,7 @@
 """Nodes of MaterialX before an input, folded into a constant or one texture.
 
-What is affine in a texture goes into its scale and bias, as MaterialX 1.39's standard nodes say;
-all else is told of and left out.
+Affine operations on a texture go into its scale and bias, as MaterialX 1.39 defines its standard
+nodes. All others are reported and left out.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -68,7 +68,7 @@ def fold(network: Network, shader: UsdShade.Shader, name: str) -> Folded | None:
         name: The input's name.
 
     Returns:
-        The numbers of a constant, a texture, or None where nobody says anything that is known.
+        The numbers of a constant, a texture, or None if nothing known is authored.
     """
     # What is too large is cut to numbers that a product still holds.
     with np.errstate(all="ignore"):
@@ -214,7 +214,7 @@ def _mix(node: _Node) -> Folded | None:
 def _alone(node: _Node, whole: Folded | None, first: Folded) -> Folded:
     """The whole, or the first of two textures where both would be needed."""
     if whole is None:
-        node.lost("in2", f"{node.kind} of two textures is taken as the first")
+        node.lost("in2", f"{node.kind} of two textures is replaced by the first")
     return first if whole is None else whole
 
 
@@ -259,7 +259,7 @@ def _swizzle(node: _Node) -> Folded | None:
     channels = str(node.network.constant(node.shader, "channels", ""))
     value = node.fold("in")
     if value is None or not channels or not set(channels) <= {*_PARTS, *_DIGITS}:
-        node.lost("channels", f"{channels!r} are none; it is taken as it is")
+        node.lost("channels", f"{channels!r} are not supported; the value is used unchanged")
         return value
     parts = [_DIGITS.get(name) or _part(value, _PARTS.get(name, 0)) for name in channels]
     return _together(node, parts)
@@ -289,7 +289,7 @@ def _together(node: _Node, parts: Sequence[Folded | None]) -> Folded | None:
     kept = [part_of(part, 0) for part in parts[:3] if isinstance(part, Texture)]
     if len(kept) == 3 and len({_picture_of(part) for part in kept}) == 1:
         return _side_by_side(kept)
-    node.lost("in", "no single picture holds its channels; those of the first are taken")
+    node.lost("in", "no single picture holds its channels; those of the first are used")
     return replace(first, channel="rgb")
 
 
@@ -358,7 +358,7 @@ def _space(node: _Node, file: str) -> ColorSpace:
     if said in _SRGB:
         return "sRGB"
     if said and said not in _LINEAR:
-        node.lost("file", f"the colour space {said} is taken as a usual one")
+        node.lost("file", f"the colour space {said} is replaced by the default")
     is_color = "_color" in node.kind and said not in _LINEAR
     return color_space(file) if is_color else "raw"
 

@@ -17,7 +17,7 @@ class MaterialPhysics:
         dynamic_friction: The same while sliding; at most the static one.
         restitution: Speed after a bounce by the speed before it, 0 to 1.
         density: kg/m3; 0 where it is not known, as the standard has it.
-        friction_spread: Standard deviation of the static coefficient; None where nobody says.
+        friction_spread: Standard deviation of the static coefficient; None if unknown.
     """
 
     static_friction: float
@@ -35,7 +35,7 @@ def author(prim: Usd.Prim, physics: MaterialPhysics) -> None:
         physics: What to author.
 
     Raises:
-        ValueError: A number is none that the standard allows.
+        ValueError: The standard does not allow a number.
     """
     _check(physics)
     api = UsdPhysics.MaterialAPI.Apply(prim)

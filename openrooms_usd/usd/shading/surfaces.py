@@ -137,8 +137,8 @@ class PreviewSurface:
         clearcoat: Weight of a second, white specular lobe.
         clearcoat_roughness: Its perceptual roughness.
         occlusion: Baked ambient occlusion; a path tracer has no use for it.
-        displacement: How far points move along their normals, in units of the stage; only read,
-            and only for who moves them.
+        displacement: How far points move along their normals, in units of the stage; only for
+            callers that move them.
         transmission: Part of the light that leaves the other side diffusely, in the hue of the
             base colour; ours (`names.MATERIAL_TRANSMISSION`). Above 0, ``opacity`` is 1, and what
             is authored as opacity stands in for it elsewhere.
@@ -178,14 +178,14 @@ BARE: Final = PreviewSurface(
     base_color=(0.5, 0.5, 0.5),
     painted=(("base_color", "displayColor"), ("opacity", "displayOpacity")),
 )
-"""What meshes show whose material nobody can read, or that have none.
+"""What meshes show without a readable material.
 
 Without colours of their own they are grey, as in Storm, hdEmbree and hdPrman.
 """
-SHUFFLED: Final = "its channels in another order are taken as r, g, b"
+SHUFFLED: Final = "its channels in another order are read as r, g, b"
 """What is lost where a UsdUVTexture stands for a texture that is shuffled."""
 BLACK: Final = (0.0, 0.0, 0.0, 1.0)
-"""The fallback of a UsdUVTexture of which nobody knows what it drives."""
+"""The fallback of a UsdUVTexture whose use is unknown."""
 
 
 def completed(surface: PreviewSurface) -> PreviewSurface:

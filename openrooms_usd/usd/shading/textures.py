@@ -121,7 +121,7 @@ def read_codes(path: str) -> NDArray[np.uint8] | None:
         path: A file, or a file inside a package.
 
     Returns:
-        (H, W, C), the first row at the top; None where it is no such picture or cannot be read:
+        (H, W, C), the first row at the top; None if it is not such a picture or cannot be read:
         `read_texture` then says why.
     """
     try:
@@ -178,18 +178,18 @@ def _opened(path: str, *, weighed: bool = False) -> Iterator[Any]:
                 picture.close()
         # Its messages and names quote the file, in whatever bytes.
         except UnicodeDecodeError as error:
-            why = "not a readable picture: its header is no text"
+            why = "not a readable picture: its header is not text"
             raise _unreadable(why, path) from error
 
 
 def _instead(file: Path) -> str:
-    """What a file is in place of a picture; empty where it is none of the usual mistakes."""
+    """What a file is instead of a picture; empty if it is not one of the usual mistakes."""
     with untrusted.opened(file, "picture") as stream:
         head = stream.read(_HEAD_BYTES)
     if not head:
         return "not a picture: the file is empty"
     is_page = head.lstrip().lower().startswith((b"<!doctype html", b"<html"))
-    return "not a picture: it is a page of a website" if is_page else ""
+    return "not a picture: it is a web page" if is_page else ""
 
 
 def flaw(path: str) -> str:
@@ -219,7 +219,7 @@ def _check_size(spec: Any, size: int, path: str) -> None:
     values = spec.width * spec.height * spec.nchannels
     if not 0 < values <= min(_MAX_VALUES, max(_HARMLESS_VALUES, _MOST_RATIO * size)):
         raise InputError(
-            f"{spec.width} x {spec.height} pixels of {spec.nchannels} channels are not read",
+            f"{spec.width} x {spec.height} pixels of {spec.nchannels} channels are not supported",
             place=path,
             remedy="give a smaller picture",
         )
@@ -232,7 +232,7 @@ def local_file(path: str) -> Iterator[Path]:
     The file is ``path`` itself, or a temporary copy that lives as long as the ``with`` block.
 
     Raises:
-        InputError: There is no such file, or it is none that a picture could be.
+        InputError: There is no such file, or it cannot be a picture.
     """
     if is_udim(path):
         with joined(path, _shape, read_codes, read_texture) as file:
@@ -336,7 +336,7 @@ def joined(
         values: Reads any.
 
     Raises:
-        InputError: A tile is no picture.
+        InputError: A tile is not a picture.
     """
     found = tiles(path)
     whole = _joined(found, shape, codes)

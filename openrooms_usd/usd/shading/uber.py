@@ -18,7 +18,7 @@ _NIL: Final[Numbers] = (0.0,)
 _NORMAL: Final = PreviewSurface.normal
 # At least so much transmission is clear glass, not a mixture.
 _CLEAR: Final = 0.999
-# Glass that is rougher is told of, since panes are clear.
+# Rougher glass is reported, since panes are clear.
 _ROUGH: Final = 0.1
 _MASK, _BLEND = 1, 2
 _LEVEL_REFLECTANCE: Final = 0.08
@@ -36,12 +36,11 @@ class _Model:
     """Which inputs say what; each with its default.
 
     Attributes:
-        inputs: By what they say: ``weight`` and ``color`` of the base, ``metallic``,
-            ``roughness``, ``specular`` (a factor of the reflectance that ``ior`` gives) or
-            ``level`` (that in parts of 8 %),
-            ``opacity``, ``glow`` and ``glow_color``, ``coat``, its ``coat_roughness`` and
-            ``coat_color`` (what it lets through to the base), ``clear`` (how much goes through),
-            ``tint`` (of what colour), ``thin`` and ``normal``.
+        inputs: By what they say: ``weight`` and ``color`` of the base, ``metallic``, ``roughness``,
+            ``opacity``, ``thin`` and ``normal``. ``specular`` is a factor of the reflectance that
+            ``ior`` gives, or ``level`` that reflectance in parts of 8 %. ``glow`` and
+            ``glow_color`` are emission. ``coat`` has ``coat_roughness`` and ``coat_color`` (what it
+            lets through to the base). ``clear`` is how much goes through, and ``tint`` its colour.
         idle: Other inputs with the values that change nothing.
         parts: Inputs of these first words count where the input is not zero.
     """
@@ -64,7 +63,7 @@ def is_known(shader: UsdShade.Shader) -> bool:
 
 
 def read_uber_surface(network: Network, shader: UsdShade.Shader) -> PreviewSurface:
-    """Read one of the surfaces for which `is_known` holds; what it cannot say here is told.
+    """Read one of the surfaces for which `is_known` holds; losses are reported.
 
     Args:
         network: Receives what is lost.
@@ -137,7 +136,7 @@ class _Said:
         return _number(self.color(word))
 
     def constant(self, word: str) -> float:
-        """A number; its default where a texture drives it, which is told."""
+        """A number; its default, with a report, if a texture drives it."""
         found = self.part(word)
         if isinstance(found, Texture):
             self.lost(word, "a texture cannot drive it")
@@ -213,14 +212,14 @@ def _with_glass(said: _Said, surface: PreviewSurface) -> PreviewSurface:
         return surface
     is_pane = not isinstance(clear, Texture) and clear >= _CLEAR and surface.metallic == 0.0
     if not is_pane or not isinstance(surface.opacity, float) or surface.opacity < 1.0:
-        said.lost("clear", "light goes straight through, and what is clear reflects nothing")
+        said.lost("clear", "light goes straight through, and clear parts reflect nothing")
         if "tint" in said.model.inputs and said.color("tint") not in (_ONE, _ONE * 3):
             said.lost("tint", "it is left out")
         rest = _number(affine(_folded(clear), (-1.0,), _ONE))
         opacity = product(_folded(surface.opacity), _folded(rest))
         return replace(surface, opacity=_number(_folded(rest) if opacity is None else opacity))
     if _number(said.color("thin")) == 0.0:
-        said.lost("clear", "it is drawn as thin panes, which bend no light")
+        said.lost("clear", "it is drawn as thin panes without refraction")
     if isinstance(surface.roughness, Texture) or surface.roughness > _ROUGH:
         said.lost("roughness", "glass is drawn clear")
     tint = said.color("tint" if "tint" in said.model.inputs else "color")
@@ -236,7 +235,7 @@ def _folded(value: float | Texture) -> Folded:
 
 
 def _tell_others(said: _Said) -> None:
-    """Name what somebody wrote that has no place in a `PreviewSurface`."""
+    """Name authored values that a `PreviewSurface` cannot hold."""
     read = {name for name, _ in said.model.inputs.values()}
     for socket in said.shader.GetInputs():
         name = str(socket.GetBaseName())

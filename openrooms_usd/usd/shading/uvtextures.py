@@ -94,7 +94,7 @@ def mended_normal_map(network: Network, texture: Texture) -> Texture:
 
 
 def picture_file(network: Network, node: UsdShade.Shader, name: str = "file") -> str | None:
-    """Where the picture of an image node lies; None where none can be read, which is told."""
+    """The file of an image node; None, with a report, if none can be read."""
     asset = network.constant(node, name, None)
     authored = str(getattr(asset, "path", "") or "")
     if not authored:
@@ -118,7 +118,7 @@ def _color_space(network: Network, node: UsdShade.Shader, file: str) -> ColorSpa
     if space in ("sRGB", "raw"):
         return cast(ColorSpace, space)
     if space != "auto":
-        network.lost(node, "sourceColorSpace", f"{space} is unknown; taken as auto")
+        network.lost(node, "sourceColorSpace", f"{space} is unknown; auto is used")
     return textures.color_space(file)
 
 
@@ -208,14 +208,14 @@ def coordinates(network: Network, node: UsdShade.Shader) -> tuple[str, _Matrix]:
     """The primvar of an image node, and what is done to it.
 
     Returns:
-        Its name, and (3, 3) for columns (s, t, 1); as MaterialX says the first set of coordinates
-        where nobody says another.
+        Its name, and (3, 3) for columns (s, t, 1); by default the first set of coordinates, as in
+        MaterialX.
     """
     with np.errstate(all="ignore"):
         primvar, matrix = _followed(network, node)
     if np.abs(matrix).max() < _MOST:
         return primvar, matrix
-    network.lost(node, "texcoord", "what is done to its coordinates is no affine map; left out")
+    network.lost(node, "texcoord", "the transform of its coordinates is not affine; left out")
     return primvar, np.eye(3)
 
 

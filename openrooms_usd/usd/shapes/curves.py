@@ -132,12 +132,12 @@ def _polylines(
 def _widths(curves: UsdGeom.Curves, sampling: Sampling, losses: list[str]) -> Array:
     found = numbers(curves.GetWidthsAttr())
     if not len(found):
-        losses.append(f"it has no widths: taken as {_WIDTH:g}")
+        losses.append(f"it has no widths: {_WIDTH:g} is used")
         return np.full(sampling.counts.sum(), _WIDTH)
     try:
         return sampling.along(found, curves.GetWidthsInterpolation())
     except ValueError as reason:
-        losses.append(f"widths: {reason}; their mean is taken")
+        losses.append(f"widths: {reason}; their mean is used")
         return np.full(sampling.counts.sum(), found.mean())
 
 
@@ -168,7 +168,7 @@ def _basis(
     ends, which = splines.identity(number), None
     if (fitting != counts).any():
         kind = "linear" if linear else f"{wrap} {basis}"
-        losses.append(f"curveVertexCounts do not fit {kind} curves: what is over is cut")
+        losses.append(f"curveVertexCounts do not fit {kind} curves: surplus points are dropped")
         firsts = np.cumsum(counts) - counts
         kept = [start + np.arange(many) for start, many in zip(firsts, fitting, strict=True)]
         ends, which = csr_array(ends[np.concatenate(kept)]), np.flatnonzero(fitting)

@@ -32,7 +32,7 @@ _UV_TYPES: Final = frozenset(
         Sdf.ValueTypeNames.Half2Array,
     }
 )
-# Of these the third number is no coordinate of a picture.
+# Their third number is not a texture coordinate.
 _UVW_TYPES: Final = frozenset(
     {
         Sdf.ValueTypeNames.TexCoord3fArray,
@@ -90,7 +90,7 @@ def read_surface(
     drawn = Drawn(tessellate(prim)) if reader is None else reader(prim)
     polygons, losses = drawn.mesh, drawn.losses
     if polygons is None:
-        reason = "; ".join(losses) or f"{kind} without a surface that is known here"
+        reason = "; ".join(losses) or f"{kind} without a known surface"
         return Surface(None, losses=(("skipped", reason),))
     corners, faces = triangulate(polygons.points, polygons.counts, polygons.indices)
     if not len(faces):
@@ -133,7 +133,7 @@ def _painting(prim: Usd.Prim) -> Iterator[tuple[UsdGeom.Primvar, int | None]]:
 
 
 def _reader(kind: str) -> Callable[[Usd.Prim], Drawn] | None:
-    """For prims that are no polygons: what gives these, and what was approximated.
+    """For prims other than polygons: how polygons are made, and what was approximated.
 
     It is imported here, since most stages have none and scipy is slow to import.
     """
@@ -295,7 +295,7 @@ class _Polygons:
             units[against] *= -1.0
             count = int(against.any(axis=1).sum())
             of = "all" if count == len(corners) else f"{count} of {len(corners)}"
-            self._lose(f"normals stand against the winding of {of} triangles and are turned round")
+            self._lose(f"normals oppose the winding of {of} triangles and are flipped")
         return units.astype(np.float32)
 
     def _sets(
@@ -323,7 +323,7 @@ class _Polygons:
         """Texture coordinates without a third number, the usual ones first."""
         for name, values in sets.items():
             if values.shape[-1] == 3 and np.ptp(values[..., 2]):
-                self._lose(f"primvars:{name} have three numbers, of which two are read")
+                self._lose(f"primvars:{name} have three numbers, and the first two are read")
         plane = {name: np.ascontiguousarray(values[..., :2]) for name, values in sets.items()}
         return _usual_first(plane)
 

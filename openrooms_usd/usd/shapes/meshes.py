@@ -165,7 +165,7 @@ def read_meshes(
         if id(surface) not in reaches:
             reaches[id(surface)] = max(1.0, float(np.abs(surface.mesh.points).max()))
         if not reaches[id(surface)] * size < FARTHEST_M:
-            losses[0, path] = (path, "skipped", "it reaches farther than renderers can count")
+            losses[0, path] = (path, "skipped", "its coordinates exceed the range of renderers")
             continue
         prim = stage.GetPrimAtPath(part.prim)
         meshes.append(
@@ -179,12 +179,12 @@ def read_meshes(
 FARTHEST_M: Final = 1e15
 """How far a scene may reach, metres: what renderers square must fit single precision."""
 
-LEFT_OUTSIDE: Final = "it stands outside, and is no part of the room"
+LEFT_OUTSIDE: Final = "it stands outside, and is not part of the room"
 """Why what hands on the room alone leaves something out."""
 
 
 def is_outside(path: str) -> bool:
-    """Whether a prim stands outside before the windows: it is seen, and is no part of the room."""
+    """Whether a prim stands outside the windows: it is visible, but not part of the room."""
     return path.startswith(f"{names.OUTSIDE}/")
 
 

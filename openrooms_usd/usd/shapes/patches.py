@@ -51,7 +51,7 @@ def _each(values: Array, count: int, weights: csr_array | None = None) -> Array:
         ValueError: There are not as many as points.
     """
     if len(values) not in (1, count):
-        raise ValueError("there are not as many values as points")
+        raise ValueError("the numbers of values and points differ")
     every = np.broadcast_to(values, (count, *values.shape[1:]))
     return np.asarray(every if weights is None else weights @ every)
 
@@ -101,9 +101,9 @@ def read_points(prim: Usd.Prim) -> Drawn:
     points, widths = numbers(cloud.GetPointsAttr(), 3), numbers(cloud.GetWidthsAttr())
     losses = []
     if not len(widths):
-        widths, losses = np.ones(1), ["it has no widths: taken as 1"]
+        widths, losses = np.ones(1), ["it has no widths: 1 is used"]
     if len(widths) not in (1, len(points)):
-        return Drawn(None, ["there are not as many widths as points"])
+        return Drawn(None, ["the numbers of widths and points differ"])
     kept = np.isfinite(points).all(axis=1) & (np.broadcast_to(widths, len(points)) > 0.0)
     if not kept.any():
         return Drawn(None, ["it has no points with a width"])

@@ -154,7 +154,7 @@ class Subdivided:
         if (self.cage.counts < 3).any():
             return "it has faces of less than three corners"
         if self.scheme == _T.loop and (self.cage.counts != 3).any():
-            return "loop refines triangles alone"
+            return "loop refines only triangles"
         if self.scheme not in (_T.catmullClark, _T.loop, _T.bilinear):
             return f"there is no scheme {self.scheme}"
         return None

@@ -22,9 +22,9 @@ class Drawn:
     Attributes:
         mesh: None where there is nothing to draw.
         losses: What was approximated; without a mesh the reason.
-        along: Gives of a primvar's values (N, C) and its interpolation those at the places that the
-            points of the mesh stand about, as many points about each, one place after the other;
-            it raises ``ValueError`` where they do not fit.
+        along: Maps a primvar's values (N, C) and its interpolation to values at the places that the
+            points of the mesh surround, with equally many points around each place, one place after
+            the other. It raises ``ValueError`` if they do not fit.
     """
 
     mesh: Mesh | None
@@ -59,7 +59,7 @@ def tessellate(prim: Usd.Prim) -> Mesh | None:
     Round shapes have smooth normals and points that lie on the true surface.
 
     Returns:
-        None when the prim is no intrinsic shape, or has no size.
+        None if the prim is not an intrinsic shape, or has no size.
     """
     make = _MAKERS.get(prim.GetTypeName())
     return None if make is None else make(prim)

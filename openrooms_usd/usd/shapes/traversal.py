@@ -61,7 +61,7 @@ class _Scope:
     origin: str  # stripped from the paths of prims
     home: str  # stripped from the paths where they stand
     predicate: object
-    foreign: bool = False  # whether the prims are none of the root's
+    foreign: bool = False  # whether the prims lie outside the root
 
     def at(self, target: str) -> "_Scope":
         """Of a prototype of a point instancer; instances may take one from outside their root."""

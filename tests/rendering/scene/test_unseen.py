@@ -86,7 +86,7 @@ def test_types_of_others_are_named() -> None:
         stage.DefinePrim(f"/{kind or 'Plain'}", kind)
     assert told(stage) == {
         "/OfNobody": "OfNobody does not appear in a picture",
-        "/Volume": "Volume without a surface that is known here",
+        "/Volume": "Volume without a known surface",
         "/OpenVDBAsset": "OpenVDBAsset: volumes are not drawn",
     }
 
