@@ -1,4 +1,4 @@
-"""Works tasks off on a cluster of Ray, or with a Ray of one's own on this machine.
+"""Runs tasks on a cluster of Ray, or with a new local Ray on this machine.
 
 Each worker is an actor, which keeps what it has loaded from task to task. Ray places it where there
 is room for what it needs and repeats nothing: whether a task is begun again is for the run to say.
@@ -35,7 +35,7 @@ class RayExecutor:
     """One actor of Ray for each worker."""
 
     options: ClassVar[Mapping[str, str]] = {
-        "address": "a cluster that is there, as HOST:PORT, or auto: that of this machine",
+        "address": "a running cluster, as HOST:PORT, or auto: that of this machine",
         "cpus": "processors of each worker; by default an equal share of all",
         "gpus": "GPUs of each worker; by default 1 where the renderer is asked for cuda, else 0",
         "memory": "memory of each worker in GiB",
@@ -109,7 +109,7 @@ class _Worker:
         """Give it a task; whether it is there to take it."""
         self.task = task
         if not self._is_gone:
-            # One thing at a time: what was told before a death is heard.
+            # One thing at a time: messages before a death are received.
             call = self._actor.messages.options(
                 num_returns="streaming", _generator_backpressure_num_objects=1
             )
@@ -125,7 +125,7 @@ class _Worker:
             return executor.Lost(f"the worker died ({_reason(error)})")
 
     def stop(self) -> None:
-        """End it: what it has not finished is swept away by who works there next."""
+        """End it: the next worker there removes what it has not finished."""
         with suppress(self._ray.exceptions.RayError):
             self._ray.kill(self._actor, no_restart=True)
 
@@ -139,7 +139,7 @@ def _reason(error: Exception) -> str:
 
 
 def _wished(needs: Needs, workers: int) -> int:
-    """The processors of a Ray of one's own: all workers have a place, also on a small machine."""
+    """The processors of a local Ray: all workers have a place, also on a small machine."""
     each: float = needs.get("num_cpus", max(1, (os.cpu_count() or 1) // workers))
     return math.ceil(each * workers)
 
@@ -161,7 +161,7 @@ def _amount(option: str, text: str) -> float:
     with suppress(ValueError):
         if 0.0 <= float(text) <= _MOST:
             return float(text)
-    raise InputError(f"{text!r} is no amount", place=option, remedy="write a number, such as 1")
+    raise InputError(f"{text!r} is not an amount", place=option, remedy="give a number, such as 1")
 
 
 def _share(nodes: list[Mapping[str, float]], workers: int) -> int:
@@ -180,7 +180,7 @@ def _check_place(nodes: list[Mapping[str, float]], needs: Needs) -> None:
     raise InputError(
         f"none of the {len(nodes)} nodes has what a worker needs: {named}",
         place="the cluster of Ray",
-        remedy="ask for less: --option cpus=1, --option gpus=0",
+        remedy="request less: --option cpus=1, --option gpus=0",
     )
 
 
@@ -201,7 +201,7 @@ def connected(address: str | None, cpus: int) -> Iterator[ModuleType]:
     """
     if address is not None and address.startswith(_CLIENT):
         raise InputError(
-            "workers cannot be heard through Ray's client",
+            "workers cannot report through Ray's client",
             place=address,
             remedy="run this on a machine of the cluster, with --address auto",
         )
@@ -222,7 +222,7 @@ def connected(address: str | None, cpus: int) -> Iterator[ModuleType]:
                 )
         except (ConnectionError, ValueError, RuntimeError, OSError) as error:
             raise InputError(
-                f"no cluster of Ray is there: {str(error).partition(chr(10))[0]}",
+                f"no cluster of Ray is running: {str(error).partition(chr(10))[0]}",
                 place=address or "this machine",
                 remedy="start one (ray start --head), and give its HOST:PORT",
             ) from error
@@ -234,7 +234,7 @@ def connected(address: str | None, cpus: int) -> Iterator[ModuleType]:
 
 @cache
 def _own() -> Mapping[str, str]:
-    """The environment of a Ray of one's own."""
+    """The environment of a local Ray."""
     return {
         # What Ray does for macOS and Windows: listen on the loopback interface alone.
         "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0",
@@ -266,7 +266,7 @@ def _package() -> ModuleType:
     except ImportError as error:
         raise MissingPackageError(
             f"the executor 'ray' needs the package 'ray', which cannot be imported ({error})",
-            remedy="pip install openrooms-usd[ray], or leave --executor away",
+            remedy="pip install openrooms-usd[ray], or omit --executor",
         ) from error
     found: ModuleType = ray
     return found

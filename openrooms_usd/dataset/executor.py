@@ -1,6 +1,6 @@
-"""The contract between a run and whoever works its tasks off: processes, or other machines.
+"""The contract between a run and the workers of its tasks: processes, or other machines.
 
-Tasks and what is told of them are plain data, so that they can go anywhere.
+Tasks and their events are plain data, so that they can go anywhere.
 """
 
 import signal
@@ -59,15 +59,16 @@ class Crew(Protocol):
     def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
         """Work tasks off, several at once.
 
-        Tasks are taken when a worker is free, and not before. A worker that dies is told as `Lost`
-        and replaced; its task is not begun again. When the caller stops, so do the workers.
+        Tasks are taken when a worker is free, and not before. A worker that dies is reported as
+        `Lost` and replaced; its task is not started again. When the caller stops, so do the
+        workers.
 
         Args:
             tasks: What there is to do.
-            work: What does it; what it raises is told as `Lost`.
+            work: The function that does it; exceptions are reported as `Lost`.
 
         Yields:
-            A task and what is told of it, as it happens; of one task in order.
+            A task and its events, as they happen; those of one task in order.
         """
         ...
 
@@ -93,7 +94,7 @@ class Executor(Protocol):
 
 # How workers of any kind get their tasks: one each, the next when it is done, another who died.
 
-# What a worker sends: what is told of its task, that it is done, or that it could not go on.
+# What a worker sends: events of its task, that it is done, or that it could not go on.
 TOLD: Final = "told"
 DONE: Final = "done"
 RAISED: Final = "raised"
@@ -102,7 +103,7 @@ _PR_SET_PDEATHSIG: Final = 1
 
 
 class Worker(Protocol):
-    """Somebody who works on one task.
+    """A worker on one task.
 
     Attributes:
         task: What it works on.
@@ -135,13 +136,13 @@ def worked_off(
     """Have tasks worked off by so many workers at once; see `executor.Crew.run`.
 
     Args:
-        tasks: What there is to do; a task is taken when there is somebody for it.
+        tasks: The tasks; one is taken when a worker is free.
         workers: How many there are at most.
         hire: Begins a worker with its first task.
         ready: Waits until some of the workers have something to say; which they are.
 
     Yields:
-        A task and what is told of it.
+        A task and its event.
     """
     waiting = iter(tasks)
     crew: list[AnyWorker] = []
@@ -169,7 +170,7 @@ def worked_off(
 
 
 def messages(work: Work, task: Task) -> Iterator[tuple[str, Any]]:
-    """What a worker sends of a task, in this order: all that is told, and how it ended."""
+    """What a worker sends of a task, in this order: all events, and how it ended."""
     try:
         for told in work(task):
             yield TOLD, dict(told)

@@ -85,7 +85,7 @@ class _Worker:
         return False
 
     def stop(self) -> None:
-        """End it: what it has not finished is swept away by who works there next."""
+        """End it: the next worker there removes what it has not finished."""
         with suppress(OSError):
             self.pipe.close()
         self._process.terminate()
@@ -118,7 +118,7 @@ def _ending(code: int | None) -> str:
 
 def _serve(pipe: Connection, work: executor.Work) -> None:
     """Work tasks off until there are no more; this is the worker's whole life."""
-    # Whoever goes on where this run was finds nobody at work.
+    # A run that resumes this one finds no worker left.
     executor.end_with_parent()
     threading.Thread(target=_watch_parent, daemon=True).start()
     # Who started us stops us: Ctrl-C goes to every process of a terminal.

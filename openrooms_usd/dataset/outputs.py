@@ -107,7 +107,7 @@ def _whole(store: Store, output: Output, pieces: Callable[[], Iterator[_Piece]])
     folder = store.root / OUTPUTS / output.kind
     if store.remote is None:
         if not folder.is_dir():
-            # Somebody may have removed it: none of its rooms is written then.
+            # It may have been removed: none of its rooms is written then.
             for piece in pieces():
                 removal.remove_file(piece.done)
         yield
@@ -158,7 +158,7 @@ def _of_all(store: Store, output: Output, writer: RoomsWriter, row: Callable[[Ro
 
 
 def _rooms(store: Store, row: Callable[[Row], Row]) -> Iterator[FinishedRoom]:
-    """The finished rooms; each is here as long as nobody asks for the next."""
+    """The finished rooms; each is available until the next one is requested."""
     for jobs in rooms_of(store):
         if found := _finished(store, jobs):
             with fetched(store, *found):
@@ -244,7 +244,7 @@ def _shared_views(renders: list[RenderedScene]) -> list[RenderedScene]:
     """
     names = [name for name in renders[0].views if all(name in one.views for one in renders)]
     if not names:
-        raise InputError("no view is finished in all of its variants", place=renders[0].folder)
+        raise InputError("no view is finished in all its variants", place=renders[0].folder)
     return [replace(one, views={name: one.views[name] for name in names}) for one in renders]
 
 

@@ -181,7 +181,7 @@ def jobs_of(text: Iterable[str]) -> Iterator[Job]:
     """The jobs of a plan as text.
 
     Raises:
-        ValueError: It is no such text.
+        ValueError: It is not such a text.
         KeyError: As ValueError.
     """
     rows = (json.loads(line) for line in text)
@@ -257,7 +257,7 @@ def file_digest(path: Path) -> str:
     Raises:
         InputError: It is not there, or cannot be read.
     """
-    remedy = "names of files in a dataset.yaml begin in its folder"
+    remedy = "paths in a dataset.yaml are relative to its folder"
     with opened(path, "frames", remedy=remedy) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 

@@ -1,6 +1,6 @@
 """A look at every view: what a person would throw away without a second one.
 
-Some faults are the camera's: another one would not have them. They are told by exact channels alone
+Some faults are the camera's: another one would not have them. They depend only on exact channels
 (`JUDGED`), before any light is computed, and so are the same in all variants of a room. Of the rest
 nothing is hidden: such views stay, and their records say what is wrong with them.
 """
@@ -28,10 +28,10 @@ _EMPTY_SHARE: Final = 0.3
 _LEAST_INSTANCES: Final = 2
 _DIGITS: Final = 6
 
-_IN_SOMETHING: Final = "the camera is in something"
-_OBSTRUCTED: Final = "something stands in front of the camera"
+_IN_SOMETHING: Final = "the camera is inside an object"
+_OBSTRUCTED: Final = "an object blocks the camera"
 _EMPTY: Final = "it is empty"
-_ONE_THING: Final = "it shows one thing alone"
+_ONE_THING: Final = "it shows only one object"
 _OF_THE_CAMERA: Final = frozenset({_IN_SOMETHING, _OBSTRUCTED, _EMPTY, _ONE_THING})
 
 JUDGED: Final = ("depth", "instance", "valid")
@@ -115,13 +115,13 @@ def _faults(
     elif measures.get("instances", _LEAST_INSTANCES) < _LEAST_INSTANCES:
         yield _ONE_THING
     if error is not None and measures.get("error", 0.0) > error:
-        yield "it is noisier than asked for"
+        yield "it is noisier than requested"
     filled = _OF_SURFACES if measures.get("seen_share", 0.0) > 0.0 else frozenset()
     if missing := list(_missing(view, asked, filled if dark else filled | _OF_LIGHT)):
-        yield f"nothing is in {', '.join(missing)}"
+        yield f"no values in {', '.join(missing)}"
     broken = [name for name, image in view.images.items() if not np.isfinite(image.pixels).all()]
     if broken:
-        yield f"not all numbers are finite in {', '.join(broken)}"
+        yield f"not all values are finite in {', '.join(broken)}"
 
 
 def _missing(view: View, asked: Sequence[str], filled: frozenset[str]) -> Iterator[str]:

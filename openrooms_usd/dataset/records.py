@@ -1,4 +1,4 @@
-"""What records must look like: one that does not is none, and what it was of is made again.
+"""What records must look like: an invalid one is ignored, and its view is rendered again.
 
 The models say what readers rely on; what else stands in a record is let through.
 """

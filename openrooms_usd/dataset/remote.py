@@ -25,7 +25,7 @@ class RemoteFolder:
         url: The URL; names of files are relative to it, with forward slashes.
 
     Raises:
-        InputError: It is no URL that anybody knows.
+        InputError: It is not a supported URL.
         MissingPackageError: fsspec, or what it needs for such URLs, is not installed.
     """
 
@@ -161,7 +161,9 @@ class RemoteFolder:
             raise OutputError(
                 f"cannot write: {urls.shown(error)}",
                 place=urls.shown(self.url),
-                remedy="make the bucket first" if is_missing else "check the URL and who may write",
+                remedy="create the bucket first"
+                if is_missing
+                else "check the URL and your permission to write",
             ) from error
 
 

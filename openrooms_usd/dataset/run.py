@@ -28,7 +28,7 @@ from openrooms_usd.urls import shown
 INDEX: Final = "index.jsonl"
 SPLITS: Final = "splits.json"
 LICENCES: Final = "licences.json"
-# What is told of views of paths, stereo cameras and photographs.
+# Progress messages for views of paths, stereo cameras and photographs.
 _OF_SHOTS: Final = ("frame", "stereo", "photograph")
 LOCAL: Final = "local"
 _CUDA: Final = "cuda"
@@ -74,7 +74,7 @@ def run_dataset(
 ) -> RunSummary:
     """Make a dataset, or what is left of it: see `openrooms_usd.api.datasets.run_dataset`.
 
-    What is finished stays, whoever made it; run again after whatever has ended a run before. The
+    Finished views stay, whichever run made them; run again after any interruption. The
     same file gives the same bytes with any number of workers.
     """
     dataset = load_dataset(file)
@@ -124,7 +124,7 @@ def _keep_file(store: Store, file: Path, dataset: Dataset) -> None:
         known = read_bytes(store.file, "description")
         if known != data and load_dataset(store.file).name != dataset.name:
             raise OutputError(
-                "this is the folder of another dataset",
+                "this folder belongs to another dataset",
                 place=shown(store.remote.url) if store.remote else store.file,
                 remedy="choose another folder, or give the dataset its name",
             )

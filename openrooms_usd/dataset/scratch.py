@@ -50,7 +50,7 @@ def store_at(root: Root) -> Iterator[Store]:
     """The store of a dataset, wherever it lies; from a URL nothing is fetched yet.
 
     Raises:
-        InputError: It is no URL that anybody knows.
+        InputError: It is not a supported URL.
         MissingPackageError: What such URLs need is not installed.
     """
     if isinstance(root, Path):
@@ -72,7 +72,7 @@ def fetch_all(store: Store) -> None:
     store.remote.get([FILE, PLAN], store.root)
     if not (store.root / PLAN).is_file():
         raise InputError(
-            "no dataset is there", place=shown(store.remote.url), remedy="give the URL of a dataset"
+            "there is no dataset", place=shown(store.remote.url), remedy="give the URL of a dataset"
         )
     fetch_known(store)
 
@@ -85,7 +85,7 @@ def fetch_known(store: Store) -> None:
     """
     if store.remote is None:
         return
-    # Of rooms that nobody has begun nothing is asked: there may be a million of them.
+    # Rooms that were not started are not queried: there may be a million of them.
     begun = {part: store.remote.folders(part) for part in KNOWN}
     names = (name for job in store.jobs() for name in _known(store, job, job.views))
     known = (name.split("/", 2) for name in names)
@@ -93,7 +93,7 @@ def fetch_known(store: Store) -> None:
 
 
 def fetch_unit(store: Store, job: Job, view: int) -> None:
-    """Have what is known of a view here, which somebody else has made.
+    """Fetch what is known of a view that another run has made.
 
     Raises:
         InputError: It cannot be read.
@@ -142,8 +142,8 @@ def to_oneself(root: Root) -> Iterator[tuple[Store, Callable[[], None]]]:
     """Have a dataset to oneself.
 
     Yields:
-        Its store, with the file that it was made by; and what raises `OutputError` when somebody
-        else has taken it over meanwhile.
+        Its store, with the file that it was made by; and a check that raises `OutputError` if
+        another run has taken it over.
 
     Raises:
         OutputError: Another run has it, or it cannot be written.
@@ -196,7 +196,7 @@ class Lease:
         ended: The clock: what the holder waits by, until it is set.
 
     Attributes:
-        lost: Whether somebody else has taken it.
+        lost: Whether another run has taken it.
     """
 
     def __init__(self, remote: RemoteFolder, ended: threading.Event | None = None) -> None:
@@ -210,13 +210,13 @@ class Lease:
         """See that the run still has it.
 
         Raises:
-            OutputError: Somebody else has taken it.
+            OutputError: Another run has taken it.
         """
         if self.lost:
             raise OutputError(
-                "another run has taken this dataset over",
+                "another run has taken over this dataset",
                 place=shown(self._remote.url),
-                remedy="let that one go on; what was finished here stays",
+                remedy="let that run continue; finished work here stays",
             )
 
     def take(self) -> None:
@@ -242,7 +242,7 @@ class Lease:
                 self.beat()
 
     def beat(self) -> None:
-        """Say once that its holder is alive, or find that somebody else has taken it."""
+        """Say once that its holder is alive, or find that another run has taken it."""
         self.lost = not self._is_ours()
         if not self.lost:
             self._beats += 1
@@ -253,7 +253,7 @@ class Lease:
         self._ended.set()
 
     def give_back(self) -> None:
-        """Let others have it, once nobody keeps it."""
+        """Release it for others."""
         with suppress(OrusdError):
             if self._is_ours():
                 self._remote.remove([LEASE])
@@ -276,7 +276,7 @@ class Lease:
                 raise self._held(now)
 
     def _is_of_the_dead(self, data: bytes | None) -> bool:
-        """Whether it is of a process of this machine that is gone: nobody need wait for it."""
+        """Whether it belongs to an ended process of this machine, so that waiting is useless."""
         try:
             told = json.loads(data or b"{}")
             if told["host"] == self._who["host"]:
@@ -302,7 +302,7 @@ class Lease:
             told = json.loads(data or self._remote.read(LEASE) or b"{}")
             holder = f"process {int(told['process'])} of {str(told['host'])[:80]}"
         return OutputError(
-            f"{holder} is making this dataset",
+            f"{holder} is running this dataset",
             place=shown(self._remote.url),
             remedy="wait until it has ended, or choose another URL",
         )

@@ -1,8 +1,7 @@
 """From where the views of a room are seen: cameras of its stage, or the frames of a walk.
 
-All of it follows from the geometry of the room and from the dataset's file, never from light or
-from what is finished already: variants of a room share their cameras, and a run that goes on where
-another was makes the same choice.
+The choice depends only on the geometry of the room and the dataset's file, never on light or on
+finished views. So variants of a room share their cameras, and a resumed run makes the same choice.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -85,15 +84,15 @@ def shot(shots: Sequence[Shot], number: int, room: str) -> Shot:
     """
     if number >= len(shots):
         raise RenderError(
-            f"the room has {len(shots)} views and no view {number}",
+            f"the room has {len(shots)} views, but no view {number}",
             place=room,
-            remedy="ask for fewer views",
+            remedy="request fewer views",
         )
     return shots[number]
 
 
 def _chosen(views: DatasetViews, opened: RenderContext, cameras: Sequence[str]) -> Iterator[Shot]:
-    """The first cameras; for those whose views are of no use, the next ones that nobody took."""
+    """The first cameras; for those whose views are of no use, the next unused ones."""
     spare = iter(cameras[views.count : views.count + views.replace])
     for name in cameras[: views.count]:
         if views.replace == 0:
@@ -111,7 +110,7 @@ def _chosen(views: DatasetViews, opened: RenderContext, cameras: Sequence[str]) 
             rejected.append({"camera": tried, "world_from_camera": pose, "faults": faults})
             tried = next(spare, None)
         else:
-            # None is left that is better: its faults are told, as those of every view.
+            # No better one is left: its faults are reported, like those of every view.
             yield replace(_shot(views, opened, name), rejected=tuple(rejected[1:]))
 
 

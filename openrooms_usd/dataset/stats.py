@@ -19,7 +19,7 @@ from openrooms_usd.dataset.status import DEPTH_STEP_M
 from openrooms_usd.dataset.store import Store
 
 DESCRIBED: Final = "described"
-"""What rooms are counted as of which nobody knows the type."""
+"""How rooms of unknown type are counted."""
 PHASES: Final = ("compose", "translation", "render", "output")
 """What a view takes its time for, in order."""
 KELVIN_STEP: Final = 500

@@ -136,7 +136,7 @@ DEPTH_STEP_M: Final = 0.25
 DEPTH_BINS: Final = 41
 """How many there are; the last one takes all that is farther."""
 OTHER: Final = "other"
-"""What materials are counted as of which nobody says what they are."""
+"""How materials of unknown kind are counted."""
 
 
 def material_names(stage: "Usd.Stage", paths: Mapping[int, str]) -> dict[int, str]:

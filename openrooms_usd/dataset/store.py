@@ -43,7 +43,7 @@ KNOWN: Final = ("records", "failures", "timing")
 
 # Lists of what may be removed again, and what one process keeps for others of this machine.
 _OWN: Final = ".orusd."
-_REMEDY: Final = "run it again: what is damaged is made anew"
+_REMEDY: Final = "run it again: damaged parts are made again"
 
 
 class Store:
@@ -108,7 +108,9 @@ class Store:
             try:
                 yield from jobs_of(line.decode() for line in stream)
             except (ValueError, KeyError, TypeError) as error:
-                raise InputError(f"this is no plan: {error}", place=path, remedy=_REMEDY) from error
+                raise InputError(
+                    f"this is not a plan: {error}", place=path, remedy=_REMEDY
+                ) from error
 
     def scene(self, job: Job) -> Path:
         """The folder of a composed room."""

@@ -57,7 +57,7 @@ def _rows(rooms: Iterable[FinishedRoom], progress: Progress) -> Iterator[Row]:
             raise InputError(
                 "a single render has no index",
                 place=room.name,
-                remedy="ask for parquet among the outputs of a dataset.yaml",
+                remedy="add parquet to the outputs of a dataset.yaml",
             )
         yield from (_row(room, said) for said in room.rows.values())
 

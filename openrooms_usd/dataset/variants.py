@@ -97,7 +97,7 @@ def with_other_materials(room: Room, *, generated: bool = False) -> Room:
 
     Args:
         room: The room.
-        generated: Whether nobody said anything of its surfaces, so that they are other, too.
+        generated: Whether its surfaces are not specified, so that they vary, too.
     """
     data = room.as_dict()
     section: Section = data.setdefault("materials", {})
@@ -273,7 +273,7 @@ def coverage_of(job: Job, room: Room, folder: Path, scene: Path) -> dict[str, fl
         scene: The folder of the composed room.
 
     Returns:
-        The parts of ``floor`` and ``walls`` and of the ``whole``; None where nobody asks, or the
+        The parts of ``floor`` and ``walls`` and of the ``whole``; None if not requested, or if the
         room is not found in points.
 
     Raises:
@@ -299,8 +299,8 @@ def coverage_of(job: Job, room: Room, folder: Path, scene: Path) -> dict[str, fl
     if seen.whole < least:
         raise LeftOutError(
             f"the scan shows {seen.floor:.0%} of the floor and {seen.walls:.0%} of the walls, "
-            f"together {seen.whole:.0%}; {least:.0%} are asked for",
+            f"together {seen.whole:.0%}; {least:.0%} are required",
             place=job.room.source["file"],
-            remedy="scan what is missing, or ask for less `coverage`",
+            remedy="scan what is missing, or lower `coverage`",
         )
     return seen.as_dict()

@@ -1,7 +1,7 @@
 """What a worker does: make the room of a job, open it once, and render its views one by one.
 
 All of it can be done again at any moment, with the same bytes; what is finished stays. A view that
-fails is told, and the next one is begun.
+fails is reported, and the next one is started.
 """
 
 import gc
@@ -134,7 +134,7 @@ class _OpenRoom:
         dataset = Dataset.model_validate(task["dataset"])
         if code_of(dataset.rendering.renderer) != task["code"]:
             raise InputError(
-                "this machine has other code than the one that planned the dataset",
+                "this machine has different code than the one that planned the dataset",
                 place=f"openrooms_usd {__version__}",
                 remedy="install the same version everywhere: records name the code by its digest",
             )
@@ -192,7 +192,7 @@ class _OpenRoom:
         """Render a view, write it whole, and then its record."""
         name, opened, store, job = view_name(number), self.opened, self.store, self.job
         taken, unit = shot(self.shots, number, job.room.name), f"{job.name}/{name}"
-        # What is told of one view is no part of another's record, whichever came first.
+        # The report on one view does not enter another's record, whichever came first.
         opened.report.rows[:] = self.rows
         began = time.perf_counter()
         view = opened.shoot(taken.camera, taken.name, after=taken.after)

@@ -81,7 +81,8 @@ def adopt(scene: Path, saved: Path | None = None, *, dry_run: bool = False) -> A
 
     Raises:
         InputError: A file is missing, or is not USD.
-        StageError: It is no version of this scene, has other axes or units, or would not compose.
+        StageError: It is not a version of this scene, has other axes or units, or would not
+            compose.
         OutputError: The layers cannot be written.
     """
     _check_name(scene)
@@ -137,14 +138,14 @@ def _check_name(scene: Path) -> None:
     untrusted.check_path(scene)
     if scene.name != names.SCENE:
         raise InputError(
-            f"this is no {names.SCENE} of a room",
+            f"this is not a {names.SCENE} of a room",
             place=scene,
             remedy=f"orusd edits adopt OUT/{names.SCENE} --from {scene}",
         )
 
 
 def _check_room(out: Path) -> None:
-    # What settled is there only where somebody has simulated.
+    # Settled poses exist only after a simulation.
     needed = [path for path in own_layers(out) if path.stem != names.SETTLED]
     missing = [path for path in needed if not path.is_file()]
     if missing:
@@ -167,11 +168,11 @@ def _is_flattened(layer: Sdf.Layer, base: Usd.Stage, out: Path, source: Path) ->
         return False
     if layer.rootPrims and not any(base.GetPrimAtPath(spec.path) for spec in layer.rootPrims):
         raise StageError(
-            f"this is no saved version of the scene: it has no {names.WORLD}, but "
+            f"this is not a saved version of the scene: it has no {names.WORLD}, but "
             f"{', '.join(str(spec.path) for spec in list(layer.rootPrims)[:3])}",
             place=source,
-            remedy="programs that write USD anew lose its layers: let them export what is new, and "
-            f"refer to that in {names.LAYERS}/{names.EDITS}.usda",
+            remedy="programs that rewrite USD lose its layers: export only what is new, and "
+            "refer to it in {names.LAYERS}/{names.EDITS}.usda",
         )
     # An anonymous stage of one layer: sublayers of other names may hold the room as well.
     rooms = (layer.GetPrimAtPath(path) for path in (names.ROOM, names.FURNITURE))
@@ -179,14 +180,14 @@ def _is_flattened(layer: Sdf.Layer, base: Usd.Stage, out: Path, source: Path) ->
 
 
 def _check_frame(layer: Sdf.Layer, source: Path, flattened: bool) -> None:
-    """Refuse other axes and units: nobody can say which of the values are in them."""
+    """Reject other axes and units: it is unknown which values are in them."""
     root = layer.pseudoRoot
     for key, ours in _OURS.items():
         silent = _FALLBACKS[key] if flattened else ours
         found = root.GetInfo(key) if root.HasInfo(key) else silent
         if found != ours:
             raise StageError(
-                f"it was saved with {key} = {found}, the room has {ours}",
+                f"it was saved with {key} = {found}, but the room has {ours}",
                 place=source,
                 remedy="save it with Z up and in metres (metersPerUnit = 1); nothing was changed",
             )
@@ -216,9 +217,9 @@ def _changes(opinions: Sdf.Layer, base: Usd.Stage) -> Iterator[Change]:
 
 def _left(foreign: Foreign, layer: Sdf.Layer) -> Iterator[str]:
     if foreign.metadata:
-        yield f"metadata of the file is left behind: {', '.join(foreign.metadata)}"
+        yield f"metadata of the file is not adopted: {', '.join(foreign.metadata)}"
     if layer.HasStartTimeCode():
-        yield "the room is still: of animated values only the first time is drawn"
+        yield "the room is static: animated values keep their first time sample"
 
 
 def _outside(paths: dict[str, None], out: Path) -> Iterator[str]:
@@ -227,4 +228,4 @@ def _outside(paths: dict[str, None], out: Path) -> Iterator[str]:
         if not Path(path).exists():
             yield f"{path} is missing"
         elif not real_path(path).startswith(home):
-            yield f"{path} lies outside the room's folder: copy it there to move them together"
+            yield f"{path} is outside the room's folder: copy it there to move both together"

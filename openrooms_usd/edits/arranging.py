@@ -28,7 +28,8 @@ from openrooms_usd.usd.semantics import label, read_label
 _APART_M: Final = 0.05
 _FAR_M: Final = 4.0
 _STEP_M: Final = 0.25
-# Flush to a wall is inside of the room, metres; thinner things are in nobody's way: rugs.
+# Flush to a wall still counts as inside the room, metres; thinner things, such as rugs, are not
+# obstacles.
 _FLUSH_M: Final = 1e-3
 _THIN_M: Final = 0.03
 # What is that near to the floor stands on it, metres.
@@ -43,7 +44,7 @@ class Standing:
 
     Attributes:
         name: Its name.
-        category: What it is; empty where nobody says.
+        category: What it is; empty if unknown.
         support: What usually carries such a thing: floor, wall, ceiling or surface.
         x: Of its origin, metres.
         y: Of its origin, metres.

@@ -1,8 +1,8 @@
 """What things are made of, chosen by people: materials and bindings in the edits.
 
 Materials lie in ``/World/Looks``, their textures in ``layers/edits/textures``; each part that was
-meant is bound to one of them. An instance cannot be edited inside, so an object of which a part is
-edited is no instance any more. The stages leave alone what the edits bind.
+meant is bound to one of them. An instance cannot be edited inside, so an object with an edited part
+stops being an instance. The stages leave alone what the edits bind.
 """
 
 from collections.abc import Iterable, Mapping
@@ -53,7 +53,7 @@ def look_of(said: Mapping[str, Any] | str) -> Look:
     """A look as a room.yaml has it.
 
     Raises:
-        DescriptionError: It is none, in the words that compose would use.
+        DescriptionError: It is not valid; the message is that of compose.
     """
     look = room_of({"materials": {"floor": said}}).materials.floor
     assert look is not None, "it was given"

@@ -1,9 +1,9 @@
 """Which object of a Blender export is which prim of the room.
 
-Blender imports USD into a scene of its own and exports that anew. Its objects still lie in the
-order of our prims, but everything is below ``/root``, or below another prim or none; names that
-exist twice in a Blender file have a number behind them (``Geometry.003``); an object and its data
-are two prims of one name; an Xform with nothing but one mesh below it has become one with it.
+Blender imports USD into a scene of its own and exports that anew. Its objects keep the order of our
+prims, but everything is below ``/root``, or below another prim or none. Names that exist twice in a
+Blender file have a number behind them (``Geometry.003``). An object and its data are two prims of
+one name. An Xform with only one mesh below it has merged with that mesh.
 """
 
 import re
@@ -84,7 +84,7 @@ class Pairing:
         found, world = cls(), base.GetPrimAtPath(names.WORLD)
         tops = _objects(container(saved))
         worlds = [child for child in tops if named(child) == world.GetName()]
-        # What somebody puts into the scene lies beside the world; the room has it inside.
+        # New objects lie beside the world in the file, but inside it in the room.
         beside = [
             child
             for child in tops

@@ -1,9 +1,9 @@
 """What a person did in Blender, as sparse opinions about the room's own prims.
 
 Taken over: where objects are, which are gone, what is new, lenses of cameras, the brightness and
-hue of lamps and of the sky, and plain base colours. The rest of an export says how Blender holds
-the room, not what somebody did to it: names with numbers, meshes with their faces cut anew,
-materials as Blender rebuilds them; and the sky, portals and bodies that it does not know at all.
+hue of lamps and of the sky, and plain base colours. The rest of an export shows how Blender stores
+the room, not how it was edited: names with numbers, meshes with retriangulated faces, and rebuilt
+materials. Blender does not know the sky, portals and bodies at all.
 """
 
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ SAME_AXIS: Final = 1e-4
 SAME_PART: Final = 1e-3
 # So much of two colours' components may differ.
 SAME_COLOR: Final = 1e-3
-# An export that lacks more of the room's meshes is of a selection: nobody removed the others.
+# An export that lacks more of the room's meshes is a selection: the others were not removed.
 MOST_REMOVED: Final = 0.5
 
 _LENS: Final = (
@@ -82,7 +82,7 @@ class BlenderDifferences(Differences):
         if not UsdGeom.Xformable(pair.ours) or not UsdGeom.Xformable(pair.theirs):
             return
         if pair.ours.IsA(UsdLux.PortalLight):
-            # Blender makes lamps of them, which nobody should mind.
+            # Blender makes lamps of them, which is harmless.
             return
         local = pair.local()
         before = UsdGeom.Xformable(pair.ours).GetLocalTransformation(TIME)
@@ -109,7 +109,7 @@ class BlenderDifferences(Differences):
             return
         if not is_named(theirs.GetPrim(), ours.GetPrim().GetName(), DATA):
             worn = named(theirs.GetPrim(), DATA)
-            self.left.append(f"{pair.shape.GetPath()} wears {worn} now: bind it by hand")
+            self.left.append(f"{pair.shape.GetPath()} now has the material {worn}: bind it by hand")
             return
         self._compare_color(shader, seen, _DIFFUSE)
         if not pair.shape.HasAPI(UsdLux.MeshLightAPI):
@@ -161,8 +161,8 @@ class BlenderDifferences(Differences):
             there = sum(1 for pair in pairing.pairs if pair.shape.IsA(kind))
             if gone > MOST_REMOVED * (gone + there):
                 self.left.append(
-                    f"{gone} of {gone + there} {what} are not in the file: it is taken for one "
-                    "of a selection, and none is switched off"
+                    f"{gone} of {gone + there} {what} are not in the file: it is treated as the "
+                    "export of a selection, so none is turned off"
                 )
                 return
             for prim in filter(seen.get, seen):
@@ -249,7 +249,7 @@ def adopt_object(
         author_placed(spec, original, place.GetLocalTransformation(TIME))
         return
     if any(_is_shared(spec) for spec in _specs(added.GetPrimStack()[0])):
-        yield f"{path} is made of what other objects share in the file: export without instancing"
+        yield f"{path} uses data that other objects share in the file: export without instancing"
         return
     source = added.GetPrimStack()[0]
     _defined(opinions, path, added.GetTypeName())
@@ -278,7 +278,7 @@ def _defined(opinions: Sdf.Layer, path: Sdf.Path, kind: str) -> Sdf.PrimSpec:
 
 
 def _is_copy(original: Usd.Prim, added: Usd.Prim) -> bool:
-    """Whether an object has the parts of another one: then somebody has duplicated it."""
+    """Whether an object has the parts of another one, so it is a duplicate."""
     parts = [x.GetName() for x in original.GetFilteredChildren(Usd.TraverseInstanceProxies())]
     copies = added.GetChildren()
     return (

@@ -39,7 +39,7 @@ def editing(scene: Path) -> Iterator[Usd.Stage]:
         The composed stage; its edit target is the layer.
 
     Raises:
-        InputError: It is no composed room.
+        InputError: It is not a composed room.
         StageError: With what was authored the room would not compose, or the scene is not as
             compose wrote it.
         OutputError: The layer cannot be written.
@@ -76,7 +76,7 @@ def _check_composed(scene: Path) -> None:
         raise InputError(
             f"this is not a composed room: it has no {_EDITS}",
             place=scene,
-            remedy="compose a room first; any USD tool edits other files in place",
+            remedy="compose a room first; other files can be edited in place with any USD tool",
         )
 
 
@@ -157,9 +157,9 @@ class History:
             source.clear()
             other.clear()
             raise InputError(
-                "another program has changed this file since: taking back would lose that",
+                "another program has changed this file since: undo would lose its changes",
                 place=self.file,
-                remedy="change it there, or go on from what it is now",
+                remedy="change it there, or continue from its current state",
             )
         atomic.write_bytes(self.file, source[-1])
         self._left = source.pop()

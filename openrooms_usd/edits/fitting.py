@@ -31,7 +31,7 @@ class Fitting:
     Attributes:
         edits: The layer that receives it.
         fitted: What got its operations.
-        left: What says nothing of its units, so that nobody can.
+        left: Files without units, which cannot be fitted.
     """
 
     edits: Path
@@ -46,7 +46,7 @@ class Fitting:
 def fit(out: Path, *, dry_run: bool = False) -> Fitting:
     """Correct the units and axes of the files that a room's edits refer to, by operations there.
 
-    Nothing is touched that somebody has scaled and turned already; a second call finds nothing.
+    What was scaled and turned already stays as it is; a second call finds nothing.
 
     Args:
         out: The folder that compose wrote.

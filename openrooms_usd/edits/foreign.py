@@ -88,15 +88,15 @@ def refuse_foreign(scene: Path) -> None:
 
     Raises:
         InputError: It, or a layer beside it, is not fit to be opened (`usd.preflight`).
-        OutputError: It is no layer, and not ours.
+        OutputError: It is not a layer, and not ours.
         StageError: It holds more than compose writes.
     """
     for path in (scene.parent / names.LAYERS, scene, *own_layers(scene.parent)):
         if path.is_symlink():
             raise StageError(
-                "this is a link, and compose does not write through links",
+                "this is a symbolic link, and compose does not write through links",
                 place=path,
-                remedy="put what it leads to in its place",
+                remedy="replace it by its target",
             )
     for path in (scene, *own_layers(scene.parent)):
         if path.exists():
@@ -104,16 +104,17 @@ def refuse_foreign(scene: Path) -> None:
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(scene)) if scene.is_file() else None
     except UNREADABLE:
-        # What is no layer holds no opinions, but may be somebody's.
+        # A file that is not a layer holds no opinions, but may belong to a user.
         atomic.check_free([scene])
         return
     foreign = layer and foreign_to(_read_again(scene, layer), scene.parent)
     if foreign:
         raise StageError(
-            f"another program has saved into this file, which compose writes: {foreign}",
+            f"another program has saved into this file, which compose overwrites: {foreign}",
             place=scene,
-            remedy=f"orusd edits adopt {scene} moves it into {names.LAYERS}/{names.EDITS}.usda; "
-            "or remove the file, and compose writes it as it was",
+            remedy=f"orusd edits adopt {scene} moves the changes into "
+            f"{names.LAYERS}/{names.EDITS}.usda; or remove the file, and compose writes it "
+            "again",
         )
 
 

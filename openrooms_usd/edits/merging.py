@@ -66,7 +66,7 @@ def _check_opens(path: str, source: Path) -> None:
         raise StageError(
             f"its layer {path} cannot be opened",
             place=source,
-            remedy="put it back, or take it off the file's list of layers; nothing was changed",
+            remedy="put it back, or remove it from the file's list of layers; nothing was changed",
         )
 
 

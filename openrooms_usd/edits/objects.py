@@ -138,7 +138,7 @@ class Visible:
         prim = self._file.stage().GetPrimAtPath(self.path)
         if not prim or not prim.IsActive():
             raise InputError(
-                "this object is not in the scene any more", place=f"{self._file.path}, {self.path}"
+                "this object is no longer in the scene", place=f"{self._file.path}, {self.path}"
             )
         return prim
 
@@ -190,7 +190,7 @@ class SceneObject(Visible):
             snap: Whether sides within 15 cm of a wall come flush to it, as in the browser.
 
         Raises:
-            InputError: It is no furniture of a composed room, or a number makes no sense.
+            InputError: It is not furniture of a composed room, or a number makes no sense.
             OutputError: The edits cannot be written.
         """
         x, y, *z = _numbers(at, "at", (2, 3))
@@ -212,7 +212,7 @@ class SceneObject(Visible):
         """Shift it along the axes of the world, metres.
 
         Raises:
-            InputError: It is no furniture of a composed room, or a number makes no sense.
+            InputError: It is not furniture of a composed room, or a number makes no sense.
             OutputError: The edits cannot be written.
         """
         with self._moving("be moved"):
@@ -224,7 +224,7 @@ class SceneObject(Visible):
         """Turn it about its own origin, counter-clockwise from above.
 
         Raises:
-            InputError: It is no furniture of a composed room, or a number makes no sense.
+            InputError: It is not furniture of a composed room, or a number makes no sense.
             OutputError: The edits cannot be written.
         """
         with self._moving("be turned"):
@@ -236,7 +236,7 @@ class SceneObject(Visible):
         """Take it away; it comes back when the opinion is removed from the edits.
 
         Raises:
-            InputError: It is no furniture of a composed room.
+            InputError: It is not furniture of a composed room.
             OutputError: The edits cannot be written.
         """
         with self._moving("be removed"):
@@ -246,7 +246,7 @@ class SceneObject(Visible):
         """Put a copy beside it, which follows when the original gets another model or material.
 
         Raises:
-            InputError: It is no furniture of a composed room.
+            InputError: It is not furniture of a composed room.
             OutputError: The edits cannot be written.
         """
         with self._moving("be copied"):
@@ -258,7 +258,7 @@ class SceneObject(Visible):
 
         Raises:
             DescriptionError: There is no such category.
-            InputError: It is no furniture of a composed room.
+            InputError: It is not furniture of a composed room.
             OutputError: The edits cannot be written.
         """
         with self._moving("be called something else"):
@@ -274,7 +274,7 @@ class SceneObject(Visible):
             keep_size: Whether it is as large as before, or as such a thing usually is.
 
         Raises:
-            InputError: It is no furniture of a composed room, or there is no such style.
+            InputError: It is not furniture of a composed room, or there is no such style.
             OutputError: The edits or a model cannot be written.
         """
         with self._moving("be made anew"):
@@ -296,8 +296,8 @@ class SceneObject(Visible):
                 raise InputError(
                     f"{self.name} cannot {what}: it is part of the room's shell",
                     place=f"{self._file.path}, {self.path}",
-                    remedy=f"only what stands in {names.FURNITURE} can; change the layout in the "
-                    "description and compose it again",
+                    remedy=f"only objects below {names.FURNITURE} can; change the layout in the "
+                    "description and compose again",
                 )
             yield
 
@@ -368,5 +368,5 @@ def _numbers(given: Iterable[float], what: str, counts: tuple[int, ...]) -> list
 def _sized(given: Iterable[float]) -> tuple[float, float, float]:
     width, depth, height = _numbers(given, "size", (3,))
     if min(width, depth, height) <= 0.0:
-        raise InputError(f"a size is positive, found {given!r}", place="size")
+        raise InputError(f"a size must be positive, got {given!r}", place="size")
     return width, depth, height

@@ -25,7 +25,7 @@ REMEDIES: Final[dict[Reason, str]] = {
     "operation": "name the operation in xformOpOrder, or remove it",
 }
 
-# Beyond so many orphans nobody reads a guess for each.
+# With more orphans than this, guesses are not printed.
 _MOST_HINTS: Final = 50
 
 
@@ -82,7 +82,7 @@ def orphans_of(out: Path, name: str = names.EDITS) -> tuple[Orphan, ...]:
 
     Args:
         out: The folder that compose wrote.
-        name: The layer that is looked at: ``edits``, or another one that is no stage's.
+        name: The layer to check: ``edits``, or another one that no stage writes.
 
     Raises:
         InputError: There is no composed room, or its edits cannot be read.
@@ -132,7 +132,7 @@ class _Search:
             prim = self.stage.GetPrimAtPath(spec.path.StripAllVariantSelections())
             if not (prim and prim.IsDefined()):
                 if holds_opinions(spec):
-                    message = "writes over a prim that is not there"
+                    message = "overrides a prim that does not exist"
                     yield Orphan(str(spec.path), "missing", message, self.nearest(spec.path))
                 continue
             yield from self._variants(spec, prim)
@@ -148,16 +148,16 @@ class _Search:
     def _below_instance(self, spec: Sdf.PrimSpec) -> Iterator[Orphan]:
         for child in spec.nameChildren:
             if holds_opinions(child):
-                message = f"is below the instance {spec.name}, where USD looks at no layer"
+                message = f"is below the instance {spec.name}, where USD ignores opinions"
                 yield Orphan(str(child.path), "instance", message)
 
     def _variants(self, spec: Sdf.PrimSpec, prim: Usd.Prim) -> Iterator[Orphan]:
-        """Selections and variants that nobody else has."""
+        """Selections and variants that no other layer has."""
         wanted = {(name, choice) for name, choice in spec.variantSelections.items() if choice}
         for name, choice in sorted(wanted):
             known = prim.GetVariantSets().GetVariantSet(name).GetVariantNames()
             if choice not in known:
-                message = f"chooses the variant {name} = {choice}, which is not there"
+                message = f"selects the variant {name} = {choice}, which does not exist"
                 yield Orphan(str(spec.path), "variant", message, nearest(choice, known) or "")
 
     def _variant_specs(self, spec: Sdf.PrimSpec, prim: Usd.Prim) -> Iterator[Sdf.PrimSpec]:
@@ -173,7 +173,7 @@ class _Search:
             paths = found.connectionPathList if is_attribute else found.targetPathList
             for target in paths.GetAddedOrExplicitItems():
                 if not self._is_there(target):
-                    message = f"points to {target}, which is not there"
+                    message = f"points to {target}, which does not exist"
                     yield Orphan(str(found.path), "target", message, self.nearest(target))
 
     def _is_there(self, path: Sdf.Path) -> bool:
@@ -217,7 +217,7 @@ def _operations(spec: Sdf.PrimSpec, prim: Usd.Prim) -> Iterator[Orphan]:
         for name in UsdGeom.Xformable(prim).GetXformOpOrderAttr().Get() or ()
     }
     for name in sorted(set(given) - order):
-        message = "says an operation that the prim's xformOpOrder leaves out: it moves nothing"
+        message = "authors an operation that is not in the prim's xformOpOrder: it has no effect"
         yield Orphan(f"{spec.path}.{name}", "operation", message)
 
 

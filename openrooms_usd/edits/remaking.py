@@ -155,8 +155,8 @@ def add(scene: Path, said: Mapping[str, Any], base: Path | None = None) -> Stand
         base: Where the name of its file begins; None for the scene's folder.
 
     Raises:
-        DescriptionError: It is no object, in the words that compose would use.
-        InputError: There is no such style or support, its file cannot be read, or this is no
+        DescriptionError: It is not a valid object; the message is that of compose.
+        InputError: There is no such style or support, its file cannot be read, or this is not a
             composed room.
         OutputError: The edits or its model cannot be written.
         StageError: The room would not compose, or has nothing to hang it from.
@@ -193,7 +193,7 @@ def _path(stage: Usd.Stage, item: Described) -> Sdf.Path:
     path = Sdf.Path(names.FURNITURE).AppendChild(item.name or f"{item.category}_added")
     if item.name and stage.GetPrimAtPath(path):
         raise InputError(
-            f"there is an object {item.name!r} already", place=path, remedy="name it otherwise"
+            f"an object {item.name!r} already exists", place=path, remedy="choose another name"
         )
     return free_path(stage, path)
 

@@ -1,4 +1,4 @@
-"""Where an object comes to stand that somebody has put about there: along walls, and flush to them.
+"""Snaps an object that was placed roughly: along walls, and flush to them.
 
 Sides that are nearly parallel to the nearest wall become parallel to it, and sides that are near a
 wall, or beyond it, come flush to it. What hangs on walls hangs on the nearest one.
@@ -38,7 +38,7 @@ def snapped(room: Surroundings, spot: Spot, low: Array, high: Array) -> Spot:
 
     Args:
         room: What it stands in.
-        spot: Where somebody has put its origin.
+        spot: Where its origin was put.
         low: (2,) its least x and y in its own frame, metres.
         high: (2,) its greatest.
     """

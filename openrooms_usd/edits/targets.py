@@ -31,7 +31,7 @@ def prim_at(stage: Usd.Stage, path: str) -> Usd.Prim:
     """
     prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
     if not prim or prim.IsPseudoRoot():
-        raise InputError("there is no such prim", place=path, remedy="was the room composed anew?")
+        raise InputError("there is no such prim", place=path, remedy="was the room composed again?")
     return prim
 
 
@@ -69,7 +69,7 @@ def parts_meant(stage: Usd.Stage, path: str, scope: Scope) -> list[Sdf.Path]:
 
     Args:
         stage: The composed stage.
-        path: The part that somebody points at.
+        path: The selected part.
         scope: How much of the room.
 
     Raises:

@@ -1,4 +1,4 @@
-"""What a page in the browser is told, may ask for and may do."""
+"""The state, the requests and the commands of a page in the browser."""
 
 import threading
 from collections.abc import Callable, Mapping
@@ -25,7 +25,7 @@ class Command(Generic[Given]):
 
     Attributes:
         model: What comes with it; anything else is refused.
-        run: Does it, and gives what the page is told. An `OrusdError` is told to the person.
+        run: Does it, and returns the answer for the page. An `OrusdError` is shown to the user.
     """
 
     model: type[Given]
@@ -39,10 +39,10 @@ class App:
     Attributes:
         page: The module in ``page/`` whose ``start(root)`` fills the page, without its suffix.
         title: Of the page.
-        state: What is told when the page opens, as JSON.
+        state: The state when the page opens, as JSON.
         resources: Larger things by name; made when they are asked for.
         commands: What may be done, by name. They run one at a time.
-        watched: Files; when one of them changes the page is told ``changed`` with its name.
+        watched: Files; when one of them changes, the page receives ``changed`` with its name.
         live: As resources, but only while the page is served: a page in a file does not hold them.
     """
 

@@ -37,11 +37,11 @@ _DIGITS: Final = 4
 
 @dataclass
 class Corrections:
-    """A room that somebody corrects.
+    """A room under correction.
 
     Attributes:
         target: Where the corrections are written.
-        description: The room.yaml that it is composed from; None where nobody has named it.
+        description: The room.yaml that it is composed from; None if unknown.
         history: What was done to the file that the corrections are written to.
         notes: What the last composition said.
     """
@@ -67,7 +67,7 @@ class Corrections:
 
         Args:
             change: What is done.
-            bares: Whether stages may have left something out because of what is no more.
+            bares: Whether stages may have left something out because of prims that no longer exist.
         """
         with quiet(), self.history.step():
             found = change()
@@ -84,12 +84,12 @@ class Corrections:
         """Compose the room again, so that everything follows what was changed.
 
         Raises:
-            InputError: Nobody has said by which description.
+            InputError: The description is not known.
             OrusdError: It does not compose.
         """
         if self.description is None:
             raise InputError(
-                "nobody has said which description this room is composed from",
+                "the description of this room is not known",
                 place=self.target.scene,
                 remedy="open the page with --description room.yaml, or run orusd compose",
             )
@@ -130,7 +130,7 @@ def corrections(
         out: Where a room.yaml is composed to; by default ``composed`` beside it.
 
     Raises:
-        InputError: It is no composed room.
+        InputError: It is not a composed room.
         OrusdError: The description does not compose.
     """
     if room.suffix in (".yaml", ".yml"):

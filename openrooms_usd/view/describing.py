@@ -57,7 +57,7 @@ class Described:
             change: Gives the new values of keys, of the section as it is; None leaves a key out.
 
         Raises:
-            OrusdError: The description is none then, or does not compose: it is as it was.
+            OrusdError: The description would be invalid, or does not compose: it stays as it was.
         """
         text = self._text()
         made = rewritten(text, section, change(self.section(section)), self.file.name)
@@ -75,7 +75,7 @@ class Described:
 
         Raises:
             InputError: An object is not in the list.
-            OrusdError: The description is none then, or does not compose: it is as it was.
+            OrusdError: The description would be invalid, or does not compose: it stays as it was.
         """
 
         def listed(section: dict[str, Any]) -> dict[str, Any]:
@@ -101,7 +101,7 @@ class Objects:
     def __getitem__(self, name: str) -> dict[str, Any]:
         if name not in self.rows:
             raise InputError(
-                f"{name} is no object that this description lists",
+                f"{name} is not in this description's list of objects",
                 place=self._file,
                 remedy="correct the composed room: orusd annotate objects out/scene.usda",
             )

@@ -1,7 +1,7 @@
 """What pages get of lightmaps: every lamp and opening at every moment by itself, and the skies.
 
-Numbers are half floats in units of a scale that is told beside them, since the sun's lux are beyond
-what half floats reach.
+Numbers are half floats in units of a scale that is given beside them, since the sun's lux are
+beyond what half floats reach.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,12 +23,12 @@ from openrooms_usd.view.moments import Moment, atlases_of
 
 Floats = NDArray[np.float32]
 
-# The brightest is told as this; half floats end at 65504.
+# The brightest value becomes this; half floats end at 65504.
 _LARGEST: Final = 32768.0
 _MOST_SKY_COLUMNS: Final = 1024
 # What WebGL 2 has at least of layers of a texture.
 _MOST_LAYERS: Final = 256
-# What daylight is said to be where nobody says: that of the sky's white.
+# The default colour temperature of daylight: that of the sky's white.
 _DAYLIGHT_K: Final = 6504.0
 _LAMP_K: Final = 2700.0
 
@@ -36,7 +36,7 @@ _LAMP_K: Final = 2700.0
 def light_of(
     moments: Sequence[Moment],
 ) -> tuple[dict[str, Any] | None, dict[str, Callable[[], bytes]]]:
-    """What a page is told of the light, and the resources that hold it; None without lightmaps.
+    """The state of the light for a page, and the resources that hold it; None without lightmaps.
 
     ``layers`` says of each layer of the lightmaps which light it is of, at which moment.
 
@@ -57,7 +57,7 @@ def light_of(
             layers.append([list(lights).index(light["name"]), number])
     if len(layers) > _MOST_LAYERS:
         raise InputError(
-            f"{len(layers)} lightmaps, of each light at each moment, are more than browsers take",
+            f"{len(layers)} lightmaps, one for each light and moment, are too many for a browser",
             place=moments[0].file,
             remedy=f"show fewer moments: up to {_MOST_LAYERS} lightmaps",
         )
@@ -112,7 +112,7 @@ def _maps(atlas: Sdf.Path, moments: Sequence[Moment]) -> list[Floats]:
         maps += [_read(asset) for asset in assets or ()]
         if not assets or len({one.shape for one in maps}) > 1:
             raise InputError(
-                "its lightmaps are not as large as those of other moments",
+                "its lightmaps differ in size from those of other moments",
                 place=moment.file,
                 remedy="bake all moments with the same --texel and --max-texels",
             )

@@ -72,7 +72,7 @@ def materials_app(held: Corrections) -> App:
     def assigned(given: _Assigned) -> dict[str, Any]:
         if isinstance(given.look, dict) and "file" in given.look:
             raise InputError(
-                "a page chooses materials of the library, and names no files",
+                "a page can only choose materials of the library, not files",
                 remedy="write your own material into the room.yaml, or into the edits",
             )
 

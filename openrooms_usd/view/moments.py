@@ -55,18 +55,18 @@ def moments_of(path: Path, folders: Sequence[Path]) -> tuple[Moment, ...]:
     own = next((one for one in moments if one.is_own), None)
     if moments and own is None:
         raise InputError(
-            "this is a bake of another stage",
+            "these lightmaps belong to another stage",
             place=folders[0],
-            remedy=f"orusd bake {path} -o FOLDER, or look at the stage that was baked",
+            remedy=f"orusd bake {path} -o FOLDER, or view the stage that was baked",
         )
     places = _places(own.stage) if own and len(moments) > 1 else {}
     for one, folder in zip(moments, folders, strict=True):
         if one is not own and _places(one.stage) != places:
             raise InputError(
-                "these lightmaps are of another room, or laid out in another way",
+                "these lightmaps belong to another room, or have another layout",
                 place=folder,
                 remedy="bake all moments with the same --texel and --max-texels, of rooms that "
-                "differ in their environment alone",
+                "differ only in their environment",
             )
     return moments
 

@@ -122,7 +122,7 @@ def objects_app(held: Corrections) -> App:
 
 
 def _state(held: Corrections) -> dict[str, Any]:
-    """What the page is told of the room."""
+    """The state of the room for the page."""
     scene = held.target.scene
     stage = open_stage(scene)
     return {

@@ -18,12 +18,12 @@ from openrooms_usd.usd.shading.materials import bound_material
 
 # What has no place in a room.
 _NOWHERE: Final = (UsdShade.Material, UsdShade.NodeGraph, UsdShade.Shader, UsdPhysics.Scene)
-# Of opinions that are told in words.
+# Of opinions that are shown as text.
 _MOST_VALUES: Final = 16
 _MOST_LETTERS: Final = 120
 # Cosine of the angle between two axes above which they are one.
 _SAME_AXIS_COS: Final = 0.9999
-# A camera is told for a picture so wide; all its numbers are parts of that.
+# Width of the picture of a camera's numbers, which are all fractions of it.
 _WIDTH_PX: Final = 1000
 
 
@@ -87,7 +87,7 @@ def _own_label(prim: Usd.Prim, taxonomy: str) -> str | None:
 
 
 def _mass(prim: Usd.Prim) -> float | None:
-    """Kilograms; None where nobody says."""
+    """Kilograms; None if unknown."""
     if not prim.HasAPI(UsdPhysics.MassAPI):
         return None
     mass = UsdPhysics.MassAPI(prim).GetMassAttr().Get()
@@ -95,7 +95,7 @@ def _mass(prim: Usd.Prim) -> float | None:
 
 
 def _source(prim: Usd.Prim) -> str | None:
-    """Where somebody has captured it: a file, and what it is called there."""
+    """Its capture: a file, and its name there."""
     said = [prim.GetAttribute(name) for name in (names.SOURCE_FILE, names.SOURCE_ID)]
     return " ".join(str(one.Get()) for one in said if one and one.HasAuthoredValue()) or None
 

@@ -33,7 +33,7 @@ _OF_A_BAKE: Final = (
 
 
 class Look(Model):
-    """A look that somebody wants to see."""
+    """A request to show a look."""
 
     path: str
     """The object's prim."""
@@ -42,7 +42,7 @@ class Look(Model):
 
 
 class OfPrim(Model):
-    """A prim that somebody asks about."""
+    """A request for a prim."""
 
     path: str
     """Its path."""
@@ -66,7 +66,8 @@ def room_app(
         photographs: Where those of its capture lie, if not where the capture does.
 
     Raises:
-        InputError: It is no stage, ``render`` no render, or ``light`` of something else.
+        InputError: It is not a stage, ``render`` is not a render, or ``light`` belongs to another
+            stage.
         StageError: It needs pictures outside of these folders.
     """
     from openrooms_usd.view.light import light_of
@@ -82,7 +83,7 @@ def room_app(
     check = partial(refuse_pictures, beside=beside, include_outside=include_outside)
     for moment in moments:
         check(moment.stage)
-    # Lightmaps, renders and captures are read once: nobody edits them.
+    # Lightmaps, renders and captures are read once: pages do not edit them.
     with reading(path):
         lit, maps = light_of(moments)
     finished = None if render is None else read_render(render)
@@ -124,7 +125,7 @@ def room_app(
 def besides(
     stage: "Usd.Stage", path: Path, render: RenderedScene | None, photographs: Path | None = None
 ) -> tuple[dict[str, Any], dict[str, Callable[[], bytes]]]:
-    """What a page is told of a render, photographs and a scan, and the resources that hold them."""
+    """The state of a render, photographs and a scan for a page, and its resources."""
     from openrooms_usd.comparison.photographs import is_captured, read_captured
     from openrooms_usd.view.prims import cameras_of
     from openrooms_usd.view.scanned import POINTS, packed
@@ -156,7 +157,7 @@ def besides(
 
 
 def room_state(path: Path) -> dict[str, Any]:
-    """What the page is told of a stage: prims, joints, looks, cameras and the plan."""
+    """The state of a stage for the page: prims, joints, looks, cameras and the plan."""
     # Stages are of USD, whose import takes a while.
     from openrooms_usd.view.prims import (
         cameras_of,

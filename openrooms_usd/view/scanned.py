@@ -45,7 +45,7 @@ def scan_app(path: Path, *, importer: str = "scan") -> App:
         importer: The importer's name.
 
     Raises:
-        InputError: There is no such importer, or it is no scan.
+        InputError: There is no such importer, or it is not a scan.
     """
     cloud = read_capture(importer, path).cloud
     if cloud is None or not len(cloud):

@@ -50,7 +50,7 @@ class Server(ThreadingHTTPServer):
             super().__init__((host, port), _Handler)
         except OSError as error:
             raise OutputError(
-                f"no page can be served there: {error.strerror or error}",
+                f"cannot serve a page there: {error.strerror or error}",
                 place=f"{host}:{port}",
                 remedy="use another --port, or 0 for any that is free",
             ) from error
@@ -70,7 +70,7 @@ class Server(ThreadingHTTPServer):
 
     @contextmanager
     def listening(self) -> Iterator["queue.Queue[str]"]:
-        """What is told from now on."""
+        """Messages from now on."""
         listener: queue.Queue[str] = queue.Queue(_MOST_EVENTS)
         self._listeners.append(listener)
         try:
@@ -79,7 +79,7 @@ class Server(ThreadingHTTPServer):
             self._listeners.remove(listener)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A browser that goes away in the middle is no failure."""
+        """A browser that disconnects is not an error."""
 
 
 @contextmanager
@@ -92,7 +92,7 @@ def serving(app: App, *, host: str = LOOPBACK, port: int = 0) -> Iterator[Server
         port: The port; 0 for any that is free.
 
     Raises:
-        OutputError: The port is taken, or the host is none of this machine.
+        OutputError: The port is in use, or the host is not an address of this machine.
     """
     with Server(app, host, port) as server:
         thread = threading.Thread(target=server.serve_forever, args=(0.1,), daemon=True)
@@ -129,7 +129,7 @@ class _Handler(BaseHTTPRequestHandler):
         elif (path, name) == ("events", ""):
             self._events()
         else:
-            self._refuse(HTTPStatus.NOT_FOUND, "there is nothing of that name")
+            self._refuse(HTTPStatus.NOT_FOUND, "there is no such resource")
 
     def do_POST(self) -> None:
         path, name = self._asked()
@@ -138,7 +138,7 @@ class _Handler(BaseHTTPRequestHandler):
         if not self._trusted():
             self._refuse(HTTPStatus.FORBIDDEN, "open the whole address that orusd printed")
         elif path != "command" or name not in self.server.app.commands:
-            self._refuse(HTTPStatus.NOT_FOUND, "there is no command of that name")
+            self._refuse(HTTPStatus.NOT_FOUND, "there is no such command")
         elif not length.isdecimal() or int(length) > MOST_BYTES:
             self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"send up to {MOST_BYTES} bytes")
         else:

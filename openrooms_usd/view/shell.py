@@ -12,7 +12,7 @@ from typing import Any, Final
 from openrooms_usd import atomic, claims
 from openrooms_usd.view.app import App
 
-# Nothing is asked of anybody else, whatever a stage says.
+# Nothing is requested from other servers, whatever a stage says.
 _POLICY: Final = (
     "default-src 'none'; script-src 'unsafe-inline' data: blob:; style-src 'unsafe-inline'; "
     "img-src data: blob:; media-src data: blob:; connect-src data: blob:"

@@ -124,7 +124,7 @@ class Tracing:
         except OrusdError as error:
             self._told = {**self._told, "state": "failed", "error": error.as_dict()}
         except Exception as error:
-            # A thread has nobody to raise it to, and the page waits.
+            # A thread has no caller to raise it to, and the page waits.
             said = {"message": f"the renderer failed: {error}", "place": None, "remedy": None}
             self._told = {**self._told, "state": "failed", "error": said}
 

@@ -188,14 +188,17 @@ WRONG: dict[str, tuple[type[Exception], Callable[[ou.Scene], object]]] = {
     "no object is named 'chiar'.*'chair'": (UnknownNameError, lambda s: s.objects["chiar"]),
     "part of the room's shell": (InputError, lambda s: s.shell["wall_0"].move(1)),
     "expected 2 or 3 finite numbers": (InputError, lambda s: s.objects["chair"].place((1,))),
-    "a size is positive": (InputError, lambda s: s.objects["chair"].place((1, 1), size=(1, 1, 0))),
+    "a size must be positive": (
+        InputError,
+        lambda s: s.objects["chair"].place((1, 1), size=(1, 1, 0)),
+    ),
     r"color\[0\]: expected at most 1": (
         DescriptionError,
         lambda s: s.objects["chair"].set_color((255, 0, 0)),
     ),
     "category.*did you mean 'chair'": (DescriptionError, lambda s: s.add("chiar", (1, 1))),
     "table is not below": (InputError, lambda s: s.add("vase", (0.2, 0.2), on="table")),
-    "there is an object 'chair' already": (
+    "an object 'chair' already exists": (
         InputError,
         lambda s: s.add("chair", (1, 1), name="chair"),
     ),
@@ -217,7 +220,7 @@ def test_what_was_removed_says_so(scene: ou.Scene) -> None:
     chair = scene.objects["chair"]
     chair.remove()
     assert "chair" not in scene.objects
-    with pytest.raises(InputError, match="not in the scene any more"):
+    with pytest.raises(InputError, match="no longer in the scene"):
         chair.turn(10)
 
 

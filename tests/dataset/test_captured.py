@@ -102,7 +102,7 @@ def test_what_is_left_out_has_not_failed_and_is_not_tried_again(tmp_path: Path) 
     assert (done.made, done.failed) == (0, {})
     found = status_of(tmp_path / "out")
     assert (found.finished, found.left, found.failures) == (0, 0, ())
-    assert "100% are asked for" in found.left_out["room_room"]
+    assert "100% are required" in found.left_out["room_room"]
     store = Store(tmp_path / "out")
     (job,) = store.jobs()
     before = store.failure(job, 0)

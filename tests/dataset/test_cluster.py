@@ -23,7 +23,7 @@ HERE = Path(__file__).parent
 
 @pytest.mark.parametrize(
     ("options", "said"),
-    [({"cpus": "many"}, "no amount"), ({"address": "ray://head:10001"}, "Ray's client")],
+    [({"cpus": "many"}, "not an amount"), ({"address": "ray://head:10001"}, "Ray's client")],
 )
 def test_options_that_make_no_sense_are_refused(options: dict[str, str], said: str) -> None:
     with pytest.raises(InputError, match=said), RayExecutor().hired(Wanted(options=options)):

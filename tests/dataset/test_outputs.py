@@ -206,7 +206,7 @@ def test_a_room_whose_variants_share_no_view_is_told(finished: Finished, crowded
     (store.root / "records/room_good/main/view_1.json").unlink()
     (store.root / "records/room_good/mainDiffMat/view_0.json").unlink()
     notes = finish(store, asking(dataset, **{"as": "openrooms", "crowded": crowded}))
-    assert notes == ("openrooms: room_good: no view is finished in all of its variants",)
+    assert notes == ("openrooms: room_good: no view is finished in all its variants",)
     assert not (store.root / "outputs").exists()
 
 

@@ -65,7 +65,7 @@ def test_urls_that_nobody_knows_are_refused(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_a_dataset_that_is_not_there_is_named() -> None:
-    with pytest.raises(InputError, match="no dataset is there"):
+    with pytest.raises(InputError, match="there is no dataset"):
         status_of("memory://not-there")
     assert root_of("s3://a/b") == "s3://a/b"
     assert root_of("a/b") == Path("a/b")
@@ -117,7 +117,7 @@ class Clock(threading.Event):
 def test_one_run_has_it_at_a_time(remote: RemoteFolder) -> None:
     first = Lease(remote, Clock())
     first.take()
-    with pytest.raises(OutputError, match="is making this dataset"):
+    with pytest.raises(OutputError, match="is running this dataset"):
         Lease(remote, Clock(first.beat)).take()
     first.check()
     first.give_back()
@@ -149,7 +149,7 @@ def test_the_lease_of_the_dead_is_taken_over(
 def test_of_two_that_take_over_together_one_is_told(remote: RemoteFolder) -> None:
     other = json.dumps({"host": "elsewhere", "process": 1, "run": "x"})
     own = Lease(remote, Clock(lambda: remote.put_text(leases.LEASE, other)))
-    with pytest.raises(OutputError, match="process 1 of elsewhere is making"):
+    with pytest.raises(OutputError, match="process 1 of elsewhere is running"):
         own.take()
 
 
@@ -160,7 +160,7 @@ def test_who_loses_it_is_told(remote: RemoteFolder) -> None:
     own.check()
     remote.put_text(leases.LEASE, json.dumps({"host": "elsewhere", "process": 1, "run": "x"}))
     own.keep()
-    with pytest.raises(OutputError, match="taken this dataset over"):
+    with pytest.raises(OutputError, match="taken over this dataset"):
         own.check()
     own.give_back()
     assert remote.names("") == [leases.LEASE]

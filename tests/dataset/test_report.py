@@ -166,7 +166,7 @@ def test_a_dataset_without_any_view_has_a_page_too(tmp_path: Path) -> None:
     assert "No view is finished." in written(tmp_path, price=1.0)
     with pytest.raises(InputError):
         write_report(tmp_path / "nowhere", tmp_path / "page.html")
-    with pytest.raises(InputError, match="nan is no price"):
+    with pytest.raises(InputError, match="nan is not a price"):
         write_report(tmp_path, tmp_path / "other.html", price=float("nan"))
     assert not (tmp_path / "other.html").exists()
 

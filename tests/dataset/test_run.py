@@ -321,5 +321,5 @@ def test_a_folder_without_a_dataset_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError):
         status_of(tmp_path)
     (tmp_path / "plan.jsonl").write_text('{"key": 1}\n')
-    with pytest.raises(InputError, match="no plan"):
+    with pytest.raises(InputError, match="not a plan"):
         status_of(tmp_path)

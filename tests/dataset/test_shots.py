@@ -69,15 +69,15 @@ def test_cameras_of_no_use_give_way_to_the_next_ones(opened: Open) -> None:
     assert [len(one.rejected) for one in found] == [0, 1, 1]
     (first,) = found[1].rejected
     assert first["camera"] == "view_1"
-    assert first["faults"] == ["the camera is in something", "it shows one thing alone"]
+    assert first["faults"] == ["the camera is inside an object", "it shows only one object"]
     assert first["world_from_camera"][0][3] == 3.97
-    assert found[2].rejected[0]["faults"][0] == "something stands in front of the camera"
+    assert found[2].rejected[0]["faults"][0] == "an object blocks the camera"
     # Where too few are left, the camera stays that was asked for; who wants no judgement has none.
     asked = views(**{"from": "described", "count": 3, "replace": 1})
     assert [one.view for one in shots_of(asked, room)] == ["view_0", "view_3", "view_2"]
     asked = views(**{"from": "described", "count": 3, "replace": 0})
     assert [one.view for one in shots_of(asked, room)] == ["view_0", "view_1", "view_2"]
-    with pytest.raises(RenderError, match="3 views and no view 3"):
+    with pytest.raises(RenderError, match="3 views, but no view 3"):
         shot(found, 3, "small")
 
 

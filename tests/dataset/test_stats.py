@@ -198,11 +198,11 @@ def one_near() -> np.ndarray:
     [
         ({"radiance": np.full((*SHAPE, 3), 0.01)}, "it is dark"),
         ({"radiance": np.full((*SHAPE, 3), 3e3)}, "most of it is brighter than white"),
-        ({"depth": one_near()}, "the camera is in something"),
-        ({"depth": np.full((*SHAPE, 1), 0.2)}, "something stands in front of the camera"),
+        ({"depth": one_near()}, "the camera is inside an object"),
+        ({"depth": np.full((*SHAPE, 1), 0.2)}, "an object blocks the camera"),
         ({"valid": np.zeros((*SHAPE, 1))}, "it is empty"),
-        ({"instance": np.ones((*SHAPE, 1))}, "it shows one thing alone"),
-        ({"normal": np.full((*SHAPE, 3), np.nan)}, "not all numbers are finite in normal"),
+        ({"instance": np.ones((*SHAPE, 1))}, "it shows only one object"),
+        ({"normal": np.full((*SHAPE, 3), np.nan)}, "not all values are finite in normal"),
     ],
 )
 def test_each_fault_is_found_alone(changed: dict[str, np.ndarray], fault: str) -> None:
@@ -213,7 +213,7 @@ def test_what_is_no_number_is_no_measure() -> None:
     holed = np.full((*SHAPE, 3), 200.0)
     holed[3, 4] = np.nan
     found = assess(view(radiance=holed))
-    assert found["faults"] == ["not all numbers are finite in radiance"]
+    assert found["faults"] == ["not all values are finite in radiance"]
     json.dumps(found, allow_nan=False)
 
 
@@ -232,7 +232,7 @@ def test_a_sound_view_has_none() -> None:
 
 
 def test_noise_is_held_against_the_budget_alone() -> None:
-    assert assess(view(), error=0.01)["faults"] == ["it is noisier than asked for"]
+    assert assess(view(), error=0.01)["faults"] == ["it is noisier than requested"]
 
 
 def test_channels_that_are_not_asked_for_are_not_missed() -> None:
@@ -245,9 +245,9 @@ def test_a_channel_that_is_not_there_or_empty_is_missed() -> None:
     black = view(normal=nothing, base_color=nothing)
     found = assess(black, asked=("normal", "base_color", "part"))
     # Black things there are; surfaces without a normal there are not.
-    assert found["faults"] == ["nothing is in normal, part"]
+    assert found["faults"] == ["no values in normal, part"]
     lit = view(irradiance=nothing)
-    assert assess(lit, asked=("irradiance",))["faults"] == ["nothing is in irradiance"]
+    assert assess(lit, asked=("irradiance",))["faults"] == ["no values in irradiance"]
     dark = view(irradiance=nothing, radiance=nothing)
     assert assess(dark, asked=("irradiance",))["faults"] == ["it is dark"]
     # Outside there are no normals.
@@ -257,4 +257,4 @@ def test_a_channel_that_is_not_there_or_empty_is_missed() -> None:
 
 def test_faults_of_light_are_not_the_cameras() -> None:
     dark = view(radiance=np.zeros((*SHAPE, 3)), depth=one_near())
-    assert camera_faults(dark) == ["the camera is in something"]
+    assert camera_faults(dark) == ["the camera is inside an object"]

@@ -49,7 +49,7 @@ def test_opinions_move_and_the_scene_is_as_compose_writes_it(place: Any, values:
     assert rows[SOFA].fields == ("xformOp:translate", "variantSelection")
     assert not any(row.new for path, row in rows.items() if path != "/World/Crate")
     assert "/World" not in rows
-    assert adoption.left == ("metadata of the file is left behind: customLayerData",)
+    assert adoption.left == ("metadata of the file is not adopted: customLayerData",)
     place.compose()
     stage = place.stage()
     assert stage.GetPrimAtPath("/World/Crate").IsDefined()
@@ -124,7 +124,7 @@ def test_paths_start_at_the_layers_and_strangers_are_named(place: Any, tmp_path:
     assert "@../props/a.usda@" in text
     assert "@../../elsewhere/b.usda@" in text
     assert adoption.left == (
-        f"{outside} lies outside the room's folder: copy it there to move them together",
+        f"{outside} is outside the room's folder: copy it there to move both together",
     )
 
 

@@ -528,7 +528,10 @@ def test_another_material_on_a_part_is_named(place: Any) -> None:
 
     adoption = adopt(place.scene, exported(place, change))
     assert changed(adoption) == {}
-    assert len(adoption.left) == 1 and "/World/Room/Walls/wall_0 wears bulb_" in adoption.left[0]
+    assert (
+        len(adoption.left) == 1
+        and "/World/Room/Walls/wall_0 now has the material bulb_" in adoption.left[0]
+    )
 
 
 NESTED = """

@@ -69,7 +69,7 @@ def test_each_kind_is_found_with_the_nearest_path(place: Any) -> None:
 def test_the_same_are_said_by_the_commands_and_by_validate(place: Any) -> None:
     place.write_edits(LOST)
     said = run("compose", place.description, "-o", place.out)
-    assert "edits: /World/Fruniture: writes over a prim that is not there" in said.output
+    assert "edits: /World/Fruniture: overrides a prim that does not exist" in said.output
     assert "edits: 2 more; orusd edits orphans" in said.output
     listed = run("edits", "orphans", place.out)
     assert "remedy: /World/Furniture/sofa is near: rename it to where the prim is now" in (

@@ -63,7 +63,7 @@ def test_pictures_are_those_of_the_library_and_nothing_else_has_a_name(materials
         ({"path": SEAT, "scope": "room", "look": "wood"}, 400, "scope"),
         ({"path": SEAT, "scope": "part"}, 400, "look"),
         ({"path": SEAT, "scope": "part", "look": "wood", "more": 1}, 400, "more"),
-        ({"path": SEAT, "scope": "part", "look": {"file": "/etc"}}, 422, "names no files"),
+        ({"path": SEAT, "scope": "part", "look": {"file": "/etc"}}, 422, "not files"),
         ({"path": SEAT, "scope": "part", "look": "oak_plank"}, 422, "did you mean 'oak_planks'"),
         ({"path": "/World/../x", "scope": "part", "look": "wood"}, 422, "no such prim"),
     ],

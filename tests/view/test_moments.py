@@ -117,7 +117,7 @@ def test_what_does_not_belong_together_is_refused(tmp_path: Path) -> None:
     cases = {
         "another stage": [bake(other, tmp_path / "of_another")],
         "another room": [lit, bake(scene, tmp_path / "scaled", scale=0.5)],
-        "not as large": [lit, bake(scene, tmp_path / "finer", size=8)],
+        "differ in size": [lit, bake(scene, tmp_path / "finer", size=8)],
         "no lightmaps": [tmp_path / "out"],
     }
     for message, folders in cases.items():
@@ -126,7 +126,7 @@ def test_what_does_not_belong_together_is_refused(tmp_path: Path) -> None:
         assert folders[-1].name in str(refused.value)
         assert refused.value.remedy
     with pytest.raises(InputError, match="--texel"):
-        room_app(scene, light=cases["not as large"])
+        room_app(scene, light=cases["differ in size"])
 
 
 def test_a_browser_does_not_get_more_lightmaps_than_it_can_have(tmp_path: Path) -> None:

@@ -173,7 +173,7 @@ def _short(name: str) -> str:
 # What the sections of a report are made of: tables, and charts with their numbers.
 
 MOST_ROWS: Final = 60
-"""Of a table; what is beyond is told to be there."""
+"""Of a table; further rows are counted."""
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 MOST_PICTURES: Final = 72
-"""How many views a report shows where nobody says."""
+"""How many views a report shows by default."""
 
 _TEMPLATE: Final = "page.html"
 # A dataset.yaml may name thousands of files.
@@ -79,12 +79,12 @@ def write_report(
         price: Of an hour of a core, in any money.
 
     Raises:
-        InputError: There is no dataset, or the price is no number.
+        InputError: There is no dataset, or the price is not a number.
         MissingPackageError: What draws charts or fills the page is not installed.
         OutputError: The page cannot be written, or is there and not ours.
     """
     if price is not None and not math.isfinite(price):
-        raise InputError(f"{price} is no price", place="price", remedy="give a number")
+        raise InputError(f"{price} is not a price", place="price", remedy="give a number")
     charts.check_installed()
     claims.check_output(out)
     template = _environment().get_template(_TEMPLATE)
@@ -127,7 +127,7 @@ def _environment() -> "jinja2.Environment":
         ) from error
     return jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent),
-        # Names of rooms and reasons of failures may be anybody's.
+        # Names of rooms and reasons of failures are untrusted text.
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -245,7 +245,7 @@ def variants(store: Store, most: int) -> list[Strip]:
     jobs: dict[int, list[Job]] = defaultdict(list)
     rooms: dict[int, PlannedRoom] = {}
     for job in store.jobs():
-        # Nobody has begun the others.
+        # The others are not started yet.
         if store.record_path(job, SCENE).is_file():
             rooms[job.room.number] = job.room
             jobs[job.room.number].append(job)

@@ -130,7 +130,7 @@ _CONTENTS: Final = (
         "depth in m",
         "% of pixels",
         (0.0, 5.0),
-        "The last column takes all that is farther.",
+        "The last column has everything farther away.",
         as_share=True,
         open_from=DEPTH_STEP_M * (DEPTH_BINS - 1),
     ),
@@ -138,7 +138,7 @@ _CONTENTS: Final = (
         "Lights by kind",
         lambda stats: stats.lights,
         "lights",
-        "Elsewhere is what comes in past all openings. " + _EVERY_VARIANT,
+        "Elsewhere is light that enters outside all openings. " + _EVERY_VARIANT,
     ),
     _Histogram(
         "Lamps that are on in a room",

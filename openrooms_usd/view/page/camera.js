@@ -24,7 +24,7 @@ export class Camera {
   constructor(canvas, changed) {
     Object.assign(this, { canvas, changed, mode: "orbit", target: [0, 0, 1], distance: 6,
       yaw: 0.8, pitch: -0.4, lens: { focal: 0.9, right: 0, down: 0 }, exact: null, floor: 0, box: null });
-    /** While it says true, drags are somebody else's. */
+    /** While it returns true, another handler has the drags. */
     this.held = () => false;
     this.listen();
   }

@@ -12,7 +12,7 @@ const PAUSE_MS = 500;
 /** A room that is corrected, and the panel beside it. */
 export class Correcting {
   /**
-   * renewed(state): called with what is told of the room, first and whenever it has changed.
+   * renewed(state): called with the state of the room, first and whenever it has changed.
    * help: rows of what else mouse and keys do.
    */
   static async open(root, renewed, help = []) {
@@ -94,7 +94,7 @@ export class Correcting {
     return this.send(command, {}, { words: { undo: "undone", redo: "redone", compose: "composed" }[command] });
   }
 
-  /** Somebody has changed the file: look whether it was us. */
+  /** The file has changed: check whether this page did it. */
   look() {
     this.last = this.last.then(async () => {
       if ((await source.send("version")).version === this.version) return;

@@ -1,4 +1,4 @@
-// WebGL 2 in a few words: programs, vertices, pictures, and frames that nobody sees.
+// WebGL 2 in a few words: programs, vertices, pictures, and hidden frames.
 
 /** The context of a canvas; throws where a browser has none. */
 export function context(canvas) {

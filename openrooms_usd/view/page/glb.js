@@ -20,7 +20,7 @@ const SIZES = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 export async function parse(buffer) {
   const view = new DataView(buffer);
   if (buffer.byteLength < 20 || view.getUint32(0, true) !== MAGIC)
-    throw new Error("this is no GLB file");
+    throw new Error("this is not a GLB file");
   const size = view.getUint32(12, true);
   const said = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 20, size)));
   const start = 28 + size;

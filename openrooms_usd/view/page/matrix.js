@@ -28,7 +28,7 @@ export function inverse(m) {
   return out;
 }
 
-/** A matrix that is told row by row, as Python and the state of pages tell it. */
+/** A matrix given row by row, as in Python and the state of pages. */
 export const fromRows = (rows) => [0, 1, 2, 3].flatMap((c) => rows.map((row) => row[c]));
 
 /** The same matrix row by row. */

@@ -29,7 +29,7 @@ export function slider(id, label, { min = 0, max = 1, step = 0.01, value = min, 
   return row(label, input, told);
 }
 
-/** Set a slider as if somebody had dragged it. */
+/** Set a slider as if the user had dragged it. */
 export function slide(id, value) {
   const input = document.getElementById(id);
   input.value = value;

@@ -1,4 +1,4 @@
-// Which prim is seen at a pixel, and where: drawn as numbers into a frame that nobody sees.
+// Which prim is seen at a pixel, and where: drawn as numbers into a hidden frame.
 
 import { Frame, program } from "orusd/gl.js";
 import { NAMED, VERTEX } from "orusd/shading.js";

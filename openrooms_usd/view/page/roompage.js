@@ -52,7 +52,7 @@ export async function roomPage(room, state, { stand, panel }) {
   );
   room.page = { choose, state, stand };
 
-  /** Somebody has changed the stage: show what it is now. */
+  /** The stage has changed: show its current state. */
   const again = async ({ file }) => {
     const [now, glb] = await Promise.all([stateNow(), resource("room.glb")]);
     known = byPath(now);
@@ -92,7 +92,7 @@ function told(prim) {
   });
 }
 
-/** A list of what each layer says of a prim, when somebody opens it. */
+/** A list of each layer's opinions on a prim, when the user opens it. */
 function opinions(path) {
   if (offline) return [];
   const list = element("div", {});

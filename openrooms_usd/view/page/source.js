@@ -17,7 +17,7 @@ export class Refused extends Error {
   }
 }
 
-/** What the page is told when it opens. */
+/** The state of the page when it opens. */
 export async function state() {
   return offline ? JSON.parse(inside.textContent) : asked("/state");
 }

@@ -1,4 +1,4 @@
-// Prims as a tree: opened where somebody looks, one of them chosen.
+// Prims as a tree: branches open on demand, one prim is selected.
 
 import { element } from "orusd/panel.js";
 

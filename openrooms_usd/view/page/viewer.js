@@ -11,7 +11,7 @@ import { fitted, raised } from "orusd/tone.js";
 
 const MARK = [0.16, 0.55, 1];
 const TONES = { srgb: 0, film: 1, photograph: 2 };
-// A press that moves farther than this is no click, pixels.
+// A press that moves farther than this is not a click, pixels.
 const CLICK_PX = 4;
 // What hangs on a wall is so near to it, metres.
 const BESIDE_M = 0.05;
@@ -38,7 +38,7 @@ export class Room {
     this.overlays = new Map();
     /** Finds a point of a scan at a place of the canvas, where one is shown. */
     this.points = null;
-    /** Called with a camera of the state that somebody has jumped into. */
+    /** Called with a camera of the state after the user has jumped to it. */
     this.jumps = [];
     this.handlers = { pick: [], draw: [] };
     /** Called with what is clicked in place of all who listen, while a tool is in use. */

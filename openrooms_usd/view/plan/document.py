@@ -36,7 +36,7 @@ class Document:
         file: An existing ``room.yaml``.
 
     Raises:
-        DescriptionError: It is no valid description.
+        DescriptionError: It is not a valid description.
         InputError: It, or its capture, cannot be read.
     """
 
@@ -112,7 +112,7 @@ class Document:
         """Refuse what compose would refuse, in its words.
 
         Raises:
-            DescriptionError: It is no valid description, or something does not fit.
+            DescriptionError: It is not a valid description, or something does not fit.
         """
         layout = self._layout(text)
         try:
@@ -129,13 +129,13 @@ class Document:
 
         Raises:
             DescriptionError: Compose would refuse it; nothing is written.
-            OutputError: Somebody else has changed the file, or it cannot be written.
+            OutputError: Another program has changed the file, or it cannot be written.
         """
         if self._read() != self.text:
             raise OutputError(
                 "another program has changed the file",
                 place=self.file,
-                remedy="look at its plan, which is here now, and undo it to go on with yours",
+                remedy="check its plan, which is shown now, or undo it to continue with yours",
             )
         text = self.text_of(plan)
         self.check(text)
@@ -148,7 +148,7 @@ class Document:
         """Read the file again; the plan, where another program gave it another one.
 
         Raises:
-            DescriptionError: It is no valid description now; the text of before is kept.
+            DescriptionError: It is not a valid description now; the previous text is kept.
         """
         text = self._read()
         if text == self.text:

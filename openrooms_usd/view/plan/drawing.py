@@ -107,8 +107,7 @@ class Drawing:
         """
         if not 0 <= number < count:
             raise InputError(
-                f"there is no {what} {number}",
-                remedy="look at the plan again: it may have changed since",
+                f"there is no {what} {number}", remedy="reload the plan: it may have changed since"
             )
 
     def as_section(self) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """What stands in the outline: openings, walls that stand free, and how high the room is.
 
-An opening is told by its rectangle on the wall's elevation: x to the right as the wall is seen from
-inside, or from the side from which a partition's line runs to the right; z up from the floor.
+An opening is given by its rectangle on the wall's elevation, with x to the right and z up from the
+floor. The wall is seen from inside, or from the side from which a partition's line runs to the
+right.
 """
 
 from dataclasses import replace
@@ -64,7 +65,7 @@ def set_opening(
     one = plan.openings[number]
     changed: dict[str, Any] = {}
     if kind is not None and kind != one.kind:
-        # A name such as window_2 and a style would say what it is no more.
+        # A name such as window_2 and a style would no longer fit.
         changed |= {"kind": kind, "name": None, "style": None}
     if hole is not None:
         fitted = _fitted(plan, hole, one.wall, kind or one.kind) if snap else hole
@@ -104,7 +105,7 @@ def remove_partition(plan: Drawing, number: int) -> Drawing:
     rows = _named(plan)
     gone = rows.pop(number).name
     openings = tuple(one for one in plan.openings if one.partition in (None, *_names(rows)))
-    assert all(one.partition != gone for one in openings), "names are unique"
+    assert all(one.partition != gone for one in openings), "another object has this name"
     return replace(plan, partitions=tuple(rows), openings=openings)
 
 

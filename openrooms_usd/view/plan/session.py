@@ -1,4 +1,4 @@
-"""The page of a plan: what it is told, and what it may do. It has no rules of its own."""
+"""The page of a plan: its state and its commands. It has no rules of its own."""
 
 import base64
 from collections.abc import Callable, Mapping
@@ -254,15 +254,13 @@ def room_file(source: Path, out: Path | None = None, importer: str = "scan") -> 
     if source.suffix in _DESCRIPTIONS:
         if out is not None:
             raise InputError(
-                "a room.yaml is changed where it is",
+                "a room.yaml is edited in place",
                 place=source,
-                remedy="leave --out away, or copy its folder first",
+                remedy="omit --out, or copy its folder first",
             )
         return source
     if out is None:
         raise InputError(
-            "a scan needs a folder in which its room.yaml is written",
-            place=source,
-            remedy="give one: `--out DIR`",
+            "a scan needs a folder for its room.yaml", place=source, remedy="give one: `--out DIR`"
         )
     return import_capture(importer, source, out).file

@@ -89,7 +89,7 @@ def underlay_of(room: Room, folder: Path) -> Underlay:
 def walls_of_a_seed() -> InputError:
     """What to raise for a room without corners to move."""
     return InputError(
-        "the walls of this room are drawn by its seed: there is nothing to move",
+        "the walls of this room come from its seed and cannot be moved",
         place="layout",
         remedy="`orusd generate` writes a room whose walls have corners",
     )

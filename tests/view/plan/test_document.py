@@ -223,7 +223,7 @@ def test_numbers_that_become_other_walls_are_told(tmp_path: Path, more: str, sai
 
 def test_walls_of_a_seed_are_not_moved(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text("room: kitchen\nlayout: {from: generate}\n")
-    with pytest.raises(InputError, match="drawn by its seed"):
+    with pytest.raises(InputError, match="come from its seed"):
         Session(tmp_path / "room.yaml")
 
 

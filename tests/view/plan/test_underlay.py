@@ -142,7 +142,7 @@ def test_a_folder_a_description_and_a_scan_all_have_a_room(tmp_path: Path) -> No
     file.write_text(f"{file.read_text()}# mine\n")
     for source, out, said in (
         (scan, None, "needs a folder"),
-        (file, tmp_path / "other", "changed where it is"),
+        (file, tmp_path / "other", "edited in place"),
         (scan, tmp_path / "room", "the folder already has a room"),
     ):
         with pytest.raises(ou.OrusdError, match=said):
