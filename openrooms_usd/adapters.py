@@ -1,4 +1,4 @@
-"""Finds importers, renderers, exporters and the like by entry point, ours and anybody's alike."""
+"""Finds importers, renderers, exporters and the like by entry point, ours and others."""
 
 from collections.abc import Mapping
 from importlib.metadata import EntryPoint, entry_points

@@ -1,7 +1,7 @@
 """Files and folders appear whole or not at all: write beside the target, then rename.
 
-Where a command keeps a ledger of its folder, what appears there is noted in it, and only what an
-earlier run wrote and nobody changed since gives way.
+Where a command keeps a ledger of its folder, what appears there is noted in it, and only unchanged
+files of an earlier run are replaced.
 """
 
 import filecmp
@@ -17,7 +17,7 @@ from openrooms_usd.errors import OutputError, writing
 def making(folder: Path) -> Iterator[None]:
     """Make a folder and its parents; when the block raises, those that are new go again.
 
-    A new folder that somebody else has put something into stays.
+    A new folder with other files in it stays.
 
     Raises:
         OutputError: It cannot be made.
@@ -88,13 +88,13 @@ def replacing(target: Path) -> Iterator[Path]:
 
 
 def take_places(files: Iterable[tuple[Path, Path]]) -> None:
-    """Let new files take their places; somebody else's that says the same stays theirs.
+    """Let new files take their places; a foreign file with the same contents stays foreign.
 
     Args:
         files: Each new one and its target, in their order.
 
     Raises:
-        OutputError: Somebody else's file would give way; none has taken its place then.
+        OutputError: A foreign file would be replaced; no file has taken its place then.
         OSError: It cannot be renamed.
     """
     files = list(files)
@@ -116,7 +116,7 @@ def _refuse(lost: Sequence[Path]) -> None:
     if lost:
         more = f" (and {len(lost) - 1} more)" if len(lost) > 1 else ""
         raise OutputError(
-            f"this would be replaced{more}, and no earlier run wrote it as it is now",
+            f"this would be replaced{more}, but it is not as an earlier run wrote it",
             place=lost[0],
             remedy="move it away, or choose another output (older versions kept no list of it)",
         )
@@ -151,7 +151,7 @@ def check_replaceable(target: Path) -> None:
 
 
 def check_free(targets: Iterable[Path]) -> None:
-    """See that nothing of anybody else's would give way; a folder may hold what is ours alone.
+    """Check that no foreign file would be replaced; a folder must hold only our files.
 
     Files are free where no ledger is kept.
 
@@ -249,7 +249,11 @@ def check_own(target: Path) -> None:
     """
     foreign = ledger.foreign(target)
     if foreign:
-        first = "it is no folder of ours" if foreign[0] == "." else f"{foreign[0]!r} in it"
+        first = (
+            "it is not a folder that this tool made"
+            if foreign[0] == "."
+            else f"{foreign[0]!r} in it"
+        )
         more = f" (and {len(foreign) - 1} more)" if len(foreign) > 1 else ""
         was = (
             ""

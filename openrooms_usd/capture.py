@@ -77,8 +77,8 @@ class CapturedBox:
         id: The identifier in the source.
         label: The source's own category name.
         center: (3,) metres.
-        rotation: (3, 3) box axes as columns: width (right), depth (back), height (up), seen by
-            somebody who stands before the object's front and looks at it from its own -Y side.
+        rotation: (3, 3) box axes as columns: width (right), depth (back), height (up), seen from
+            the object's front, its own -Y side.
         size: (3,) full width, depth and height, metres.
         confidence: How sure the source is.
         attributes: Whatever else the source knows, as plain strings.
@@ -111,7 +111,7 @@ class CapturedModel:
         front: Where its front looks once that axis is turned to Z.
         shifts: (3,) each, metres in the world: how it was moved afterwards, one after the other, so
             that it stands where it can.
-        radiance: Nits of each primary that its bulbs emit, scene-linear; None where nobody says.
+        radiance: Nits of each primary that its bulbs emit, scene-linear; None if unknown.
         looks: What its parts are made of where its file does not say it: looks of the description
             by part.
     """
@@ -176,7 +176,7 @@ class Capture:
         frames: The photographs whose cameras are known, in the order they were taken.
         fov: Horizontal field of view of pictures whose cameras are not known, degrees.
         cloud: The scanned points.
-        environment: The world outside, as the description says it; None where nobody knows.
+        environment: The world outside, as in the description; None if unknown.
         shell: Looks of the description for ``floor``, ``walls`` and ``ceiling``.
         notes: What was dropped or guessed, one sentence each.
         use: What the room is for, in the source's word; None where it does not say.

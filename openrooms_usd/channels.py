@@ -81,10 +81,10 @@ CHANNELS: Final[dict[str, Channel]] = {
         _light("irradiance_indirect", "lux", "irradiance that was scattered before"),
         _light("diffuse", "nit", "base_color (1 - metallic) / pi x irradiance, the mean over the "
                "pixel's samples; by a renderer that does not give it, of the channels"),
-        _light("specular", "nit", "direct + indirect - diffuse: all that is no Lambertian "
-               "reflection; of OpenRooms' model what the lobe and transmission send, evaluated by "
-               "themselves, never negative; of other models, or by a renderer that does not give "
-               "it, a difference"),
+        _light("specular", "nit", "direct + indirect - diffuse: everything but Lambertian "
+               "reflection; of OpenRooms' model the light of the lobe and transmission, evaluated "
+               "separately, never negative; of other models, or from a renderer without it, "
+               "a difference"),
         _light("residual", "nit", "radiance - diffuse", kind="derived"),
         _light("radiance_i", "nit", "all that light i causes, with all bounces, its own visible "
                "emission or the sky seen through its rectangle included; these sum to radiance",

@@ -1,7 +1,7 @@
 """One writer a folder: a command locks the folder that it writes to, and sweeps it first.
 
-The lock is the operating system's (``flock``), which goes with its process: a lock file that a
-killed process has left holds nobody up. The file says who holds the lock, for the message.
+The lock is the operating system's (``flock``), which goes with its process: a lock file of a killed
+process blocks no other process. The file says who holds the lock, for the message.
 """
 
 import os
@@ -65,7 +65,7 @@ class Refill:
     Attributes:
         folder: Where they are written.
         written: Where they lie at the end, absolute paths.
-        stay: Files of an earlier run that are none now, and that somebody has changed.
+        stay: Files of an earlier run that are obsolete now, but were changed by hand.
     """
 
     folder: Path
@@ -127,7 +127,7 @@ def check_output(target: Path) -> None:
     """See before long work that `output` may write a file.
 
     Raises:
-        OutputError: What is there is not what an earlier run wrote so, or is no file.
+        OutputError: The existing file is not as an earlier run wrote it, or is not a file.
     """
     atomic.check_replaceable(target)
     with ledger.kept(target.parent, _ledger_of(target), deep=False):
@@ -137,7 +137,7 @@ def check_output(target: Path) -> None:
 def _ledger_of(target: Path) -> str:
     if ledger.is_unwritable(target.name):
         raise OutputError(
-            "the name holds a backslash or a line end, and cannot be noted as ours",
+            "the name has a backslash or a line end, so the ledger cannot record it",
             place=target,
             remedy="choose another output",
         )
@@ -210,7 +210,7 @@ def _exclusively(folder: Path) -> Iterator[bool]:
         except Timeout:
             raise _held_by(path, folder) from None
         except NotADirectoryError as error:
-            raise OSError(error.errno, "this is no folder") from error
+            raise OSError(error.errno, "this is not a folder") from error
     try:
         with suppress(OSError):
             path.write_text(f"process {os.getpid()} ({_command()})\n", encoding="utf-8")
@@ -224,12 +224,12 @@ def _check_lock(path: Path) -> None:
     # Others come and go meanwhile, and their files with them.
     if os.path.lexists(path) and not any(_is_lock(path) for _ in range(3)):
         raise OutputError(
-            "this is not a lock file of ours", place=path, remedy="remove it, or move it away"
+            "this is not a lock file of this tool", place=path, remedy="remove it, or move it away"
         )
 
 
 def _is_lock(path: Path) -> bool:
-    """Whether a file is one that `_exclusively` has left or holds; so is none."""
+    """Whether a file was left or is held by `_exclusively`; also true if it is missing."""
     try:
         found = path.lstat()
         if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:

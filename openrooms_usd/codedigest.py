@@ -252,7 +252,7 @@ def _read(path: str) -> bytes | None:
         data = bytes(read(str(home / path)))
     except OSError:
         return None
-    # As git does: what holds a zero byte is no text.
+    # As in git: a file with a zero byte is not text.
     return data if b"\0" in data else data.replace(b"\r\n", b"\n")
 
 

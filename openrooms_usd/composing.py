@@ -94,7 +94,7 @@ def compose_room(
     chosen = _chosen(only)
     if printable(out.absolute(), lines=False) != str(out.absolute()):
         raise OutputError(
-            "USD cannot read from a folder whose name holds control characters",
+            "USD cannot read from a folder with control characters in its name",
             place=out.absolute(),
             remedy="choose another output folder",
         )
@@ -144,7 +144,7 @@ def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str
         yield f"{layer} is older than the {' and the '.join(changed)}: {again}"
     gone = orphans_of(out, names.SETTLED)
     if gone:
-        yield f"{layer} has {len(gone)} opinions that do nothing, the first: {gone[0]}: {again}"
+        yield f"{layer} has {len(gone)} opinions without effect, the first: {gone[0]}: {again}"
 
 
 def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:
@@ -167,7 +167,9 @@ def _explicit(room: Room) -> tuple[Room, tuple[str, ...]]:
 
     explicit = expanded(room)
     before, after = (len(getattr(one.alignment, "objects", ())) for one in (room, explicit))
-    nothing = "clutter: nothing was laid, no surface here took any; add a table or a shelf"
+    nothing = (
+        "clutter: none was placed, because no surface has space for it; add a table or a shelf"
+    )
     return explicit, (nothing,) if room.clutter and before == after else ()
 
 
@@ -215,7 +217,7 @@ def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
         missing = [n for n in stage.reads if n not in known and not draft.layer(n).is_file()]
         if missing:
             raise StageError(
-                f"{stage.name} reads the layer {missing[0]}, which is not there yet",
+                f"{stage.name} reads the layer {missing[0]}, which does not exist yet",
                 place=draft.layer(missing[0]),
                 remedy="compose the whole room once, without naming one stage",
             )

@@ -22,7 +22,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-# What moves a terminal's cursor, colours it, turns the direction of writing or is no character.
+# What moves a terminal's cursor, colours it, changes the direction of writing or is not a
+# character.
 _UNPRINTABLE: Final = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
 )

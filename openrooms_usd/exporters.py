@@ -19,7 +19,7 @@ Outcome = Literal["translated", "approximated", "skipped"]
 Rows = tuple[tuple[float, ...], ...]
 _SAME: Final[Rows] = tuple(tuple(float(row == column) for column in range(4)) for row in range(4))
 
-# What a file is by its ending, where nobody says, and a folder.
+# The default format of a file by its ending, and of a folder.
 _BY_ENDING: Final = {".glb": "gltf", ".usdz": "usdz", ".xml": "mitsuba", "": "mitsuba"}
 # Of files: a folder may be called room_1.5.
 _ENDING: Final = re.compile(r"\.[a-z][a-z0-9]*")
@@ -130,8 +130,8 @@ def convert_stage(
 ) -> Report:
     """Write a stage in a foreign form, as `openrooms_usd.api.scenes.convert` describes.
 
-    What an exporter copies by layers it takes from outside only with ``include_outside``, and
-    writes at all times where ``time_code`` is None.
+    An exporter that copies layers copies files from outside only with ``include_outside``, and
+    writes all times if ``time_code`` is None.
     """
     from openrooms_usd.usd.files.diagnostics import reading
     from openrooms_usd.usd.files.layers import open_stage
@@ -145,7 +145,7 @@ def convert_stage(
         raise InputError(
             "this exporter copies the stage's layers with all that moves",
             place="time code",
-            remedy="leave it away, or convert to a form that holds one moment",
+            remedy="omit it, or convert to a format that holds one moment",
         )
     stage = open_stage(path)
     if not include_outside:
@@ -205,7 +205,7 @@ def exporter_of(destination: Path) -> str:
         raise InputError(
             f"no exporter writes {ending} files",
             place=destination,
-            remedy=f"end it in {', '.join(filter(None, _BY_ENDING))}, or name a folder and say "
+            remedy=f"end it in {', '.join(filter(None, _BY_ENDING))}, or name a folder and give "
             f"--to: {', '.join(adapters.available(adapters.EXPORTERS))}",
         )
     return _BY_ENDING[ending]

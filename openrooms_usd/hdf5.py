@@ -1,4 +1,4 @@
-"""Arrays of numbers in HDF5 files that somebody else wrote."""
+"""Arrays of numbers in untrusted HDF5 files."""
 
 import math
 from collections.abc import Callable

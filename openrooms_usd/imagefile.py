@@ -68,7 +68,7 @@ def finish(output: Any, done: bool, path: Path) -> None:
     closed = output.close()
     error = output.geterror() or ("" if done and closed else "unknown reason")
     if error or not is_whole(path):
-        reason = error.strip().splitlines()[0] if error else "the disk took only a part of it"
+        reason = error.strip().splitlines()[0] if error else "only part of it was written"
         raise OutputError(
             f"cannot write the picture: {reason}",
             place=path,

@@ -66,7 +66,7 @@ def check_reads(module: str, name: str, size: int, *, what: str, place: str = ""
 
 
 def serve(read: Callable[[str], None]) -> None:
-    """Read whatever this process is asked for, until nobody asks any more.
+    """Serve requests until the pipe closes.
 
     Args:
         read: Reads a file. What it raises is for the one who asks, and comes up there again.
@@ -116,22 +116,22 @@ class _Reader:
             process.stdin.flush()
         except OSError:
             self.stop()
-            return "it ends the process that reads it"
+            return "it crashes the process that reads it"
         answer, waited = self._answer(seconds), seconds
         while (
             answer is None and waited < _MOST_WAITING * seconds and self._worked() - begun < seconds
         ):
             answer, waited = self._answer(seconds), waited + seconds
         if answer == _MEMORY:
-            return "it takes more memory than there is for it"
+            return "it needs more memory than is available"
         if answer == _READ:
             return answer
         is_hung = process.poll() is None and answer is None
         self.stop()
-        return "reading it takes too long" if is_hung else "it ends the process that reads it"
+        return "reading it takes too long" if is_hung else "it crashes the process that reads it"
 
     def _worked(self) -> float:
-        """Seconds of processor that it has taken so far; endless where nobody says."""
+        """Seconds of processor that it has used so far; infinite if unknown."""
         if self._process is None or self._process.poll() is not None:
             return inf
         try:
@@ -164,7 +164,7 @@ class _Reader:
 
     def _start(self) -> None:
         self.stop()
-        # -P: what lies in the current folder may be anybody's, and is no module of ours.
+        # -P: files in the current folder are not our modules, and must not be imported.
         command = [sys.executable, "-P", "-m", self._module]
         env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
         pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL

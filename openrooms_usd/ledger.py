@@ -29,7 +29,7 @@ RENDER_FILE: Final = ".orusd.render.sha256"
 _PEOPLES: Final = f"{LAYERS}/{EDITS}.usda"
 
 _LINE: Final = re.compile(r"(?P<digest>[0-9a-f]{64})  (?P<path>.+)")
-# What differs from run to run is not noted: it belongs to who the manifest beside it belongs to.
+# Files that differ from run to run are not recorded: they belong to the manifest beside them.
 _TIMING: Final = re.compile(r"(?:(?P<of>[^/]+)_)?timing\.json")
 # Of the name of an output, less than file systems allow by what is added here.
 _LONGEST_BYTES: Final = 200
@@ -93,7 +93,7 @@ class Ledger:
             return
         found = self._file.lstat()
         if not stat.S_ISREG(found.st_mode):
-            raise OSError(errno.EEXIST, f"{self._file.name} is no file of ours")
+            raise OSError(errno.EEXIST, f"{self._file.name} is not a file that this tool wrote")
         if found.st_nlink > 1:
             # A copy by links, as backups make them, keeps its own.
             beside = unfinished.beside(self._file)
@@ -166,7 +166,7 @@ class Ledger:
         return _digest(path) in known
 
     def may_replace(self, path: Path) -> bool:
-        """Whether nothing of anybody's is lost where a file gives way to a new one."""
+        """Whether no user's work is lost if a new file replaces this one."""
         name = self._name(path)
         if not os.path.lexists(path) or name in self._shared:
             return True
@@ -185,8 +185,7 @@ class Ledger:
             paths: Files below the folder.
 
         Returns:
-            Those that stay: what was changed since, what somebody else put there, and what lies
-            behind a link.
+            Those that stay: changed files, foreign files, and files behind a link.
 
         Raises:
             OSError: A file cannot be removed.
@@ -262,7 +261,7 @@ def _digest(path: Path) -> str:
 
 
 def _read(path: Path) -> list[tuple[str, str]]:
-    """The lines of a ledger: paths within its folder and digests; what is no such line is not."""
+    """The lines of a ledger: paths within its folder and digests; other lines are ignored."""
     try:
         text = untrusted.read_text(path, "model") if os.path.lexists(path) else ""
     except InputError:

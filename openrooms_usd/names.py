@@ -57,12 +57,12 @@ UP_AXIS: Final = "Z"
 METERS_PER_UNIT: Final = 1.0
 KILOGRAMS_PER_UNIT: Final = 1.0
 
-# Floor to ceiling, metres: of a room of which nobody says it, whether it is described, captured or
-# generated; and of a scanned room whose ceiling nobody saw, as OpenRooms has it: its walls are
-# looked at for openings up to there, and must hold what is found.
+# Default height from floor to ceiling, metres, for described, captured and generated rooms. Also of
+# a scanned room without a scanned ceiling, as in OpenRooms: openings are searched in its walls up
+# to there.
 ROOM_HEIGHT: Final = 2.6
 SCANNED_HEIGHT: Final = 3.0
-# Of walls inside a room of which nobody says it, metres: two boards on a frame.
+# Default thickness of walls inside a room, metres: two boards on a frame.
 PARTITION_THICKNESS: Final = 0.1
 
 # customLayerData key and AuthorshipAPI package of our provenance.
@@ -102,8 +102,8 @@ ST: Final = "st"
 # Name of the second set, in 0..1 and without overlaps, for what is baked.
 BAKED_ST: Final = "st1"
 
-# The key of assetInfo that says under which terms something may be used, what we say of all that
-# this package makes, and what is said where nobody has said anything.
+# The key of assetInfo that says under which terms something may be used, its value for all that
+# this package makes, and its value if the terms are not stated.
 LICENCE_KEY: Final = "license"
 LICENCE: Final = "Apache-2.0"
 UNKNOWN_LICENCE: Final = "unknown"

@@ -104,7 +104,7 @@ def package(
             raise OutputError(
                 "a USDZ archive cannot be larger than 4 GiB",
                 place=target,
-                remedy="use the scene as a folder, or smaller textures",
+                remedy="keep the scene as a folder, or use smaller textures",
             ) from error
 
 
@@ -117,7 +117,7 @@ def _dependencies(stage: Usd.Stage) -> list[Path]:
         raise StageError(
             f"files are missing: {', '.join(sorted(missing))}",
             place=root.realPath,
-            remedy="put them back or remove what refers to them; orusd validate says where",
+            remedy="put them back or remove the references; orusd validate lists them",
         )
     names = {*(layer.realPath for layer in used), *assets} - {root.realPath}
     # A file inside a package stands for the whole package.
@@ -195,7 +195,7 @@ def _relocated(
     def rewrite(path: str) -> str:
         nonlocal changed
         if _dispensable(path):
-            # An asset without a path is none.
+            # An asset without a path does not count.
             changed = True
             return ""
         target = Path(str(Ar.GetResolver().CreateIdentifier(path, layer.resolvedPath)))

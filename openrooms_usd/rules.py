@@ -36,7 +36,7 @@ RULES: Final = (
         stage_rules.unanchored_paths,
         "start the path with ./ or ../, so that it does not depend on search paths",
     ),
-    Rule("one-definer", stage_rules.one_definer, "keep one def and make the others over"),
+    Rule("one-definer", stage_rules.one_definer, "keep one def and change the others to over"),
     Rule(
         "below-instance",
         stage_rules.nothing_below_instances,
@@ -51,8 +51,8 @@ RULES: Final = (
     Rule(
         "units",
         stage_rules.referenced_units,
-        "USD converts no units: orusd edits fit OUT writes the operations that are missing; give a "
-        "file that does not say its units metersPerUnit and upAxis first",
+        "USD does not convert units: orusd edits fit OUT writes the missing operations; first "
+        "author metersPerUnit and upAxis in files without units",
         advice=True,
     ),
     Rule(
@@ -74,7 +74,7 @@ RULES: Final = (
     Rule(
         "nested-body",
         stage_rules.nested_bodies,
-        "put the bodies beside each other and join them: the standard knows no body in a body",
+        "put the bodies beside each other and join them: the standard does not allow nested bodies",
     ),
     Rule(
         "articulation",
@@ -121,7 +121,7 @@ def check(stage: Usd.Stage, *, strict: bool = False) -> list[Finding]:
 def _house_findings(subject: Subject, rules: Iterable[Rule]) -> Iterator[Finding]:
     for rule in rules:
         for place, message in rule.check(subject):
-            # Our rules are no law for what people made themselves.
+            # Our rules do not apply to what users made themselves.
             strict = subject.ours and not rule.advice and not subject.is_by_hand(place)
             severity: Severity = "error" if strict else "warning"
             yield Finding(severity, rule.code, place, message, rule.remedy)

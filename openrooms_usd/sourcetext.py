@@ -81,7 +81,7 @@ def _text_from(value: Any) -> Text:
     """A text as it was kept.
 
     Raises:
-        ValueError: This is none.
+        ValueError: This is not Python.
         TypeError: Neither.
     """
     digest, imports, files = value
@@ -90,7 +90,7 @@ def _text_from(value: Any) -> Text:
 
 
 def _said(source: bytes) -> Text:
-    """Parse a text; one that is no Python counts byte by byte."""
+    """Parse a text; a text that is not Python counts byte by byte."""
     try:
         tree = ast.parse(source)
     except (SyntaxError, ValueError):

@@ -1,4 +1,4 @@
-"""What somebody may have meant who wrote a name that is none, and names in sentences."""
+"""Suggestions for misspelt names, and lists of names in sentences."""
 
 import difflib
 from collections.abc import Iterable, Mapping, Sequence

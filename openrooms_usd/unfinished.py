@@ -52,7 +52,7 @@ def remains(folder: Path, *, own: bool = False) -> Iterator[Path]:
         folder: The folder.
         own: Whether this process counts as gone.
     """
-    # A folder that cannot be read has nothing to sweep: whoever writes there next will say so.
+    # A folder that cannot be read has nothing to sweep: the next writer there will report it.
     with suppress(OSError):
         for entry in sorted(folder.iterdir()):
             found = _NAME.fullmatch(entry.name)
@@ -94,7 +94,7 @@ def _is_this(found: re.Match[str]) -> bool:
 
 
 def _is_running(pid: int, began: str) -> bool:
-    """Whether a process may still be writing; where nobody can tell, it is."""
+    """Whether a process may still be writing; true if unknown."""
     if pid == os.getpid():
         return began == _BEGAN
     if sys.platform == "win32":  # signal 0 would end it there

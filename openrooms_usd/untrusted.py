@@ -1,8 +1,9 @@
-"""The one door for files that somebody else wrote: regular, of a sensible size, with a sound path.
+"""The only way to open untrusted files: regular, of a plausible size, with a valid path.
 
 Readers of every format come through here before a byte is interpreted. A pipe would hang, a device
-has no end, a link may lead to either; a path may hold what no file system takes. Whoever needs the
-bytes calls `read_bytes` or `opened`; whoever hands the path to a library calls `checked` first.
+has no end, a link may lead to either; a path may hold what no file system takes. Callers that need
+the bytes call `read_bytes` or `opened`; callers that pass the path to a library call `checked`
+first.
 """
 
 import codecs
@@ -55,7 +56,7 @@ _POINTER: Final = b"version https://git-lfs.github.com/spec/"
 # What Linux, macOS and Windows take at most.
 _LONGEST_NAME_BYTES: Final = 255
 _LONGEST_PATH_BYTES: Final = 4095
-# Without waiting: opening a pipe that nobody writes would never return.
+# Without waiting: opening a pipe without a writer would never return.
 _FLAGS: Final = (
     os.O_RDONLY
     | getattr(os, "O_NONBLOCK", 0)
@@ -173,7 +174,7 @@ def read_text(path: Path, kind: Kind = "text", *, remedy: str = "check the path"
 
 
 def decoded(data: bytes) -> str:
-    """Text in UTF-8, or in UTF-16 with a byte order mark; U+FFFD stands for what is none."""
+    """Text in UTF-8, or in UTF-16 with a byte order mark; U+FFFD replaces invalid bytes."""
     return data.decode(encoding_of(data), errors="replace")
 
 
@@ -192,7 +193,7 @@ def check_path(path: Path) -> None:
     try:
         name = os.fsencode(path)
     except UnicodeEncodeError:
-        raise _unsound(path, "it is no text that a path could be") from None
+        raise _unsound(path, "it is not the text of a path") from None
     if b"\0" in name:
         raise _unsound(path, "it holds a NUL byte")
     if len(name) > _LONGEST_PATH_BYTES:
@@ -206,7 +207,7 @@ def inside(folder: Path, relative: str) -> Path:
 
     Args:
         folder: The folder.
-        relative: What somebody else's file names; forward slashes.
+        relative: A path in an untrusted file; forward slashes.
 
     Returns:
         ``folder / relative``; it need not exist.
@@ -222,7 +223,7 @@ def inside(folder: Path, relative: str) -> Path:
     except (OSError, RuntimeError):  # links in a circle
         leaves = True
     if not parts or Path(relative).is_absolute() or ".." in parts or leaves:
-        raise _unsound(path, f"it leaves the folder {folder}")
+        raise _unsound(path, f"it leads out of the folder {folder}")
     return path
 
 

@@ -34,7 +34,7 @@ def file_system(url: str) -> tuple[Any, str]:
     """What opens the files behind a URL, and where in it the URL leads, without a slash at the end.
 
     Raises:
-        InputError: It is no URL that anybody knows.
+        InputError: It is not a supported URL.
         MissingPackageError: fsspec, or what it needs for such URLs, is not installed.
     """
     return _file_system(url, os.getpid())
@@ -57,9 +57,9 @@ def _file_system(url: str, process: int) -> tuple[Any, str]:
         ) from error
     except ValueError as error:
         raise InputError(
-            f"no URL that can be opened: {shown(error)}",
+            f"not a URL that can be opened: {shown(error)}",
             place=shown(url),
-            remedy="check how it begins: s3://, http://, or what fsspec knows",
+            remedy="check its scheme: s3://, http://, or another one of fsspec",
         ) from error
     return system, root.rstrip("/")
 
@@ -91,5 +91,5 @@ def unreadable(url: str, error: BaseException) -> InputError:
     return InputError(
         f"cannot read it: {shown(error) or type(error).__name__}",
         place=shown(url),
-        remedy="check the URL, and who may read there",
+        remedy="check the URL and your permission to read",
     )

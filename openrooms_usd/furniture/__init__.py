@@ -1,11 +1,11 @@
 """What each word for a thing means, and how to build it: parts as meshes, arrays alone.
 
 From the ground up: `construction` (how parts are made inside), `schemes` (which finishes they
-have), `placements` (where small things lie), `joinery` (boards, legs, cloth and what else several
-categories are built of), `record` (all that is said of a category), `categories` (what the library
-builds, one module each), `others` (what it knows by name alone), `registry` (the record of a
-word), `words` (what the words of captures mean). Here: a piece from a category, a size, a style
-and a seed.
+have), `placements` (where small things lie), `joinery` (boards, legs, cloth and other shared
+components). `record` is the description of a category, `categories` has those that the library
+builds, one module each, and `others` those known only by name. `registry` finds the record of a
+word, and `words` has the meaning of the words of captures. Here: a piece from a category, a size, a
+style and a seed.
 """
 
 from collections.abc import Iterator, Mapping
@@ -150,7 +150,7 @@ def make(
         of the base, front towards -Y.
 
     Raises:
-        InputError: The category, the style, the size or the order is none that can be built.
+        InputError: The category, style, size or options cannot be built.
     """
     check(name, size, style, order)
     spec = category(name)

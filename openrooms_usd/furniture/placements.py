@@ -82,8 +82,8 @@ also below tables; ``wardrobe_shelf``, ``cupboard``, ``drawer``: behind a front.
 
 ``floor_by_media``: at the wall beside what a television stands on;
 ``floor_by_wall``: with its back to a wall; ``floor_under_desk``: against the wall below a desk;
-``floor_before_basin``: before basin, bath or shower; ``floor_open``: anywhere that nobody has to
-walk, for toys; ``wall``: pictures and clocks.
+``floor_before_basin``: before basin, bath or shower; ``floor_open``: anywhere off the walking
+paths, for toys; ``wall``: pictures and clocks.
 
 ``hook``: each hook takes one thing; ``clothes_rail``: of a rack, for what is on hangers;
 ``in_bowl``, ``in_bin``: what is dropped in and settles.

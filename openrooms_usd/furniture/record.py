@@ -53,8 +53,8 @@ class Category:
     """What a word means, whether or not the library can build it.
 
     Attributes:
-        support: What carries it where nobody says: the floor, the ceiling, a wall, or the top of
-            another object. None: unknown before it is seen.
+        support: Default support: the floor, the ceiling, a wall, or the top of another object.
+            None: unknown before it is seen.
         alternative_supports: What may carry it besides. What both stands and hangs is looked at in
             a scan; what only stands hangs nowhere, wherever it was measured.
         fixed: Whether it is built in, plumbed in, or part of the building, wherever it stands.
@@ -105,9 +105,9 @@ class BuiltCategory(Category):
             assets are shared.
         max_per_room: How many a room has, those of groups of furniture among them, before no more
             are laid or hung; None: any number.
-        support: What carries it where nobody says.
+        support: Default support.
         mount_height: Height of its base above the floor where it hangs on a wall, metres.
-        lumen: The luminous flux of its part ``light_bulb``, where nobody says; 0: it is no lamp.
+        lumen: Default luminous flux of its part ``light_bulb``; 0: it is not a lamp.
         mass_range: Kilograms of products of such sizes, lightest and heaviest, as their makers ship
             them; styles that are another kind of thing have their own. None where it is built in
             and never weighed. Chairs are of wood or with thin cushions, a wing chair has a beech

@@ -1,9 +1,8 @@
 """The record of a word: of what the library builds, and of what it only knows by name.
 
-Each category that the library builds is a module of ``categories``, which is loaded when somebody
-asks for it: so one room loads the builders of what stands in it. The digest of code does not see
-such imports: `codedigest.count` is told of them, so that what is made hangs on the records that it
-asked for.
+Each category that the library builds is a module of ``categories``, which is loaded on demand, so
+one room loads only the builders of its own furniture. The digest of code does not see such imports:
+they are reported to `codedigest.count`, so that results depend on the records that they used.
 """
 
 from collections.abc import Iterator
@@ -37,7 +36,7 @@ def built(name: str) -> BuiltCategory:
 
 
 def record(word: str) -> Category | None:
-    """What is known of a category; None for words that are none of ours."""
+    """What is known of a category; None for unknown words."""
     if word not in OTHERS and word.isidentifier():
         # Also where nothing has that name: it counts once something has.
         codedigest.count(module_of(word))

@@ -28,7 +28,7 @@ _BUILDING: Final = _set(
     "baseboard door_frame doorframe doorway molding paneling partition roof wainscoting "
     "wallpaper window_frame window_sill windowsill"
 )
-# What is no part of a room, or of no thing at all.
+# What is not part of a room, or of any thing.
 _NOTHING: Final = _set("artifact child human man people person reflection remove woman")
 # Nouns that are other things at the end of a compound: handrails are bars, skis stand in racks.
 _NO_HEADS: Final = _set(

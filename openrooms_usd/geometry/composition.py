@@ -72,7 +72,7 @@ _NO_FOOTING_WORTH: Final = 0.4
 _RESOLUTION: Final = (80, 60)
 # The middle of a picture, out of its width and height.
 _MIDDLE_SHARE: Final = 0.25
-# Less than this of a picture is nobody's subject.
+# Anything that fills less of a picture is not a subject.
 _LEAST_SUBJECT_SHARE: Final = 0.01
 
 
@@ -217,7 +217,7 @@ def _median_depth(look: Look) -> Array:
 
 
 def _has_footing(caster: RayCaster, look: Look, floor: float) -> NDArray[np.bool_]:
-    """(C,) whether somebody could stand below the camera."""
+    """(C,) whether a person could stand below the camera."""
     eyes = look.views.eyes
     below = caster.first_hit(eyes, np.tile([0.0, 0.0, -1.0], (len(eyes), 1)))
     return np.asarray(~below.hit | (eyes[:, 2] - below.distance < floor + _FOOTING_M))

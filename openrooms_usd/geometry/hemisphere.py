@@ -139,11 +139,11 @@ def irradiance(radiance: NDArray[Any]) -> Array:
 def irradiance_bound(radiance: NDArray[Any]) -> Array:
     """How far `irradiance` may be from the irradiance that the true light gives.
 
-    Light is not negative. Of all light with the same mean over a cell, a beam along the cell's
-    edge towards the normal gives most, one along the edge towards the horizon least; the mean
-    cosine over the solid angle of a cell lies half-way between. So the bound is the sum of radiance
-    times solid angle times half the difference of the edges' cosines, and beams reach it. It is
-    half a percent of a cell's share at the normal, and all of it at the horizon.
+    Light is not negative. Of all light with the same mean over a cell, a beam along the cell's edge
+    towards the normal gives most, one along the edge towards the horizon least. The mean cosine
+    over the solid angle of a cell lies half-way between. So the bound is the sum of radiance times
+    solid angle times half the difference of the edges' cosines, and beams reach it. It is half a
+    percent of a cell's share at the normal, and all of it at the horizon.
 
     Args:
         radiance: (..., rows, columns, C) means over the cells of hemispheres.

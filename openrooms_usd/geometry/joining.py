@@ -26,7 +26,7 @@ _MIN_THICKNESS_M: Final = 0.03
 # Pieces of one wall are in line to this, and as thick to that, metres.
 _SAME_LINE_M: Final = 0.05
 _SAME_THICKNESS_M: Final = 0.1
-# Gaps between walls that are no passage, metres.
+# Gaps between walls that are too narrow for a passage, metres.
 _MAX_SLIT_M: Final = 0.15
 
 
@@ -104,7 +104,7 @@ def walls_between(
 
     Args:
         floors: Each (N, 2) corners, counter-clockwise, metres.
-        unseen: Edges where nobody saw a wall: nothing stands between two of them.
+        unseen: Edges without a scanned wall: nothing stands between two of them.
     """
     pieces = [
         piece

@@ -7,9 +7,9 @@ What is made small is the squared difference, weighed by solid angle over lumina
 luminance: between relative and absolute, so that neither the sun nor dim walls are all that counts.
 In the end colours change by as little as gives exactly the irradiance of the cells.
 
-Points come in blocks of one size, and no matrix product is so large that BLAS would share it among
-threads, which costs more than these products do: so what is found at a point depends to the bit
-neither on its neighbours nor on the number of threads.
+Points come in blocks of one size, and no matrix product is large enough for BLAS to share it among
+threads, which costs more than the product. So the result at a point does not depend, to the bit, on
+its neighbours or the number of threads.
 """
 
 import os

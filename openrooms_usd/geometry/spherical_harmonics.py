@@ -38,7 +38,7 @@ def basis(directions: ArrayLike, order: int) -> Array:
 def project(radiance: NDArray[Any], cells: Cells, order: int) -> Array:
     """The harmonics nearest to means over cells, by least squares over solid angle.
 
-    Light of no higher degree is found exactly. Below the horizon of a hemisphere is no light.
+    Light of no higher degree is found exactly. A hemisphere has no light below its horizon.
 
     Args:
         radiance: (..., rows, columns, C).

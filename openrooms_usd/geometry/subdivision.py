@@ -1,9 +1,9 @@
 """Subdivision surfaces: polygons refined by Catmull and Clark, by Loop, or bilinearly; normals.
 
 Weights are sparse matrices from points to points, so that whatever is carried by points goes the
-same way. Edges and points are sharp by a number, as DeRose, Kass and Truong ("Subdivision Surfaces
-in Character Animation", 1998) and OpenSubdiv have it: each refinement takes one off, what is left
-below one is blended, and boundaries are sharp for ever.
+same way. Edges and points are sharp by a number, as in DeRose, Kass and Truong ("Subdivision
+Surfaces in Character Animation", 1998) and OpenSubdiv. Each refinement subtracts one, a rest below
+one is blended, and boundaries stay sharp.
 """
 
 from dataclasses import dataclass

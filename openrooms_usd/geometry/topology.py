@@ -80,7 +80,7 @@ def open_edges(triangles: Ints) -> tuple[Ints, Ints, Ints]:
 def is_closed(mesh: Mesh) -> bool:
     """Whether every edge belongs to two faces that run along it in opposite directions.
 
-    Edges are told by the numbers of their points: points at the same place must be shared.
+    Edges are identified by the indices of their points: points at the same place must be shared.
     """
     ends = np.cumsum(mesh.counts)
     following = np.arange(len(mesh.indices)) + 1

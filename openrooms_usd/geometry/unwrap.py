@@ -113,7 +113,7 @@ def laid_out(
 def _packed(
     points: NDArray[np.float64], triangles: NDArray[np.int64], density: float, padding: int
 ) -> tuple[tuple[int, int], NDArray[np.float64]]:
-    """Size and (M, 3, 2) places of the charts of xatlas; what it cannot place is no number."""
+    """Size and (M, 3, 2) places of the charts of xatlas; NaN for what it cannot place."""
     xatlas = _xatlas()
     low, high = points.min(axis=0), points.max(axis=0)
     extent = float((high - low).max())

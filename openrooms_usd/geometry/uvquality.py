@@ -1,6 +1,6 @@
 """How texture coordinates lie on a surface: how dense they are, and how they stretch pictures.
 
-A triangle's map from the surface to the texture is linear; its two singular values say how long a
+A triangle's map from the surface to the texture is linear. Its two singular values say how long a
 metre is in the texture along the most and the least dense direction (Sander, Snyder, Gortler and
 Hoppe, "Texture Mapping Progressive Meshes", SIGGRAPH 2001, section 3, in the other direction: their
 greatest stretch is one over our least density).
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 # A triangle so much thinner in the texture than the mean, in some direction, has no area there.
 _NO_AREA_RATIO: Final = 1e-3
-# The part of the surface whose densities are no measure of the rest: slivers.
+# The part of the surface whose densities do not represent the rest: slivers.
 _OUTLIER_SHARE: Final = 1e-3
 # What coordinates may have to be of use: the part of the area without a place in the texture, ...
 MOST_FOLDED: Final = 0.01

@@ -1,7 +1,7 @@
 """View selection as the OpenRooms paper does it: many views along the walls, the best are kept.
 
-Eyes are sampled along the walls, looking at the room's centre; each view is scored from a quick
-cast of depth and normals (OpenRooms, CVPR 2021, section 3, "views"); the ranges of height, distance
+Eyes are sampled along the walls, looking at the room's centre. Each view is scored from a quick
+cast of depth and normals (OpenRooms, CVPR 2021, section 3, "views"). The ranges of height, distance
 and angles are those of the released sampler. The best is kept, and then, one by one, those that are
 good and show what the others do not: parts of the room, and its openings. So several views cover a
 room, and do not all look into its most furnished corner.

@@ -30,7 +30,7 @@ def construction_of(category: str, part: str, substance: Substance | None) -> Co
     Args:
         category: What it is part of; any word.
         part: Its name or kind; any word.
-        substance: What it shows; None where nobody knows.
+        substance: What it shows; None if unknown.
     """
     return _row(kind_of(category), kind_of(part), substance).construction
 
@@ -48,7 +48,7 @@ def mass_of_part(
     Args:
         category: What it is part of; any word.
         part: Its name or kind, such as ``leg`` or ``Leg_2``; any word.
-        substance: What it shows; None where nobody knows.
+        substance: What it shows; None if unknown.
         points: (N, 3) metres.
         triangles: (M, 3) rows of ``points``.
 
@@ -85,7 +85,7 @@ def lies_under(category: str) -> bool:
 
 
 def joint_damping_of(category: str, kind: Literal["hinge", "rail"]) -> JointDamping:
-    """What resists the hinges or the rails of a category, where nobody says more."""
+    """Default damping and friction of the hinges or rails of a category."""
     known = record(kind_of(category))
     return _RAIL if kind == "rail" else (known and known.joint_damping) or _HINGE
 

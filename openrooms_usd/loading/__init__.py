@@ -1,11 +1,11 @@
 """Views of finished datasets for training: arrays by channel, each with its camera.
 
 ``sample`` is one view as arrays; its cameras stay right whatever is done to it by
-``transforms`` and ``resizing``. ``source`` says where views come from, as a contract; ``opening``
-finds the one for a folder or a URL; ``folder`` reads renders and datasets as they were written,
-``shards`` tar files of them, both by ``rendered``; ``files`` fetches what lies elsewhere into a
-bounded cache. None of these needs torch; ``tensors`` makes batches of samples, ``epochs`` says in
-which order, ``training`` loads them by number and ``streaming`` from shards.
+``transforms`` and ``resizing``. ``source`` is the contract of sources of views, and ``opening``
+finds the one for a folder or a URL. ``folder`` reads renders and datasets as they were written,
+``shards`` tar files of them, both by ``rendered``. ``files`` fetches remote files into a bounded
+cache. None of these needs torch; ``tensors`` makes batches of samples, ``epochs`` says in which
+order, ``training`` loads them by number and ``streaming`` from shards.
 
 The names for people are offered here, and loaded on first use (docs/loading.md).
 """

@@ -73,7 +73,7 @@ class LocalFiles:
 
     @contextmanager
     def local(self, wanted: Mapping[str, str]) -> Iterator[Path]:
-        """The folder itself; whoever reads says what is missing."""
+        """The folder itself; the reader reports what is missing."""
         yield self.root
 
     def names(self, folder: str) -> list[str]:
@@ -153,7 +153,7 @@ class RemoteFiles:
             _download(system, f"{root}/{name}", target, f"{self.url}/{name}")
             if sha and _digest(target) != sha:
                 raise InputError(
-                    "its checksum is not the one that the index says",
+                    "its checksum differs from the one in the index",
                     place=f"{self}/{name}",
                     remedy="the dataset was changed or is damaged: orusd dataset verify",
                 )

@@ -30,7 +30,7 @@ class Row:
         render: The folder of its render, below the root; empty: the root itself.
         view: Its name.
         about: ``room``, ``variant`` and ``split``.
-        checksums: SHA-256 of its files by their paths in the render; empty where nobody needs them.
+        checksums: SHA-256 of its files by their paths in the render; empty if not needed.
     """
 
     render: str
@@ -83,7 +83,7 @@ class RenderForm:
         """Its views; it has no variants, rooms and splits to choose by.
 
         Raises:
-            InputError: It is no finished render, or has no such view.
+            InputError: It is not a finished render, or has no such view.
         """
         _manifest.cache_clear()
         views = sorted(_manifest(files, "").views, key=in_order)
@@ -125,7 +125,7 @@ def _rows(index: Path, files: Files) -> Iterator[Row]:
                 yield _row(json.loads(line), keeps)
             except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
                 place = f"{files}/{INDEX}:{number}"
-                raise InputError(f"this is no line of an index: {error}", place=place) from error
+                raise InputError(f"this is not a line of an index: {error}", place=place) from error
 
 
 def _row(found: Any, keeps_checksums: bool) -> Row:

@@ -15,7 +15,7 @@ from openrooms_usd.rendering.contract import NO_OPTIONS
 from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.urls import MissingFileError
 
-# What tells a form where nobody names it.
+# How a form is recognised if it is not named.
 _SIGNS: Final = {INDEX: "dataset", shards.INDEX: "webdataset", MANIFEST: "render"}
 
 
@@ -72,7 +72,7 @@ def _form_of(files: Files) -> str:
             continue
     known = ", ".join(adapters.available(adapters.SOURCES))
     raise InputError(
-        f"there is neither {' nor '.join(_SIGNS)}",
+        f"found neither {' nor '.join(_SIGNS)}",
         place=files,
         remedy=f"check the path, or name the form of what is there: {known}",
     )

@@ -16,7 +16,7 @@ from openrooms_usd.rendering.manifest_schema import Manifest, StoredEntry, ViewE
 from openrooms_usd.rendering.reading import RenderedView
 from openrooms_usd.spelling import did_you_mean
 
-_REMEDY: Final = "ask for channels that are there, or render it with them"
+_REMEDY: Final = "request channels that exist, or render it with them"
 
 
 def full_name(view: str, about: Mapping[str, str]) -> str:
@@ -55,7 +55,7 @@ def _is_of(name: str, channels: Sequence[str]) -> bool:
     """Whether a single image, such as ``direct_3``, is of one of some channels."""
     try:
         return definition(name).name in channels
-    except KeyError:  # somebody else's
+    except KeyError:  # another tool's
         return False
 
 
@@ -89,7 +89,7 @@ def sample_of(
     boxes = {light.number: light for light in manifest.lights}
     known = [boxes[number] for number in numbers if number in boxes]
     if len(known) < len(numbers):
-        raise InputError("the manifest does not know all its lights", place=view.folder)
+        raise InputError("some of its lights are not in the manifest", place=view.folder)
     return Sample(
         name=full_name(view.name, about),
         size=(view.width, view.height),
@@ -132,7 +132,7 @@ def _numbers(view: RenderedView, lights: Mapping[str, Mapping[int, Pixels]]) -> 
     """The numbers of the lights that channels have, which all have the same."""
     found = [sorted(one) for one in lights.values()]
     if any(numbers != found[0] for numbers in found):
-        raise InputError("its channels of lights have not the same lights", place=view.folder)
+        raise InputError("its channels of lights have different lights", place=view.folder)
     return found[0] if found else []
 
 

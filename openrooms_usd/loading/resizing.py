@@ -52,7 +52,7 @@ class Resize:
             InputError: A size below 1, or a channel that has no mean.
         """
         if self.width < 1 or self.height < 1:
-            raise InputError(f"{self.width}x{self.height} is no size of a picture")
+            raise InputError(f"{self.width}x{self.height} is not a valid size of a picture")
         for name in self.averaged:
             row = CHANNELS.get(name)
             if row is None or row.unit in ("id", "m") or row.frame:

@@ -62,9 +62,9 @@ class TarShards:
         # One that ends too early between two files looks whole to tar.
         if found != self.counts[name]:
             raise InputError(
-                f"it holds {found} views, {INDEX} says {self.counts[name]}",
+                f"it holds {found} views, but {INDEX} says {self.counts[name]}",
                 place=place,
-                remedy="bring it here again, or write the shards again",
+                remedy="copy it again, or write the shards again",
             )
 
     def _sample(
@@ -79,7 +79,7 @@ class TarShards:
             manifest = Manifest.model_validate_json(json.dumps(whole))
         except (KeyError, TypeError, ValueError, RecursionError, ValidationError) as error:
             reason = " ".join(str(error).split())[:200]
-            raise InputError(f"no view of a dataset: {reason}", place=place) from error
+            raise InputError(f"not a view of a dataset: {reason}", place=place) from error
         if not self.selection.admits(about["split"], about["variant"], about["room"], view):
             return None
         entry = manifest.views[view]
@@ -103,7 +103,7 @@ def _views(stream: IO[bytes], place: str) -> Iterator[tuple[str, dict[str, bytes
             for member in archive:
                 found, dot, what = member.name.partition(".")
                 if not member.isfile() or not dot or not untrusted.is_plain_name(member.name):
-                    raise InputError(f"{member.name[:60]!r} is no file of a view", place=place)
+                    raise InputError(f"{member.name[:60]!r} is not a file of a view", place=place)
                 if member.size > _MOST_BYTES:
                     raise InputError(f"{member.name!r} has {member.size:,} bytes", place=place)
                 if found != key and parts:
@@ -141,7 +141,7 @@ class ShardsForm:
             }
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
             place = f"{files}/{INDEX}"
-            raise InputError(f"this is no list of shards: {error}", place=place) from error
+            raise InputError(f"this is not a list of shards: {error}", place=place) from error
         found = TarShards(files, counts, selection)
         refuse_nothing(len(found), files, selection)
         return found

@@ -115,7 +115,7 @@ def refuse_nothing(count: int, files: Files, selection: Selection) -> None:
     """
     if not count:
         raise InputError(
-            f"no view is there of {selection}" if selection != Selection() else "no view is there",
+            f"there is no view of {selection}" if selection != Selection() else "there is no view",
             place=files,
             remedy="check the path, and the names of splits, variants, rooms and views",
         )

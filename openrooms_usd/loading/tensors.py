@@ -69,7 +69,7 @@ def collate(samples: Sequence[Mapping[str, Any]]) -> Tensors:
     """
     first = samples[0]
     if any(set(one) != set(first) for one in samples):
-        raise InputError("the views of a batch have not the same channels")
+        raise InputError("the views of a batch have different channels")
     batch: Tensors = {}
     for name, value in first.items():
         values = [one[name] for one in samples]
@@ -82,7 +82,7 @@ def collate(samples: Sequence[Mapping[str, Any]]) -> Tensors:
             sizes = " and ".join(sorted({str(tuple(one.shape)) for one in values}))
             raise InputError(
                 f"the views of a batch have {name!r} in sizes {sizes}",
-                remedy="crop or resize them to one size, or take batches of one",
+                remedy="crop or resize them to one size, or use batches of one",
             )
         batch[name] = torch.stack(values)
     if "light_numbers" in first:

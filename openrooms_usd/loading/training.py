@@ -1,7 +1,7 @@
 """Views for torch: a dataset of them by number, and a loader (extra ``torch``).
 
-What a training run sees follows from the seed and the epoch alone: every view draws from numbers
-of its own, whoever reads it, so that runs with any number of workers see the same.
+What a training run sees depends only on the seed and the epoch. Every view has its own random
+numbers, so runs with any number of workers see the same.
 """
 
 from collections.abc import Sequence

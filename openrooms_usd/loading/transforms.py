@@ -65,7 +65,8 @@ class Crop:
             raise InputError(
                 "the part cuts through cells of a grid of hemispheres",
                 place=sample.name,
-                remedy=f"take columns by {across} and rows by {down}, or leave such channels out",
+                remedy=f"choose multiples of {across} columns and {down} rows, or leave such "
+                "channels out",
             )
         shift = np.array([[0.0, 0.0, self.left], [0.0, 0.0, self.top], [0.0, 0.0, 0.0]])
         part = sample.each(lambda _, pixels: pixels[..., self.top : bottom, self.left : right, :])

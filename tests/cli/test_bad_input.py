@@ -134,11 +134,11 @@ def _with(value: float) -> np.ndarray:
 @pytest.mark.parametrize(
     ("name", "content", "fragment"),
     [
-        ("negative.exr", _with(-1), "pixel (2, 1) has G = -1.0, which is no radiance"),
-        ("infinite.exr", _with(np.inf), "pixel (2, 1) has G = inf, which is no radiance"),
-        ("nan.exr", _with(np.nan), "pixel (2, 1) has G = nan, which is no radiance"),
-        ("square.exr", np.ones((4, 4, 3), np.float32), "4 x 4 pixels are no latitude-longitude"),
-        ("bright.exr", np.full((4, 8, 3), 3e38, np.float32), "more than a float can hold"),
+        ("negative.exr", _with(-1), "pixel (2, 1) has G = -1.0, which is not valid radiance"),
+        ("infinite.exr", _with(np.inf), "pixel (2, 1) has G = inf, which is not valid radiance"),
+        ("nan.exr", _with(np.nan), "pixel (2, 1) has G = nan, which is not valid radiance"),
+        ("square.exr", np.ones((4, 4, 3), np.float32), "4 x 4 pixels are not a latitude-longitude"),
+        ("bright.exr", np.full((4, 8, 3), 3e38, np.float32), "exceeds the range of floats"),
         ("empty.hdr", b"", "not a picture: the file is empty"),
         ("text.hdr", b"this is a text\n", "not a readable picture"),
         ("binary.exr", bytes(range(256)), "not a readable picture"),
@@ -207,7 +207,7 @@ def test_a_mesh_file(
 def test_stages_alone(orusd: Any, lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
     for stage in ("alignment", "materials", "lights", "cameras"):
-        said = ("which is not there yet", "compose the whole room once")
+        said = ("which does not exist yet", "compose the whole room once")
         orusd("compose", lab.room, "-o", out, "--only", stage).refused(STAGE, *said)
     orusd("compose", lab.room, "-o", out, "--only", "ligts").refused(2, "--only", "'lights'")
     assert not out.exists()

@@ -197,7 +197,7 @@ def test_a_link_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "out" / "view").symlink_to(tmp_path / "elsewhere")
     with (
         claims.claimed(tmp_path / "out"),
-        pytest.raises(OutputError, match="no folder of ours"),
+        pytest.raises(OutputError, match="not a folder that this tool made"),
         atomic.appearing(tmp_path / "out" / "view"),
     ):
         pass
@@ -291,7 +291,7 @@ def test_files_that_say_the_same_stay_and_others_stop_all(tmp_path: Path) -> Non
     before = {path: path.read_text() for path in tmp_path.glob("*.txt")}
     assert len(before) == 3
     with (
-        pytest.raises(OutputError, match="no earlier run wrote it") as refused,
+        pytest.raises(OutputError, match="not as an earlier run wrote it") as refused,
         claims.claimed(tmp_path),
         atomic.filling(tmp_path) as beside,
     ):

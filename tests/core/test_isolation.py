@@ -79,7 +79,7 @@ def test_every_byte_of_a_crate_may_be_wrong(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("ends", "said"),
     [
-        (lambda pid: os.kill(pid, signal.SIGKILL), "it ends the process that reads it"),
+        (lambda pid: os.kill(pid, signal.SIGKILL), "it crashes the process that reads it"),
         (lambda pid: os.kill(pid, signal.SIGSTOP), "reading it takes too long"),
     ],
 )

@@ -36,5 +36,5 @@ def test_a_url_leads_into_its_file_system() -> None:
     system.pipe_file(f"{root}/c.txt", b"text")
     assert urls.file_system("memory://a/b") == (system, root)
     assert urls.file_system("memory://a")[0].cat_file("/a/b/c.txt") == b"text"
-    with pytest.raises(InputError, match="no URL that can be opened"):
+    with pytest.raises(InputError, match="not a URL that can be opened"):
         urls.file_system("nonsense://there")

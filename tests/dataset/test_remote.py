@@ -52,7 +52,7 @@ def test_what_is_put_is_read_again(remote: RemoteFolder, tmp_path: Path) -> None
 
 def test_names_that_leave_the_folder_are_refused(remote: RemoteFolder, tmp_path: Path) -> None:
     remote.put_text("../out.txt", "out")
-    with pytest.raises(InputError, match="leaves the folder"):
+    with pytest.raises(InputError, match="leads out of the folder"):
         remote.get(["../out.txt"], tmp_path / "here")
 
 

@@ -137,4 +137,4 @@ def test_composing_lays_clutter_or_says_that_it_cannot(tmp_path: Path) -> None:
     full, bare = (tmp_path / out / "layers/alignment.usda" for out in ("full", "bare"))
     assert full.read_text().count("references = @") > bare.read_text().count("references = @") == 0
     assert not any(note.startswith("clutter") for note in told[0])
-    assert told[1][0].startswith("clutter: nothing was laid") and told[2] == told[1]
+    assert told[1][0].startswith("clutter: none was placed") and told[2] == told[1]

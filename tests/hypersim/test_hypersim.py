@@ -247,7 +247,7 @@ def test_colour_is_diffuse_and_residual(root: Path) -> None:
 
 
 def test_what_is_not_there_is_told(root: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no view is there"):
+    with pytest.raises(InputError, match="there is no view"):
         open_source(root, form="hypersim", split="train")
     source = open_source(root, form="hypersim")
     with pytest.raises(InputError, match="do not tell 'base_color'"):

@@ -171,7 +171,7 @@ def test_a_bad_model_says_so(tmp_path: Path) -> None:
         ("²\n", "expected the number of a part"),
         ("Chair\nleg: wod\n", r"ann.txt:2: there is no category 'wod' \(did you mean 'wood'"),
         ("Chair\nleg: wood\narm\n", "ann.txt:3: expected a part and its categories"),
-        ("\n \n", "an annotation without a line"),
+        ("\n \n", "the annotation is empty"),
     ],
 )
 def test_what_is_no_annotation_is_refused(tmp_path: Path, text: str, message: str) -> None:

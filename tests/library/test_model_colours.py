@@ -121,7 +121,7 @@ def test_colours_that_differ_are_told(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text(OBJ.format("0 0 0", "1 1 1", "1 1 1", "0 0 0"))
     model = read_model(tmp_path / "a.obj", unit=1.0, up="Z")
     np.testing.assert_allclose(colour_of(model), 0.5)
-    assert model.notes == ("the colours of the vertices of a differ: their mean is taken",)
+    assert model.notes == ("the colours of the vertices of a differ: their mean is used",)
 
 
 @pytest.mark.parametrize("others", ["0 0.5 1", "0 127.5 255"])
@@ -129,7 +129,7 @@ def test_colours_that_are_no_numbers_do_not_count(tmp_path: Path, others: str) -
     (tmp_path / "a.obj").write_text(OBJ.format("nan 0 0", *[others] * 3))
     model = read_model(tmp_path / "a.obj", unit=1.0, up="Z")
     np.testing.assert_allclose(colour_of(model), [0.0, 0.214, 1.0], atol=0.003)
-    assert model.notes == ("colours of vertices of a are no numbers, and are not used",)
+    assert model.notes == ("colours of vertices of a are not numbers, and are not used",)
     (tmp_path / "a.obj").write_text(OBJ.format(*["nan 0 0"] * 4))
     assert not read_model(tmp_path / "a.obj", unit=1.0, up="Z").surfaces
 

@@ -44,7 +44,7 @@ def test_usual_boxes_are_put_right_and_that_is_told(name: str, unit: float, up: 
 def test_what_is_said_stays_but_nonsense_is_told_with_the_remedy() -> None:
     toy = stands("chair", (46.0, 84.0, 53.0), unit=0.001)
     assert (toy.up, toy.unit) == ("Y", 0.001)
-    assert "which no chair is" in toy.notes[0]
+    assert "an impossible size for a chair" in toy.notes[0]
     assert "unit: 1 cm" in toy.notes[0]
     lying = stands("wardrobe", (1.2, 0.6, 2.0), up="Y", unit=1.0)
     assert lying.up == "Y"
@@ -53,14 +53,14 @@ def test_what_is_said_stays_but_nonsense_is_told_with_the_remedy() -> None:
 
 def test_a_low_chair_is_told() -> None:
     (note,) = stands("chair", (0.4, 0.47, 0.4)).notes
-    assert "which no chair is" in note
+    assert "an impossible size for a chair" in note
     assert "`size`" in note
 
 
 def test_no_remedy_makes_it_worse() -> None:
     """A board is no box of theirs; a unit by which it were 7 m long would be no help."""
     (*_, note) = stands("box", (0.762, 0.381, 0.0127), up="Z", unit=1.0).notes
-    assert "which no box is" in note
+    assert "an impossible size for a box" in note
     assert "would make it" not in note
 
 
@@ -155,4 +155,4 @@ def test_models_of_a_catalogue_in_units_of_its_own(
     low, high = read_model(path, usual=usual(kind)).extent
     assert high - low == pytest.approx(size, rel=0.06)
     toy = read_model(path, usual=usual(kind), unit=0.01)
-    assert "which no" in " ".join(toy.notes)
+    assert "an impossible size" in " ".join(toy.notes)

@@ -127,7 +127,7 @@ def test_what_is_opened_again_is_read_again(rendered: Path, tmp_path: Path) -> N
 
 def test_a_render_has_no_splits_to_choose_by(rendered: Path) -> None:
     assert len(open_source(rendered, views=["view_0"])) == 1
-    with pytest.raises(InputError, match="no view is there of"):
+    with pytest.raises(InputError, match="there is no view of"):
         open_source(rendered, split="train")
 
 
@@ -136,7 +136,7 @@ def test_mistakes_are_told(dataset: Path, tmp_path: Path) -> None:
         open_source(tmp_path)
     with pytest.raises(InputError, match="no source is named 'openroms'"):
         open_source(dataset, form="openroms")
-    with pytest.raises(InputError, match="no view is there of"):
+    with pytest.raises(InputError, match="there is no view of"):
         open_source(dataset, split="test")
     source = open_source(dataset)
     with pytest.raises(InputError, match="no channel 'depht'"):
@@ -160,7 +160,7 @@ def test_an_index_leads_nowhere_else(line: str, dataset: Path, tmp_path: Path) -
     except ValueError:
         told = line
     (tmp_path / "index.jsonl").write_text(told + "\n")
-    with pytest.raises(InputError, match=r"index.jsonl:1: this is no line of an index"):
+    with pytest.raises(InputError, match=r"index.jsonl:1: this is not a line of an index"):
         open_source(tmp_path)
 
 
@@ -296,7 +296,7 @@ def test_a_shard_that_ends_too_early_is_told(shards: Path, tmp_path: Path) -> No
         second = archive.getmembers()[2].offset
     whole = shard.read_bytes()
     shard.write_bytes(whole[:second])
-    with pytest.raises(InputError, match=r"holds 1 views, shards\.json says 2"):
+    with pytest.raises(InputError, match=r"holds 1 views, but shards\.json says 2"):
         list(source.stream(source.names[0], ("valid",)))
     shard.write_bytes(whole[: second + 700])
     with pytest.raises(InputError, match="a damaged shard"):
@@ -314,17 +314,17 @@ def test_nothing_nests_without_end(shards: Path, tmp_path: Path) -> None:
         list(open_source(tmp_path).stream("a.tar", ("depth",)))
     for name in ("shards.json", "index.jsonl"):
         (tmp_path / name).write_text("[" * 100_000)
-        with pytest.raises(InputError, match="this is no l"):
+        with pytest.raises(InputError, match="this is not a l"):
             open_source(tmp_path)
 
 
 @pytest.mark.parametrize(
     ("name", "data", "said"),
     [
-        ("../../out.exr", b"x", "is no file of a view"),
-        ("0-main-0.json", b"[]", "no view of a dataset"),
-        ("0-main-0.json", b'{"room": 1}', "no view of a dataset"),
-        ("0-main-0.channels.exr", b"x", "no view of a dataset"),
+        ("../../out.exr", b"x", "is not a file of a view"),
+        ("0-main-0.json", b"[]", "not a view of a dataset"),
+        ("0-main-0.json", b'{"room": 1}', "not a view of a dataset"),
+        ("0-main-0.channels.exr", b"x", "not a view of a dataset"),
     ],
 )
 def test_hostile_shards_are_refused(name: str, data: bytes, said: str, tmp_path: Path) -> None:

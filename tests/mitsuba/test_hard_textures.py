@@ -95,7 +95,7 @@ def test_texels_that_are_no_numbers_become_the_mean_of_their_neighbours(save: Sa
     kept = np.ones((6, 6), bool)
     kept[tuple(zip(*holes, strict=True))] = False
     assert np.allclose(found[kept], values[kept], atol=1e-3)
-    assert any("3 texels are no numbers" in loss for loss in picture.losses)
+    assert any("3 texels are not numbers" in loss for loss in picture.losses)
 
 
 def test_large_holes_become_the_mean_and_empty_pictures_zero() -> None:

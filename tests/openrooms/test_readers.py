@@ -288,7 +288,7 @@ def test_the_field_of_view_is_that_of_the_scene_file(written: Path, tmp_path: Pa
 
 
 def test_mistakes_are_told(written: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no view is there"):
+    with pytest.raises(InputError, match="there is no view"):
         open_source(tmp_path, form="openrooms")
     with pytest.raises(InputError, match="has no option 'ordre'"):
         open_source(written, form="openrooms", options={"ordre": "rgb"})

@@ -140,9 +140,9 @@ MALFORMED = {
     "undefined entity": (one_shape().replace("verion", "v='&nope;' verion"), "undefined entity"),
     "path out": (one_shape(file="../../../etc/passwd"), "is no path into"),
     "path out of a folder": (one_shape(file="uv_mapped/../../x.obj"), "is no path into"),
-    "truncated": (scene()[:2000], "is no readable XML"),
-    "empty": ("", "is no readable XML"),
-    "no XML": ("v 0 0 0\nf 1 2 3\n", "is no readable XML"),
+    "truncated": (scene()[:2000], "is not readable XML"),
+    "empty": ("", "is not readable XML"),
+    "no XML": ("v 0 0 0\nf 1 2 3\n", "is not readable XML"),
     "another root": ("<mesh/>", "the root element is <mesh>"),
     "no shapes": (scene(shapes=""), "it has no shapes"),
     "1e6 shapes": (f"<scene>{'<shape/>' * 1_000_000}</scene>", "has more than 300,000 elements"),
@@ -235,4 +235,4 @@ def test_a_link_out_of_the_dataset_is_refused(tmp_path: Path) -> None:
     mesh = tmp_path / "data/uv_mapped/03001627/abc/alignedNew.obj"
     mesh.unlink()
     mesh.symlink_to(secret)
-    assert "leaves the folder" in refusal(path)
+    assert "leads out of the folder" in refusal(path)

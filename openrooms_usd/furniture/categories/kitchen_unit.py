@@ -25,7 +25,7 @@ from openrooms_usd.furniture.schemes import KITCHEN
 
 # Without handles one reaches behind the upper edge of a front: what it leaves free, metres.
 _GRIP_M: Final = 0.022
-# A leaf is no wider than this, metres.
+# Greatest width of a leaf, metres.
 _LEAF_M: Final = 0.6
 # A front above a base unit's height is divided here, metres.
 _TALL_M, _DIVIDED_AT_M = 1.4, 0.9

@@ -24,7 +24,7 @@ def draped(size: Size, rng: np.random.Generator) -> Parts:
 
 
 def spread(size: Size, rng: np.random.Generator) -> Parts:
-    """A blanket that lies in soft folds, as somebody left it."""
+    """A blanket in soft folds."""
     width, depth, height = size
     u, v = np.meshgrid(np.linspace(-1.0, 1.0, 21), np.linspace(-1.0, 1.0, 15))
     x, y = 0.5 * width * u, 0.5 * depth * v

@@ -137,7 +137,7 @@ def _stretched(joint: Joint, scale: NDArray[np.float64], offset: NDArray[np.floa
     axis = np.asarray(joint.axis) * scale
     length = float(np.linalg.norm(axis))
     a, b, c = (axis / length).tolist()
-    # A slanted axis is nobody's; along the frame's axes a slide stretches with the object.
+    # Slanted axes do not occur; along the frame's axes a slide stretches with the object.
     travel = length if joint.kind == "rail" else 1.0
     limits = (joint.limits[0] * travel, joint.limits[1] * travel)
     return replace(joint, origin=(x, y, z), axis=(a, b, c), limits=limits)

@@ -14,7 +14,7 @@ from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
 
 _ABOUT: Final = {"x": about_x, "y": about_y, "z": about_z}
-# A sine of less is no angle.
+# Smaller sines count as no rotation.
 _LEVEL: Final = 1e-6
 _AXES: Final = {"x": 0, "y": 1, "z": 2}
 

@@ -1,8 +1,8 @@
 """Friction by what a material is and how it looks.
 
-``references`` holds what was published, ``disks`` what such materials look like to a
-camera, ``mapping`` finds the ones that look alike among those of the same substance, and ``table``
-is the result on a grid, which ``make`` makes and pictures are looked up in.
+``references`` holds published coefficients, and ``disks`` what such materials look like to a
+camera. ``mapping`` finds similar looks of the same substance. ``table`` is the result on a grid,
+which ``make`` writes and pictures are looked up in.
 """
 
 from openrooms_usd.library.friction.mapping import Friction

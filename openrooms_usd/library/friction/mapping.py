@@ -136,7 +136,7 @@ class Mapping:
         return Friction(static, static * self._ratio(substance), spread)
 
     def unknown(self) -> Friction:
-        """The friction of who knows what: the mean of the substances, and how they scatter."""
+        """The friction of an unknown substance: the mean of all substances, and their spread."""
         static = self._overall
         variance = np.mean([np.mean((values - static) ** 2) for values in self._by_substance])
         spread = np.sqrt(variance + (static * self._counterface_variation) ** 2)
@@ -169,9 +169,9 @@ def blended(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The mean and variance of references by how alike they look.
 
-    Weighted by exp(-d^2 / 2 h^2), d the distance of codes and h the bandwidth; drawn to their
-    plain mean as by so many references more that look exactly alike, and all that to the overall
-    mean as by `OVERALL_WEIGHT` references in the company of the n known ones.
+    Weighted by exp(-d^2 / 2 h^2), d the distance of codes and h the bandwidth. The result is drawn
+    to their plain mean, as by that many more references of the same look. That is drawn to the
+    overall mean, as by `OVERALL_WEIGHT` references beside the n known ones.
 
     Args:
         codes: (..., C) of the materials.

@@ -1,7 +1,7 @@
 """Reference materials: published coefficients of friction, and how each of them looks.
 
 The coefficients are measured or codified, a source for each. The looks are not of the same
-specimens, which nobody published: they are usual values of such a material.
+specimens, for which none are published: they are usual values of such a material.
 """
 
 import json

@@ -37,7 +37,7 @@ def built() -> NDArray[np.float32]:
     red, green, blue, roughness = np.meshgrid(*[ALBEDO] * 3, ROUGHNESS, indexing="ij")
     albedo = np.stack([red, green, blue], axis=-1)
     metal = mapping.codes("metal", albedo, roughness)
-    other = mapping.codes("wood", albedo, roughness)  # as of all that are no metals
+    other = mapping.codes("wood", albedo, roughness)  # as of all substances but metals
     known = [
         np.stack(mapping.friction_of_codes(s, metal if s == "metal" else other), axis=-1)
         for s in SUBSTANCES
@@ -57,8 +57,8 @@ def friction_of(substance: Substance | None, albedo: ArrayLike, roughness: Array
     Interpolated linearly between the nodes: continuous, and never beyond its neighbours.
 
     Args:
-        substance: What they are; None where nobody knows: then looks say nothing, and the spread
-            is that of all substances.
+        substance: What they are; None if unknown: then looks have no effect, and the spread is that
+            of all substances.
         albedo: (..., 3) linear base colour, of metals too; clipped to 0..1, NaN counts as 0.
         roughness: (...,) perceptual; likewise.
 

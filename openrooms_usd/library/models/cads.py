@@ -41,8 +41,8 @@ class CadFile:
         id: What hints and reports call it.
         path: The file.
         category: By the index, else the name of its folder; empty in the folder itself.
-        symmetry: About its vertical; None where nobody says it.
-        up: Its vertical axis; None where nobody says it.
+        symmetry: About its vertical; None if unknown.
+        up: Its vertical axis; None if unknown.
         entry: All that the index says.
     """
 
@@ -118,11 +118,11 @@ def _read_index(path: Path) -> Mapping[str, Any]:
         index = json.loads(untrusted.read_text(path, "json"))
     except (ValueError, RecursionError) as error:
         raise InputError(
-            f"the index of the CADs cannot be read: {error}", place=path, remedy="mend the JSON"
+            f"the index of the CADs cannot be read: {error}", place=path, remedy="correct the JSON"
         ) from error
     if not isinstance(index, dict):
         raise InputError(
-            "the index of the CADs is no object",
+            "the index of the CADs is not an object",
             place=path,
             remedy='write {"<id>": {"category": "chair", "symmetry": "none"}}',
         )
@@ -233,7 +233,7 @@ def folder_cads(folder: Path) -> list[Cad]:
             say where a CAD's ``front`` looks once its vertical is turned to Z.
 
     Raises:
-        InputError: It is no folder, has no mesh, or its index is broken.
+        InputError: It is not a folder, has no mesh, or its index is damaged.
     """
     files = cad_files(folder, _ENDINGS)
     if not 0 < len(files) <= _MAX_FILES:

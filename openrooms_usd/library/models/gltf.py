@@ -36,7 +36,7 @@ def read_glb(path: Path) -> Reading:
     """Read a binary glTF 2.0 file.
 
     Raises:
-        InputError: It is no GLB file, or it is truncated.
+        InputError: It is not a GLB file, or it is truncated.
         MissingPackageError: It is compressed by Draco and DracoPy is not installed.
     """
     content = untrusted.read_bytes(path, "model")
@@ -50,7 +50,7 @@ def read_ply(path: Path) -> Reading:
     """Read a PLY mesh; it is taken to be Z up, as scans are.
 
     Raises:
-        InputError: It is no PLY file, is truncated, or holds points without faces.
+        InputError: It is not a PLY file, is truncated, or holds points without faces.
     """
     content = untrusted.read_bytes(path, "model")
     if not content.startswith(b"ply"):
@@ -67,7 +67,7 @@ def read_stl(path: Path) -> Reading:
     """Read an STL mesh; it is taken to be Z up, as programs for parts are.
 
     Raises:
-        InputError: It is no STL file, or it is truncated.
+        InputError: It is not an STL file, or it is truncated.
     """
     content = untrusted.read_bytes(path, "model")
     shown, notes = shown_meshes(path, content), list[str]()
@@ -176,7 +176,8 @@ def _at(
 def _surface(visual: Any) -> "PreviewSurface | None":
     """The constants of a glTF material; what it leaves out is as the format has it, but grey.
 
-    The format's own white reflects all light and is a metal, which nobody means who says nothing.
+    The format's default white reflects all light and is a metal, which files without a material do
+    not intend.
     """
     from openrooms_usd.usd.shading.materials import PreviewSurface
 

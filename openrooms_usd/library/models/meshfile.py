@@ -209,7 +209,7 @@ def _fitted(model: Model, size: Size | None, turn: NDArray[np.float64], path: Pa
         raise InputError(
             f"its longest side is {longest:.4g} m",
             place=path,
-            remedy="say the unit of the file (unit: 1 mm), or the size that it shall have",
+            remedy="give the unit of the file (unit: 1 mm), or the size of the object",
         )
     # A sheet has no thickness that could be stretched.
     scale = np.where(own > 1e-9 * longest, np.asarray(size or own) / np.maximum(own, 1e-300), 1.0)

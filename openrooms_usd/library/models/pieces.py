@@ -88,25 +88,25 @@ def colored(
 ) -> "PreviewSurface | None":
     """A surface of the colour that a piece's vertices have; of their mean where they differ.
 
-    Colours that are no numbers do not count.
+    Colours that are not numbers are ignored.
 
     Args:
         title: Of the piece, for notes.
         surface: The material that the file gives it; its constant base colour is a factor.
         colors: (N, 3) of the vertices, scene-linear.
-        notes: Receives a sentence where the colours differ or are no numbers.
+        notes: Receives a sentence if the colours differ or are not numbers.
     """
     from openrooms_usd.usd.shading.materials import PreviewSurface
 
     sound = np.isfinite(colors).all(axis=1)
     if not sound.all():
-        notes.append(f"colours of vertices of {title[:60]} are no numbers, and are not used")
+        notes.append(f"colours of vertices of {title[:60]} are not numbers, and are not used")
         colors = colors[sound]
     if not len(colors):
         return surface
     mean = np.clip(colors.mean(axis=0), 0.0, 1.0)
     if np.ptp(colors, axis=0).max() > _SAME_COLOR:
-        notes.append(f"the colours of the vertices of {title[:60]} differ: their mean is taken")
+        notes.append(f"the colours of the vertices of {title[:60]} differ: their mean is used")
     if surface is None:
         r, g, b = np.round(mean, 6).tolist()
         return PreviewSurface(base_color=(r, g, b), roughness=_PAINTED_ROUGHNESS)
@@ -127,8 +127,8 @@ def is_textured(surface: "PreviewSurface | None") -> bool:
 def mended(mesh: Mesh) -> Mesh | None:
     """A mesh that is fit for use: triangles with an area, shared points, outward unit normals.
 
-    Points at the same place become one; faces whose normals all look the other way are turned
-    round, or the normals where all do so of faces that bound a solid; normals that are missing,
+    Points at the same place become one. Faces whose normals all point the other way are flipped; if
+    that holds for all faces of a solid, the normals are flipped instead. Normals that are missing,
     zero or on the wrong side of their face are computed.
 
     Returns:

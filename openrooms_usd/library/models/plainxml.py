@@ -28,7 +28,7 @@ def read_xml(
         most_elements: How many elements it may have.
 
     Raises:
-        InputError: It cannot be read, is no XML, has a DOCTYPE or entities, is nested too deep, or
+        InputError: It cannot be read, is not XML, has a DOCTYPE or entities, is nested too deep, or
             has too many elements.
     """
     text = untrusted.read_text(path, kind)
@@ -38,7 +38,7 @@ def read_xml(
         _check_extent(text, most_elements)
         return fromstring(text)
     except (ParseError, expat.ExpatError, ValueError) as error:
-        raise _refused(path, what, f"is no readable XML: {error}") from error
+        raise _refused(path, what, f"is not readable XML: {error}") from error
 
 
 def _refused(path: Path, what: str, reason: str) -> InputError:

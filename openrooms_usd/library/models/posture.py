@@ -1,8 +1,8 @@
-"""Which way up somebody's own model stands, and how long its unit is.
+"""Which way up a user's model stands, and how long its unit is.
 
 Formats say little: OBJ has neither an up axis nor a unit, and programs with Z up write it as well
-as those with Y up. So where nobody says it, the posture is taken in which the model's size differs
-least from what its category usually has; where somebody does, nonsense is told.
+as those with Y up. So if it is not given, the posture is chosen in which the model's size differs
+least from the usual size of its category. If it is given, an implausible one is reported.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,7 +30,7 @@ _AT_ZERO: Final = 0.4
 _ZERO_SHARE: Final = 0.01
 # Formats that state their axes are believed longer.
 _STATED_MARGIN: Final = 1.5
-# Sides this many times beyond the limits are told of.
+# Sides this many times beyond the limits are reported.
 _TOLD: Final = 1.15
 
 
@@ -92,7 +92,7 @@ def posture(
         high: (3,) the greatest.
         own: As its format has it.
         usual: The sizes of its category; None where that has none.
-        up: The up axis, where somebody says it.
+        up: The up axis, if given.
         unit: Metres for one unit, likewise.
         size: The box that it is stretched to, if any: then its unit is of no account.
         stated: Whether its format states the axis and the unit.
@@ -179,8 +179,8 @@ def _odd(best: Posture, sides: Array, usual: Usual, others: Sequence[Posture]) -
         remedy = f"`{', '.join(changes)}` would make it"
         remedy += f" {_written(nearest.unit * standing(sides, nearest.up))}"
     yield (
-        f"it is {_written(box)}, which no {usual.name} is (usually {_written(usual.size)}):"
-        f" {remedy}"
+        f"it is {_written(box)}, an impossible size for a {usual.name} (usually "
+        f"{_written(usual.size)}): {remedy}"
     )
 
 

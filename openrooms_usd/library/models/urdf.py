@@ -97,9 +97,9 @@ def link_poses(
         while (hold := holds.get(link)) is not None:
             pose, link = hold.parent_from_child @ pose, hold.parent
             if link not in links:
-                raise broken(path, f"the joint {hold.name[:60]!r} names a link that is not there")
+                raise broken(path, f"the joint {hold.name[:60]!r} names a missing link")
             if link in seen:
-                raise broken(path, f"its joints lead round in a circle at {link[:60]!r}")
+                raise broken(path, f"its joints form a loop at {link[:60]!r}")
             seen.add(link)
         poses[name] = pose
     return poses
@@ -127,7 +127,7 @@ def notes_of(holds: Mapping[str, Hold], movers: Mapping[str, str | None]) -> lis
         )
     if other:
         kinds = ", ".join(sorted(kind[:20] for kind in other))
-        notes.append(f"joints of the kinds {kinds} do not move here")
+        notes.append(f"joints of the types {kinds} are fixed here")
     return notes
 
 
@@ -172,7 +172,7 @@ def read_numbers(text: str | None, default: tuple[float, ...], path: Path) -> Ar
     try:
         values = np.array([float(word) for word in text.split()])
     except ValueError as error:
-        raise broken(path, f"{text[:60]!r} are no numbers") from error
+        raise broken(path, f"{text[:60]!r} are not numbers") from error
     if len(values) != len(default) or not (np.abs(values) <= _MAX_COORDINATE_M).all():
         raise broken(path, f"{text[:60]!r} are not {len(default)} numbers of a usual size")
     return values
@@ -218,7 +218,7 @@ def read_urdf(path: Path, read_mesh: ReadMesh) -> Reading:
         read_mesh: Reads a mesh file, in its own frame and unit.
 
     Raises:
-        InputError: It is no URDF, or names a mesh that is not there or cannot be read.
+        InputError: It is not a URDF file, or names a mesh that is missing or cannot be read.
     """
     root = _parsed(path)
     links = {attribute_of(link, "name", path): link for link in root.iter("link")}
@@ -315,7 +315,7 @@ def _pieces(
     file = _located(path, name)
     if file is None:
         raise InputError(
-            f"it names the mesh {name[:200]!r}, which is not there",
+            f"it names the mesh {name[:200]!r}, which is missing",
             place=path,
             remedy="copy it below the folder of the URDF file",
         )

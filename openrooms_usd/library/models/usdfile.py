@@ -26,7 +26,7 @@ def read_usd(path: Path) -> Reading:
     Layers outside its folder that it refers to are read, which is noted.
 
     Raises:
-        InputError: It is no readable USD file, or refers to what is no file.
+        InputError: It is not a readable USD file, or refers to something that is not a file.
     """
     from openrooms_usd.usd.files.diagnostics import reading
     from openrooms_usd.usd.files.layers import open_stage

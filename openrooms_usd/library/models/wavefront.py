@@ -59,7 +59,7 @@ def read_obj(path: Path) -> Reading:
         One piece for each group and material.
 
     Raises:
-        InputError: It is no OBJ file, or a face names a vertex that does not exist.
+        InputError: It is not an OBJ file, or a face names a vertex that does not exist.
     """
     obj = _Obj(path)
     text, told = standard_obj(untrusted.read_text(path, "model"), path)
@@ -234,7 +234,7 @@ def beside(model: Path, name: str, notes: list[str]) -> Path | None:
     found = meant(folder, name, allowed)
     why = "does not exist" if inside else "lies outside the model's folder"
     without = "" if inside else " and is ignored"
-    notes.append(f"{name!r} {why}" + (f", {found.name} is taken" if found else without))
+    notes.append(f"{name!r} {why}" + (f", {found.name} is used" if found else without))
     return found
 
 
@@ -280,7 +280,7 @@ def _surface(path: Path, values: dict[str, list[str]], notes: list[str]) -> "Pre
 def _clipped(word: str, most: float) -> float:
     number = float(word)
     if not math.isfinite(number):
-        raise ValueError(f"{word} is no number")
+        raise ValueError(f"{word} is not a number")
     return min(max(number, 0.0), most)
 
 

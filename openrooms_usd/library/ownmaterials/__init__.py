@@ -69,7 +69,7 @@ def _is_materialx(path: Path) -> bool:
     if path.suffix.lower() == MATERIALX and path.is_file():
         return True
     raise InputError(
-        "no folder of maps and no MaterialX file" if path.exists() else "there is nothing here",
+        "no folder of maps and no MaterialX file" if path.exists() else "no such file or folder",
         place=path,
         remedy="give a folder with maps such as Wood_Color.jpg and Wood_Roughness.jpg, or a .mtlx",
     )

@@ -140,9 +140,9 @@ _NORMALS: Final[tuple[tuple[Map, Green | None], ...]] = (
 )
 _LEFT_OUT: Final[dict[Map, str]] = {
     "displacement": "surfaces are not displaced",
-    "specular": "the specular workflow is not read: dielectrics reflect as all others do, and "
-    "metals need a metallic map",
-    "emission": "what shines is described as a lamp",
+    "specular": "the specular workflow is not supported: dielectrics get the default "
+    "reflectance, and metals need a metallic map",
+    "emission": "describe light sources as lamps",
 }
 
 
@@ -151,9 +151,9 @@ def read_folder(
 ) -> OwnMaterial:
     """Read a folder of maps.
 
-    Of two files for one map that differ in resolution or type only, the larger one is taken, then
-    PNG before EXR, TIFF and JPEG; a map of its own before a packed one; roughness before
-    glossiness; OpenGL normals before DirectX ones.
+    Of two files for one map that differ in resolution or type only, the larger one is used, then
+    PNG before EXR, TIFF and JPEG. A separate map comes before a packed one, roughness before
+    glossiness, and OpenGL normals before DirectX ones.
 
     Args:
         folder: The folder; its subfolders are not read.
@@ -168,7 +168,7 @@ def read_folder(
     if "base_color" not in maps:
         there = ", ".join(sorted(path.name for path in maps.values())) or "none of its pictures"
         raise InputError(
-            f"no base colour among its maps ({there} can be told by name)",
+            f"no base colour among its maps (recognised by name: {there})",
             place=folder,
             remedy="name it ..._Color, ..._diff, ..._albedo or ..._basecolor",
         )
@@ -217,7 +217,7 @@ def _chosen(folder: Path, kind: Map, found: list[tuple[str, Path]], losses: list
         raise InputError(
             f"two pictures for the map {kind}: {', '.join(path.name for _, path in found)}",
             place=folder,
-            remedy="keep one of them, or give each material a folder of its own",
+            remedy="keep one of them, or give each material its own folder",
         )
     ranked = sorted((path for _, path in found), key=_rank)
     losses.extend(f"{path.name}: left out; {ranked[0].name} is taken" for path in ranked[1:])
@@ -234,7 +234,7 @@ def _rank(path: Path) -> tuple[int, int, str]:
 def _check_inside(folder: Path, kind: Map, path: Path) -> None:
     if not path.resolve().is_relative_to(folder.resolve()):
         raise InputError(
-            f"the map {kind} is a link that leads out of its folder",
+            f"the map {kind} is a link to outside its folder",
             place=path,
             remedy="copy the picture into the folder",
         )

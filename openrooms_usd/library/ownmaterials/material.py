@@ -14,9 +14,9 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 from openrooms_usd.usd.shading.textures import picture_facts
 
-# What stands where nobody has said under which terms a material may be used.
+# The licence of a material whose terms are not stated.
 UNKNOWN_LICENCE: Final = "unknown"
-# What a dielectric reflects at normal incidence where nobody has said: OpenRooms' value.
+# Default reflectance of a dielectric at normal incidence: OpenRooms' value.
 F0: Final = 0.05
 
 
@@ -132,14 +132,14 @@ def from_constants(constants: Mapping[str, Any], *, name: str = "constant") -> O
         name: For people.
 
     Raises:
-        InputError: There is another key, or a value that is none.
+        InputError: There is an unknown key, or a value that is not valid.
     """
     values = {key: _value(name, key, value) for key, value in constants.items() if key != "normal"}
     if constants.get("normal") not in (None, "none"):
         raise InputError(
-            "a normal that is the same everywhere says nothing",
+            "a constant normal has no effect",
             place=f"{name}.normal",
-            remedy="leave it out, or give a folder with a normal map",
+            remedy="omit it, or give a folder with a normal map",
         )
     return OwnMaterial(name, PreviewSurface(**values, f0=F0))
 
@@ -164,7 +164,7 @@ def _value(name: str, key: str, given: Any) -> Any:
     return float(numbers[0]) if count == 1 else tuple(map(float, numbers))
 
 
-# What is taken where nobody says: the usual width of scanned materials, metres.
+# Default: the usual width of scanned materials, metres.
 ASSUMED_WIDTH_M: Final = 1.0
 # The sides that a texture can sensibly have, metres: a weave under a lens, a field from the air.
 SMALLEST, LARGEST = 1e-4, 1e4
@@ -189,15 +189,15 @@ def tile_size(
         losses: Receives what was assumed.
 
     Raises:
-        InputError: It is no size.
+        InputError: It is not a valid size.
     """
     if given is None and stated is None:
-        losses.append(f"its size is stated nowhere; {ASSUMED_WIDTH_M:g} m wide is assumed")
+        losses.append(f"its size is not stated; {ASSUMED_WIDTH_M:g} m wide is assumed")
     size = given or stated or ASSUMED_WIDTH_M
     width, height = (size, size * ratio) if isinstance(size, int | float) else size
     if not all(math.isfinite(side) and SMALLEST <= side <= LARGEST for side in (width, height)):
         raise InputError(
-            f"a tile of {width:g} by {height:g} m is none",
+            f"a tile cannot have {width:g} by {height:g} m",
             place=place,
             remedy=f"give the metres that the pictures cover, {SMALLEST:g} to {LARGEST:g}",
         )

@@ -31,8 +31,8 @@ from openrooms_usd.usd.shading.surfaces import SHUFFLED, PreviewSurface, Texture
 _SURFACES: Final = ("standard_surface", "open_pbr_surface", "gltf_pbr", "UsdPreviewSurface")
 # What a surface may say, and a material of rooms does not take.
 _LEFT_OUT: Final = {
-    "emissive": "emission: left out; what shines is described as a lamp",
-    "painted": "what it takes from primvars is left out; our meshes have none",
+    "emissive": "emission: left out; describe light sources as lamps",
+    "painted": "values from primvars are left out; our meshes have none",
 }
 # Our meshes have one set of texture coordinates.
 _ASSUMED: Final = f"{names.ST} is assumed"
@@ -132,7 +132,7 @@ def _material(path: Path, document: Any, losses: list[str]) -> str:
     materials = document.getMaterialNodes()
     if len(materials) > 1:
         others = ", ".join(node.getName() for node in materials[1:])
-        losses.append(f"only its first material is read, not {others}")
+        losses.append(f"only its first material is used, not {others}")
     surfaces = [n for n in document.getNodes() if n.getType() == "surfaceshader"]
     if materials:
         socket = materials[0].getInput("surfaceshader")
@@ -171,7 +171,7 @@ def _layer(path: Path, root: ElementTree.Element, losses: list[str]) -> Sdf.Laye
 
     if not root.get("colorspace"):
         root.set("colorspace", _UNSPACED)
-        losses.append("pictures and colours without a colour space are taken as linear Rec.709")
+        losses.append("pictures and colours without a colour space are read as linear Rec.709")
     return layer_of(root, str(path), beside)
 
 

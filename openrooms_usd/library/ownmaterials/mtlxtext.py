@@ -39,7 +39,7 @@ def read_outline(path: Path) -> Outline:
     """Read a MaterialX file's text and check that a parser can be trusted with it.
 
     Raises:
-        InputError: It cannot be read, is no XML, has a DOCTYPE or entities, or is nested too deep.
+        InputError: It cannot be read, is not XML, has a DOCTYPE or entities, or is nested too deep.
     """
     outline = Outline(untrusted.read_text(path))
     _gather(read_xml(path, "MaterialX", "text"), "", outline)

@@ -2,9 +2,9 @@
 
 A relief h(s, t) has the normal (-dh/ds, -dh/dt, 1), normalized, in the OpenGL convention; in that
 of DirectX the second number has the other sign. A map that does not say its convention is measured:
-against the heights that lie beside it; else by itself, because the slopes p = dh/ds and q = dh/dt
-of a relief obey dp/dt = dq/ds, and with q of the wrong sign dp/dt = -dq/ds (integrability; Frankot
-and Chellappa 1988).
+against the heights that lie beside it, else by itself. The slopes p = dh/ds and q = dh/dt of a
+relief obey dp/dt = dq/ds, and with q of the wrong sign dp/dt = -dq/ds (integrability; Frankot and
+Chellappa 1988).
 """
 
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ def read_relief(file: str, stated: Green | None, heights: str | None = None) -> 
         heights: A picture of the same relief's heights, if there is one.
 
     Returns:
-        Scale and bias, or the reason why the picture is no normal map.
+        Scale and bias, or the reason why the picture is not a normal map.
 
     Raises:
         InputError: It cannot be read.
@@ -89,8 +89,8 @@ def _measured(normals: Array, heights: str | None) -> tuple[Green, str]:
     if abs(evidence) < _MIN_CORRELATION:
         return "up", _ASSUMED
     if evidence > 0.0:
-        return "up", f"its name says neither OpenGL nor DirectX; by {source} it is OpenGL's"
-    return "down", f"its name says neither OpenGL nor DirectX; by {source} it is DirectX's"
+        return "up", f"its name says neither OpenGL nor DirectX; {source} shows that it is OpenGL's"
+    return "down", f"its name says neither OpenGL nor DirectX; {source} shows that it is DirectX's"
 
 
 def _stored(green: Green, signed: bool) -> tuple[Four, Four]:

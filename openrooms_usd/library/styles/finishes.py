@@ -32,7 +32,7 @@ class Finish:
         choices: How many different ones a room has; more objects share them.
         transmission: Part of the light that passes diffusely through a face. Base colour R and
             it, T, are together at most 1; cloth of two faces passes T^2 / (1 - R^2).
-        pane: What the glass of a clear pane lets through, by primary; None where it is none.
+        pane: Transmittance of a clear pane's glass, by primary; None if it is not a clear pane.
         each: Whether every instance of a part draws its own, as books do.
     """
 
@@ -62,7 +62,7 @@ FINISHES: Final[dict[str, Finish]] = {
 }
 
 GENERIC: Final[dict[Substance, str]] = _TABLES["generic"]
-"""What a substance means on furniture, where nobody says more."""
+"""The default finish of a substance on furniture."""
 
 _NO_FACTORS: Final[Weights] = {}
 _ON_FURNITURE: Final[tuple[Use, ...]] = ("furniture", "object", "textile")

@@ -224,12 +224,12 @@ def read_panorama(path: str) -> NDArray[np.float32]:
         (H, 2 H, 3) finite, not negative.
 
     Raises:
-        InputError: It cannot be read, is encoded for a display, has another shape, or a pixel is no
-            radiance.
+        InputError: It cannot be read, is encoded for a display, has another shape, or a pixel is
+            not valid radiance.
     """
     if color_space(path) == "sRGB":
         raise InputError(
-            "8 bits a colour are made for displays and hold no radiance",
+            "pictures with 8 bits per channel are encoded for displays, and hold no radiance",
             place=path,
             remedy="give an HDR or EXR picture, with linear pixels",
         )
@@ -237,7 +237,7 @@ def read_panorama(path: str) -> NDArray[np.float32]:
     height, width, channels = pixels.shape
     if width != 2 * height:
         raise InputError(
-            f"{width} x {height} pixels are no latitude-longitude picture",
+            f"{width} x {height} pixels are not a latitude-longitude picture",
             place=path,
             remedy="give a panorama that is twice as wide as high",
         )
@@ -267,7 +267,7 @@ def scaled_to_nits(
         given = horizontal_illuminance(pixels)
         if given <= 0.0:
             raise InputError(
-                "its upper half is black: no factor gives an illuminance",
+                "its upper half is black, so it cannot be scaled to an illuminance",
                 place=path,
                 remedy="remove illuminance, or give another picture",
             )
@@ -275,7 +275,8 @@ def scaled_to_nits(
     brightest = float(pixels.max()) * factor
     if brightest > _LARGEST:
         raise InputError(
-            f"its brightest pixel would have {brightest:.3g} nits, more than a float can hold",
+            f"its brightest pixel would have {brightest:.3g} nits, which exceeds the range of "
+            "floats",
             place=path,
             remedy="lower scale or illuminance",
         )
@@ -287,8 +288,8 @@ def _check_pixels(pixels: NDArray[np.float32], path: str) -> None:
     if bad.any():
         row, column, channel = (int(i[0]) for i in np.nonzero(bad))
         raise InputError(
-            f"pixel ({column}, {row}) has {'RGB'[channel]} = {pixels[row, column, channel]}, which "
-            f"is no radiance ({int(bad.any(axis=-1).sum())} such pixels)",
+            f"pixel ({column}, {row}) has {'RGB'[channel]} = {pixels[row, column, channel]}, "
+            f"which is not valid radiance ({int(bad.any(axis=-1).sum())} such pixels)",
             place=path,
-            remedy="mend the picture: radiance is finite and not negative",
+            remedy="correct the picture: radiance must be finite and at least 0",
         )

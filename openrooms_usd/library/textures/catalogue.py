@@ -143,7 +143,7 @@ def _read(field: Field, resolution: int) -> Field:
 
 
 DEFAULT_RESOLUTION: Final = 1024
-# Quotients of lengths are no whole numbers.
+# Quotients of lengths are not whole numbers.
 _LESS: Final = 1e-6
 
 FAMILIES: Final[dict[Substance, dict[str, Family]]] = {

@@ -57,7 +57,7 @@ class Annotation:
     bad: bool = False
 
     def substances(self, part: str) -> tuple[Substance, ...]:
-        """What a part may be made of, by its name; nothing where nobody said.
+        """What a part may be made of, by its name; empty if not annotated.
 
         Args:
             part: ``part3`` is the part number 3, as OpenRooms' meshes name their materials.
@@ -87,11 +87,11 @@ def read_annotation(path: Path) -> Annotation:
         path: ``ann.txt`` or ``annoMatParts.txt``, under any name.
 
     Raises:
-        InputError: It cannot be read, or a line is none of either format.
+        InputError: It cannot be read, or a line has neither format.
     """
     lines = list(_lines(path))
     if not lines:
-        raise InputError("an annotation without a line", place=path, remedy="write one again")
+        raise InputError("the annotation is empty", place=path, remedy="write one again")
     if lines[0][1].startswith("!"):
         return Annotation(bad=True)
     if any(":" in text for _, text in lines):

@@ -27,7 +27,7 @@ _KINDS: Final = {
 _SLAB_M: Final = 0.5
 # So many rows are worked on at once as processors keep near them.
 _BLOCK_ROWS: Final = 16
-# Beside the eye's own house the land is no nearer than this, metres; and half its side.
+# The land beside the viewer's house is at least this far away, metres; and half its side.
 OWN_HALF_M: Final = 4.0
 # Where the land fades into haze, metres, and how far hills stand in it.
 _HAZY_M: Final = 2500.0
@@ -142,7 +142,7 @@ def hills(
     surfaces: Surfaces,
     rng: np.random.Generator,
 ) -> None:
-    """Put lines of hills on the canvas, behind what is there; they are told from the farthest."""
+    """Put lines of hills on the canvas, behind what is there; in order from the farthest."""
     rows = [float(rng.random()) for _ in ridges]
     for ridge, row in zip(reversed(ridges), reversed(rows), strict=True):
         patch = canvas.whole(-0.01, ridge.high + 0.02)

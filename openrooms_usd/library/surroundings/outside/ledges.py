@@ -49,7 +49,7 @@ LOOKS: Final = {
 """Their reflectances."""
 
 NET: Final = "Net"
-"""The look of screens: finer than anybody sees, so that it only dims."""
+"""The look of insect screens: too fine to be visible, so that it only dims."""
 NET_PASSES: Final = (0.66, 0.66, 0.67)
 """What a screen lets through: threads of 0.23 mm, 1.2 mm apart."""
 

@@ -75,7 +75,7 @@ class Nursery:
 
         Args:
             rng: Draws the scene.
-            pictures: Draws them; None leaves them blank, for a scene that nobody looks at.
+            pictures: Draws them; None leaves them blank, for a scene that is not rendered.
         """
         broad, low, narrow = ((0.85, 0.2), (0.62, 0.16)), (1.25, 0.0), 0.46
         if pictures is None:

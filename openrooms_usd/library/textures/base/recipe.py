@@ -24,7 +24,7 @@ def drawn_color(order: Order, palette: tuple[Color, ...], spread: float = 0.1) -
 
 
 def side_color(order: Order, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
-    """(3,) a colour between two of a palette, for a part that nobody asks for: mortar, veins."""
+    """(3,) a colour between two of a palette, for parts that cannot be chosen: mortar, veins."""
     first, second = order.rng.integers(len(palette), size=2)
     share = order.rng.random()
     between = (1.0 - share) * np.array(palette[first]) + share * np.array(palette[second])
