@@ -141,9 +141,9 @@ CHANNELS: Final[dict[str, Channel]] = {
                 "1 where the pixel's centre sees a surface, else 0"),
         Channel("friction", _ONE, "half", "1", "", "derived",
                 "static Coulomb coefficient of the first hit, dry, by the substance of its "
-                "material refined by base_color and roughness (docs/friction.md); a material that "
-                "carries only UsdPhysicsMaterialAPI has that value, one that says nothing the mean "
-                "of all substances; 0 without surface"),
+                "material refined by base_color and roughness (docs/friction.md); a material with "
+                "only UsdPhysicsMaterialAPI has that value, one without any the mean of all "
+                "substances; 0 without surface"),
         Channel("flow", ("X", "Y"), "float", "px", "image", "derived",
                 "only of a path's frames: how far what the pixel's centre sees is to the right and "
                 "down in the next frame; of the surroundings as if infinitely far; 0 where it is "

@@ -32,7 +32,7 @@ from orusd_gltf.document import Document, Object, number, numbers
 Array = NDArray[np.float64]
 
 
-# Pixels by which an optical axis may miss the middle before it is told.
+# Pixels by which an optical axis may miss the centre before it is reported.
 _CENTRED_PX: Final = 1e-3
 # What is nearer is not seen, where the stage says nothing that can be.
 _NEAREST_M: Final = 0.01

@@ -232,7 +232,7 @@ _LOST: Final[tuple[tuple[Callable[[PreviewSurface], bool], str], ...]] = (
     (lambda p: isinstance(p.clearcoat, Texture), "a textured clearcoat is left out"),
     (
         lambda p: isinstance(p.clearcoat_roughness, Texture),
-        "a textured clearcoatRoughness is taken as 0.01",
+        "a textured clearcoatRoughness is replaced by 0.01",
     ),
     (lambda p: isinstance(p.specular, Texture), "a textured specular colour is left out"),
     (
@@ -293,6 +293,6 @@ def _display_color(prim: Usd.Prim) -> tuple[tuple[float, float, float], str]:
     primvar = UsdGeom.Gprim(prim).GetDisplayColorPrimvar()
     values = array_of(flattened(primvar), np.float64, 3)
     if not len(values) or not np.isfinite(values).all():
-        return cast(Color, BARE.base_color), "it has no material: taken as grey"
+        return cast(Color, BARE.base_color), "it has no material: grey is used"
     red, green, blue = np.clip(values.mean(axis=0), 0.0, 1.0).tolist()
-    return (red, green, blue), "it has no material: taken as its displayColor"
+    return (red, green, blue), "it has no material: its displayColor is used"

@@ -42,7 +42,7 @@ class Options:
 
 
 def parsed(given: Mapping[str, Any]) -> Options:
-    """The options that somebody has given.
+    """The given options.
 
     Raises:
         InputError: One is not known, or has a value that is not.

@@ -35,7 +35,7 @@ _WRAPS: Final = {"repeat": 10497, "clamp": 33071, "black": 33071, "mirror": 3364
 _LINEAR: Final = 9729
 _LINEAR_MIPMAP_LINEAR: Final = 9987
 
-# How a picture is written: its ending, its type, what the writer is told of colours and of data.
+# How a picture is written: its ending, its type, and the writer's options for colours and for data.
 _FORMATS: Final[dict[str, tuple[str, str, Object]]] = {
     "png": (".png", "image/png", {"png:compressionLevel": 6}),
     "jpeg": (".jpg", "image/jpeg", {"Compression": "jpeg:90"}),
@@ -192,7 +192,7 @@ def encoded(codes: NDArray[np.uint8], form: str) -> tuple[bytes, str]:
         form: ``png``, ``jpeg`` or ``webp``.
     """
     ending, mime, told = _FORMATS[form]
-    # Alpha is no weight that the writer shall divide colours by.
+    # The writer must not divide colours by alpha.
     told = told | {"DateTime": "", "oiio:UnassociatedAlpha": 1}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"picture{ending}"

@@ -24,7 +24,7 @@ from orusd_gltf.unlit import NO_GLOSS, UNSEEN, UnlitSurfaces
 
 _Radiance = tuple[float, ...] | None
 _TRIANGLES: Final = 4
-# What reaches farther is no room, and overflows single precision in readers.
+# Larger scenes are not rooms, and overflow single precision in readers.
 _FARTHEST_M: Final = 1e9
 _FARTHEST_LOCAL: Final = 1e18
 
@@ -80,7 +80,7 @@ class _Translation:
             list_atlases(self.stage)
 
     def _stops(self) -> float | None:
-        """By how much light is made brighter; None where nobody says."""
+        """By how much light is made brighter; None if not given."""
         asked = self.options.exposure
         wants = asked == "camera" or (asked is None and self.options.light == "baked")
         return authored_stops(self.stage) if wants else asked  # type: ignore[return-value]
@@ -104,7 +104,7 @@ class _Translation:
             self._shine(self._nodes.child(_parent(light.path), name, lamp.world), lamp)
             self._say(light.path, [*light.losses, *lamp.losses])
         for portal in read_portals(self.stage):
-            reason = "" if self._unlit else "it emits nothing: the sky comes in here"
+            reason = "" if self._unlit else "it emits nothing: the sky shines in through it"
             self.report.add(portal.path, "skipped" if reason else "translated", reason)
 
     def _shine(self, node: int, lamp: Lamp) -> None:

@@ -19,7 +19,7 @@ from orusd_gltf.pictures import encoded
 EXTENSION: Final = "KHR_materials_unlit"
 
 NO_GLOSS: Final = "its gloss is left out, and its relief where the light does not know it"
-UNSEEN: Final = "its light is in the surfaces; it is not seen itself"
+UNSEEN: Final = "its light is in the surfaces; it is not visible itself"
 NO_MAP: Final = "it has no lightmap: shown in its mean colour"
 
 # The name of the texture coordinates of lightmaps among those of a mesh.

@@ -55,7 +55,7 @@ def write_frame(images: Path, number: int, view: RenderedView) -> dict[str, str]
 
 
 # What renders do not know.
-_NEVER: Final = {"tex_coord": "texture coordinates are no channel"}
+_NEVER: Final = {"tex_coord": "texture coordinates are not a channel"}
 
 
 def _half(pixels: Pixels) -> NDArray[np.float16]:

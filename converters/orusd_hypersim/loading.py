@@ -27,7 +27,7 @@ from orusd_hypersim.frames import FINAL, GEOMETRY
 from orusd_hypersim.hdf5 import read_array
 from orusd_hypersim.tables import CAMERAS_FILE, SPLIT_FILE
 
-# What a lens that is no pinhole has otherwise in the last row of its matrix.
+# The last row of the matrix of pinholes; other lenses differ.
 _PINHOLE: Final = (0.0, 0.0, -1.0)
 Array = NDArray[Any]
 _FRAME: Final = re.compile(r"frame\.(\d{4})\.color\.hdf5")
@@ -187,7 +187,7 @@ def _frames(files: Files) -> Iterator[Frame]:
 def _told(channel: str) -> _Told:
     if channel not in FROM_FILES:
         known = ", ".join((*FROM_FILES, *_FOLLOWS))
-        raise InputError(f"Hypersim's files do not tell {channel!r}", remedy=f"they tell {known}")
+        raise InputError(f"Hypersim's files do not have {channel!r}", remedy=f"they have {known}")
     return FROM_FILES[channel]
 
 
@@ -226,9 +226,9 @@ def understanding(place: str) -> Iterator[None]:
         yield
     except (csv.Error, ArithmeticError, LookupError, TypeError, ValueError) as error:
         raise InputError(
-            f"this is no table of Hypersim: {type(error).__name__}: {error}",
+            f"this is not a table of Hypersim: {type(error).__name__}: {error}",
             place=place,
-            remedy="bring it here again, or write it again",
+            remedy="copy it again, or write it again",
         ) from error
 
 
@@ -237,7 +237,7 @@ def lens_of(files: Files, scene: str) -> tuple[Array, tuple[int, int]]:
     """K and the picture's size, of the table of all scenes.
 
     Raises:
-        InputError: The table does not know the scene, or its lens is no pinhole.
+        InputError: The table does not know the scene, or its lens is not a pinhole.
     """
     place = f"{files}/{CAMERAS_FILE}"
     rows = (row for row in read_table(files, CAMERAS_FILE) if row.get("scene_name") == scene)
@@ -251,10 +251,10 @@ def lens_of(files: Files, scene: str) -> tuple[Array, tuple[int, int]]:
         rays = np.array([[float(row[f"M_cam_from_uv_{i}{j}"]) for j in range(3)] for i in range(3)])
         np.linalg.inv(rays)
     if min(width, height) < 1 or not np.isfinite(rays).all() or not rays[2, 2]:
-        raise InputError(f"no lens of a picture of {width}x{height} pixels", place=place)
+        raise InputError(f"not the lens of a picture of {width}x{height} pixels", place=place)
     if not np.allclose(rays[2] / -rays[2, 2], _PINHOLE, atol=1e-6):
         raise InputError(
-            "its lens is tilted, which K cannot say",
+            "its lens is tilted, which K cannot express",
             place=f"{files}/{scene}",
             remedy="leave this scene out: rooms=[...]",
         )
@@ -295,7 +295,7 @@ def _keyframes(files: Files, scene: str, camera: str) -> tuple[Array, Array, Arr
         numbers, positions, turns = (read_array(root / path) for path in paths)
     count = numbers.size
     if [a.shape for a in (numbers, positions, turns)] != [(count,), (count, 3), (count, 3, 3)]:
-        raise InputError("its arrays are no cameras of frames", place=f"{files}/{detail}/{camera}")
+        raise InputError("its arrays are not cameras of frames", place=f"{files}/{detail}/{camera}")
     return numbers, positions.astype(np.float64), turns.astype(np.float64), unit
 
 

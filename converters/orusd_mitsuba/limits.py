@@ -32,16 +32,15 @@ def affordable_model(name: str, backend: Backend) -> Model:
             scalar = backend.variant.startswith("scalar")
             return "preview" if model == "auto" and scalar else model
     raise InputError(
-        f"surfaces reflect by no model named {name!r}",
-        place="bsdf",
-        remedy=f"one of: {', '.join(MODELS)}",
+        f"unknown reflection model: {name!r}", place="bsdf", remedy=f"one of: {', '.join(MODELS)}"
     )
 
 
 def report_panes(scene: Scene) -> None:
     """Say in the report how scalar backends see clear panes."""
     lost = (
-        "the scalar backend tints what passes alike at every angle, and half of a solid is its pane"
+        "the scalar backend tints light equally at every angle, and treats half of a solid as "
+        "its pane"
     )
     panes = {id(pane.surface) for pane in scene.panes}
     scene.report.lose({path: lost for path, found in scene.owners if id(found) in panes})
@@ -69,22 +68,22 @@ def instances_advice(scene: Scene) -> str:
     needed, there = expanded * _BYTES_EXPANDED, _memory()
     if needed > there:
         raise RenderError(
-            f"instances would be expanded to {expanded / 1e6:.0f} million triangles, which take "
-            f"some {needed / 1e9:.0f} GB of this machine's {there / 1e9:.0f}",
+            f"instances would be expanded to {expanded / 1e6:.0f} million triangles, which need "
+            f"about {needed / 1e9:.0f} GB of this machine's {there / 1e9:.0f}",
             remedy="use --variant scalar, which keeps instances as they are",
         )
     return (
-        f"instances are expanded to {expanded / 1e6:.0f} million triangles; --variant scalar keeps "
-        "them as they are: it starts sooner, in less memory, and has fewer channels"
+        f"instances are expanded to {expanded / 1e6:.0f} million triangles; --variant scalar "
+        "keeps instances: it starts sooner, needs less memory, and has fewer channels"
     )
 
 
 def kept_advice(scene: Scene) -> str:
-    """What to do where instances are kept, since they are so many, and nobody asked for that."""
+    """The remedy if instances are kept because there are so many, without a request."""
     expanded = expanded_triangles(scene)
     return (
-        f"instances of {expanded / 1e6:.0f} million triangles are kept as they are, by the variant "
-        "scalar; --variant llvm expands them, which takes memory, and has all channels"
+        f"the variant scalar keeps instances of {expanded / 1e6:.0f} million triangles; --variant "
+        "llvm expands them, which needs memory, and has all channels"
     )
 
 

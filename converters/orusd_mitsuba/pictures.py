@@ -19,7 +19,7 @@ Pick = Callable[[Array], Array]
 PickOfLight = Callable[[Array, int], Array]
 
 BLOCK_PIXELS: Final = 16
-"""Side of the blocks that changes are told by."""
+"""Side of the blocks in which changes are measured."""
 Changes = dict[str, NDArray[np.float32]]
 """By image, (blocks down, blocks across, 3): by how much its mean over blocks was changed after its
 samples were taken."""

@@ -362,7 +362,7 @@ class MitsubaSession:
             )
             self._scene.report.add(where, "approximated", reason)
         if replaced:
-            reason = f"{what} was no number in {replaced} pixels, taken as 0"
+            reason = f"{what} was not finite in {replaced} pixels; 0 is used"
             self._scene.report.add(where, "approximated", reason)
 
 

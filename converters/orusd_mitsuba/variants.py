@@ -149,7 +149,7 @@ def _check_usable() -> None:
     probe = _scalar()
     if probe.works:
         return
-    remedy = "see what python -c 'import mitsuba' says; pip install --force-reinstall mitsuba drjit"
+    remedy = "try python -c 'import mitsuba'; pip install --force-reinstall mitsuba drjit"
     if "libatomic" in probe.detail:
         # Dr.Jit's wheels take it from the system; minimal ones lack it.
         remedy = "Debian, Ubuntu: apt-get install libatomic1; Fedora, RHEL: dnf install libatomic"
@@ -187,8 +187,9 @@ def _scalar_advice() -> str:
     named = [one for one in _candidates() if one.origin.startswith("named")]
     why = f" ({named[0]}: {_llvm(named[0]).detail})" if named else ""
     return (
-        f"without LLVM{why} rendering takes several times as long, and of light there is radiance "
-        "alone: no light by source, irradiance or environment maps, no probes, no lightmaps, no "
+        f"without LLVM{why} rendering takes several times as long, and the only channel of light "
+        "is radiance: no light by source, irradiance or environment maps, no probes, no "
+        "lightmaps, no "
         f"light cache; to get them, {remedy()}"
     )
 

@@ -97,13 +97,13 @@ def camera_of(view: RenderedView) -> Camera:
     K, placed = view.K, view.world_from_camera
     if K[0, 1] != 0.0:
         raise InputError(
-            "its camera has skewed pixels, which none of these files can say",
+            "its camera has skewed pixels, which these files cannot express",
             place=view.folder,
             remedy="render with a camera of upright pixels",
         )
     if view.name.split() != [view.name]:
         raise InputError(
-            f"the view's name {view.name!r} has blanks, at which COLMAP ends a name",
+            f"the view's name {view.name!r} has spaces, which COLMAP does not support in names",
             place=view.folder,
             remedy="rename the camera, and render again",
         )

@@ -198,13 +198,13 @@ def _check(renders: Sequence[RenderedScene], options: DatasetOptions) -> Rendere
         raise InputError(
             f"{len(renders)} renders, and this dataset is of one",
             place="dataset",
-            remedy="write each into a folder of its own",
+            remedy="write each into its own folder",
         )
     if options != DatasetOptions():
         raise InputError(
-            "--scene, --split, --subset, --layout, --imenv-order and --first are of OpenRooms",
+            "--scene, --split, --subset, --layout, --imenv-order and --first belong to OpenRooms",
             place="dataset",
-            remedy="leave them out",
+            remedy="omit them",
         )
     return renders[0]
 

@@ -20,7 +20,7 @@ from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 
 IMAGES: Final = "images"
 DEPTHS: Final = "depths"
-# nerfstudio's default; instant-ngp is told so in ``transforms.json``.
+# nerfstudio's default; for instant-ngp it is in ``transforms.json``.
 DEPTH_STEP_M: Final = 1e-3
 _MOST_STEPS: Final = 2**16 - 1
 

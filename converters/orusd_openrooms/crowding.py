@@ -18,7 +18,7 @@ MOST_LAMPS: Final = 7
 _SEEN_SHARE: Final = 25.0 / (320.0 * 240.0)
 
 CROWDED: Final = (
-    f"more than {MOST_WINDOWS} windows or {MOST_LAMPS} lamps that are seen, or that are not"
+    f"more than {MOST_WINDOWS} windows or {MOST_LAMPS} lamps that are visible, or that are not"
 )
 
 
@@ -45,7 +45,7 @@ def without(scene: RenderedScene, crowded: Container[str]) -> RenderedScene:
         raise InputError(
             f"all of its views have {CROWDED}",
             place=scene.folder,
-            remedy="crowded: drop (--crowded drop) leaves the least lights out, keep keeps all",
+            remedy="crowded: drop (--crowded drop) leaves out the weakest lights, keep keeps all",
         )
     return replace(scene, views=views)
 

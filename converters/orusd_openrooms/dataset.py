@@ -130,7 +130,7 @@ def _write_lists(beside: Path, root: Path, options: DatasetOptions) -> None:
         lines = read_bytes(path, "table").splitlines() if os.path.lexists(path) else []
         if any(len(line.split()) > 1 for line in lines):
             raise OutputError(
-                "this is no list of scenes, one a line, and would be written anew",
+                "this is not a list of scenes, one per line, and would be overwritten",
                 place=path,
                 remedy="move it away",
             )
@@ -161,13 +161,13 @@ def _remove_stale(root: Path, written: Iterable[Path], known: ledger.Ledger) -> 
 
 def _check(renders: Sequence[RenderedScene], options: DatasetOptions) -> None:
     if not _SCENE.fullmatch(options.scene):
-        raise _wrong(f"{options.scene!r} is no name of a scene", "such as scene0000_00")
+        raise _wrong(f"{options.scene!r} is not the name of a scene", "such as scene0000_00")
     if options.first < 0:
         raise _wrong(f"the first view cannot be number {options.first}", "give 1, or 0")
     if len(options.splits) != len(renders) or len(set(options.splits)) != len(renders):
         raise _wrong(
             f"{len(renders)} renders and {len(options.splits)} splits",
-            "give --split once for each render, each another one",
+            "give --split once for each render, each with a different split",
         )
     if options.stages and len(options.stages) != len(renders):
         raise _wrong(
@@ -191,7 +191,7 @@ def _check_views(renders: Sequence[RenderedScene]) -> None:
         )
         if not same:
             raise InputError(
-                f"its views are not those of {renders[0].folder}",
+                f"its views differ from those of {renders[0].folder}",
                 place=render.folder,
                 remedy="variants of a scene share their views: render the same cameras",
             )
@@ -239,7 +239,7 @@ def cautions(
                 said, why = "is left out", f"{CROWDED}, for which IndoorLightEditing has no room"
             else:
                 least = ", ".join(map(str, sorted(numbers)))
-                said, why = f"is without its least lights, {least}", CROWDED
+                said, why = f"is without its weakest lights, {least}", CROWDED
             yield f"{place}: {name} {said}: it has {why}"
     views = [view for render in renders for view in render.views.values()]
     if {(view.width, view.height) for view in views} != {_RELEASED}:
@@ -248,8 +248,8 @@ def cautions(
     if any(abs(field - _RELEASED_FIELD_DEG) > _FIELD_TOLERANCE_DEG for field in fields):
         said = " to ".join(f"{field:g}" for field in dict.fromkeys((fields[0], fields[-1])))
         yield (
-            f"the field of view is {said} degrees, and the released loaders take "
-            f"{_RELEASED_FIELD_DEG} or 57 for granted: use --fov {_RELEASED_FIELD_DEG}, in a "
+            f"the field of view is {said} degrees, but the released loaders assume "
+            f"{_RELEASED_FIELD_DEG} or 57: use --fov {_RELEASED_FIELD_DEG}, in a "
             f"dataset.yaml views: {{fov: {_RELEASED_FIELD_DEG}}}, or change it in them"
         )
     shared = readers.read_intrinsics(root / layout.SHARED_INTRINSICS)

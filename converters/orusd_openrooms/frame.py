@@ -16,9 +16,9 @@ from orusd_openrooms.lights import Light
 
 # Hemispheres of light at the points of a grid, as one tiled picture.
 #
-# A hemisphere has 16 rows of elevation, the first around the normal n, and 32 columns of azimuth;
-# its frame is (n x y, y, n) with y the camera's up made orthogonal to n: left-handed, so that on a
-# surface that faces the camera the first axis points to the camera's left.
+# A hemisphere has 16 rows of elevation, the first around the normal n, and 32 columns of azimuth.
+# Its frame is (n x y, y, n) with y the camera's up made orthogonal to n. It is left-handed, so that
+# on a surface that faces the camera the first axis points to the camera's left.
 
 Grid = NDArray[np.float32]
 

@@ -45,7 +45,7 @@ def write_frame(place: Place, number: int, frame: Frame) -> None:
         InputError: A file of the render is damaged.
         OutputError: A file cannot be written.
     """
-    # Pixels of a render may hold any number, and what is none: no reason for numpy to speak.
+    # Pixels of a render may hold any number, NaN and infinity: numpy must not warn.
     with np.errstate(over="ignore", invalid="ignore"):
         for name, made in _FRAME.items():
             path = place.frame(name, number)
@@ -87,7 +87,9 @@ def _write_direct_environment(path: Path, frame: Frame) -> None:
     # As many points as a grid of a quarter of the other's rows has, or those that there are.
     factor = max(1, COARSER * grid.shape[0] // frame.grid[0])
     if grid.shape[0] % factor or grid.shape[1] % factor:
-        frame.missing["imenvDirect"] = f"its grid of {grid.shape[1]}x{grid.shape[0]} is no multiple"
+        frame.missing["imenvDirect"] = (
+            f"its grid of {grid.shape[1]}x{grid.shape[0]} is not a multiple"
+        )
         return
     picture = tiled(coarser(grid, factor))
     write_rgbe(path, stored(picture, frame.order))

@@ -38,7 +38,7 @@ def base_color(linear: Pixels) -> Bytes:
 
 
 def ratio(values: Pixels) -> Bytes:
-    """What lies between 0 and 1, linear; what is no number becomes 0."""
+    """What lies between 0 and 1, linear; NaN becomes 0."""
     known = np.nan_to_num(values.astype(np.float64), nan=0.0)
     return np.rint(255.0 * np.clip(known, 0.0, 1.0)).astype(np.uint8)
 

@@ -269,7 +269,7 @@ def approximate(
         light: An opening.
         camera: (4, 4) from the world to the camera's right, up, backward.
         points: (rows, columns, 3) in that frame, metres; the origin where there is no surface.
-        normals: (rows, columns, 3) in that frame; the length does not matter, 0 is no surface.
+        normals: (rows, columns, 3) in that frame; the length does not matter, 0 means no surface.
 
     Returns:
         (rows, columns, 3) lux.

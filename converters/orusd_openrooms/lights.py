@@ -192,7 +192,7 @@ def spread(sharpness: float) -> float:
 def _arriving(lobe: Lobe, light: Light) -> tuple[Array, Array]:
     """(3,) flux of a lobe from outside of an opening, and (3,) its directions' sum, by their flux.
 
-    A lobe may point into the room: what a fit has there is seen by nobody, and may be anything.
+    A lobe may point into the room: the fit is never evaluated there, and may have any value.
     """
     outwards = light.axes[:, 2]
     if lobe.sharpness > _SHARP_LOBE:

@@ -1,7 +1,8 @@
 """Views of an OpenRooms dataset for training, released or ours, in either layout.
 
-A file that a variant has not of its own is that of ``main``, as the release has it. What a frame
-tells is told by `FROM_FILES`; ``normal``, ``position`` and ``distance`` follow from the camera.
+A file that a variant has not of its own is that of ``main``, as the release has it. The channels of
+a frame's files are in `FROM_FILES`; ``normal``, ``position`` and ``distance`` follow from the
+camera.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -66,7 +67,7 @@ class Frame:
     def files(self, name: str) -> tuple[str, ...]:
         """Where a kind of file may lie, below the root: the first that is there counts.
 
-        What is not released with a variant is that of ``main``, unless somebody wrote it.
+        What is not released with a variant is that of ``main``, unless it exists.
         """
         splits = [self.split]
         if self.split.partition("_")[0] not in FRAME[name].variants:
@@ -232,7 +233,7 @@ class OpenRoomsForm:
         """
         order = options.get("order", "legacy")
         if order not in ("legacy", "rgb"):
-            raise InputError(f"{order!r} is no order of channels", remedy="say legacy or rgb")
+            raise InputError(f"{order!r} is not an order of channels", remedy="give legacy or rgb")
         _kinds.cache_clear()
         _cameras.cache_clear()
         frames = [
@@ -286,7 +287,7 @@ def _intrinsics(files: Files, folder: str) -> Array:
         if scene.fov is not None:
             return intrinsics(scene.fov, *scene.resolution)
     raise InputError(
-        "nothing says its field of view",
+        "its field of view is unknown",
         place=f"{files}/{folder}",
         remedy="put the scene's main.xml or its intrinsic.txt there",
     )
@@ -298,7 +299,7 @@ def _file_of(channel: str) -> str:
     if channel in GRIDS:
         return GRIDS[channel]
     known = ", ".join((*FROM_FILES, *_FOLLOWS, *GRIDS))
-    raise InputError(f"OpenRooms' files do not tell {channel!r}", remedy=f"they tell {known}")
+    raise InputError(f"OpenRooms' files do not have {channel!r}", remedy=f"they have {known}")
 
 
 def _made(name: str, images: Mapping[str, Array], sample: Sample) -> Array:

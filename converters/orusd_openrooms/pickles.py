@@ -75,7 +75,7 @@ def _code(value: Any) -> bytes:
         return b"}(" + _joined(part for pair in value.items() for part in pair) + b"u"
     if isinstance(value, np.ndarray) and value.dtype.kind in _NUMERIC:
         return _array(value)
-    raise TypeError(f"no plain data: {type(value).__name__}")
+    raise TypeError(f"not plain data: {type(value).__name__}")
 
 
 def _joined(values: Any) -> bytes:

@@ -26,7 +26,7 @@ def read_light(path: Path) -> Floats:
     """A Radiance picture, ``.hdr`` or ``.rgbe``: (height, width, 3).
 
     Raises:
-        InputError: It is missing or is no such picture.
+        InputError: It is missing or is not such a picture.
     """
     pixels: Floats = _read_image(path, "hdr").astype(np.float32)
     if pixels.shape[-1] != 3:
@@ -38,7 +38,7 @@ def read_bytes(path: Path) -> NDArray[np.uint8]:
     """An 8-bit picture: (height, width, 3).
 
     Raises:
-        InputError: It is missing or is no PNG of three channels.
+        InputError: It is missing or is not a PNG of three channels.
     """
     pixels = _read_image(path, "png")
     if pixels.dtype != np.uint8 or pixels.shape[-1] != 3:
@@ -116,7 +116,7 @@ def read_environments(
     picture = read_light(path)
     height, width = picture.shape[:2]
     if height % cell[0] or width % cell[1]:
-        raise InputError(f"{width}x{height} is no grid of {cell[1]}x{cell[0]}", place=path)
+        raise InputError(f"{width}x{height} is not a grid of {cell[1]}x{cell[0]}", place=path)
     found = np.empty((height // cell[0], width // cell[1], *cell, 3), np.float32)
     for row in range(found.shape[0]):
         band = picture[row * cell[0] : (row + 1) * cell[0]]
@@ -160,7 +160,7 @@ def read_cameras(path: Path) -> list[NDArray[np.float64]]:
 
 
 def read_view_names(path: Path) -> list[str]:
-    """Which view of its render each camera of ``cam.txt`` is; empty where nobody knows.
+    """Which view of its render each camera of ``cam.txt`` is; empty if unknown.
 
     Raises:
         InputError: It is missing or damaged.
@@ -196,7 +196,7 @@ def read_light_box(path: Path) -> dict[str, Any]:
     """
     found = read_pickled(path)
     if not isinstance(found, dict) or not {"isWindow", "box3D", "box2D"} <= set(found):
-        raise InputError("no box of a light", place=path)
+        raise InputError("not the box of a light", place=path)
     return found
 
 
@@ -234,5 +234,5 @@ def _read_image(path: Path, form: str) -> NDArray[Any]:
             source.close()
     # Its messages quote the file, in whatever bytes.
     except UnicodeDecodeError as error:
-        raise InputError("a damaged image: its header is no text", place=path) from error
+        raise InputError("a damaged image: its header is not text", place=path) from error
     return np.asarray(pixels)

@@ -33,7 +33,7 @@ class PreviewRenderer:
             options: See `options`.
 
         Raises:
-            InputError: The reach is no positive number.
+            InputError: The reach is not a positive number.
         """
         from orusd_preview.session import PreviewSession
 
@@ -46,5 +46,7 @@ def _metres(text: str) -> float:
     except (TypeError, ValueError):
         found = 0.0
     if not 0.0 < found < 1e6:
-        raise InputError(f"{text!r} is no reach", place="reach", remedy="metres, such as 0.6")
+        raise InputError(
+            f"{text!r} is not a positive number", place="reach", remedy="metres, such as 0.6"
+        )
     return found

@@ -34,7 +34,7 @@ _LATTICE_STEPS: Final = 1.324717957244746 ** np.array([-1.0, -2.0])
 _POINTS_A_BATCH: Final = 1 << 19
 # Points along each side of a pixel, for smooth edges.
 _POINTS_A_SIDE: Final = 2
-# More rays a pixel than this nobody sees.
+# More rays per pixel than this make no visible difference.
 _MOST_RAYS: Final = 32
 _MEANING: Final = (
     "a preview without light transport: base colour under a light at the camera and ambient "

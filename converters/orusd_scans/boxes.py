@@ -5,9 +5,9 @@ counter-clockwise from above; at 0 the front looks along -y, in a source with Y 
 vertical column says what it is: ``z`` the base of the box, ``cz`` its middle (``y`` and ``cy`` with
 Y up). A column ``unit`` or the option gives the unit of the lengths.
 
-JSON is a list of objects ``{"id", "label", "center", "size", "yaw"}``, or with ``rotation`` (3x3,
-its columns the box's width, depth and height) in place of ``yaw``; or an object that holds this
-list as ``objects`` beside ``floor``, ``level``, ``height``, ``openings``, ``unit``, ``up`` and
+JSON is a list of objects ``{"id", "label", "center", "size", "yaw"}``, or with ``rotation`` in
+place of ``yaw`` (3x3, its columns the box's width, depth and height). Or it is an object that holds
+this list as ``objects`` beside ``floor``, ``level``, ``height``, ``openings``, ``unit``, ``up`` and
 ``frames``.
 """
 
@@ -93,7 +93,7 @@ class BoxesImporter:
             options: See `options`.
 
         Raises:
-            InputError: It is missing, is no such file, or holds nonsense; names the place.
+            InputError: It is missing, is not such a file, or holds nonsense; names the place.
         """
         given, notes = _listed(source, options), list[str]()
         ids = identifiers(given.boxes, "object")
@@ -124,7 +124,9 @@ class BoxesImporter:
         named = {name: Path(value) for name, value in options.items() if name in self.paths}
         files = [source, *named.values()]
         if len({path.name for path in files}) < len(files):
-            raise InputError("two of the files have one name", place=source, remedy="rename one")
+            raise InputError(
+                "two of the files have the same name", place=source, remedy="rename one"
+            )
         kept = {name: value for name, value in options.items() if name not in self.paths}
         return Packed(
             file=source.name,
@@ -147,7 +149,7 @@ def _listed(source: Path, options: Mapping[str, str]) -> _List:
         root = Node({"objects": root.value}, source)
     if root.get("objects") is None:
         raise root.error(
-            "this is JSON, but no list of boxes",
+            "this is JSON, but not a list of boxes",
             'give a list of {"id", "label", "center", "size", "yaw"}, or hold it as "objects"',
         )
     return _List(root.items("objects"), root, _up(root, options), _unit(root, options))
@@ -238,7 +240,7 @@ def _row(node: Node, up: Up) -> _Row:
 
 def _positive(size: Array, node: Node) -> Array:
     if (size <= 0.0).any():
-        raise node.error("a side is not above zero", "give width, depth and height")
+        raise node.error("a side is not positive", "give width, depth and height")
     return size
 
 
@@ -269,7 +271,7 @@ def _box(row: _Row, identifier: str, frame: WorldFrame, notes: list[str]) -> Cap
     size = frame.unit * row.size
     if size.min() < _MIN_SIDE_M:
         raise row.node.error(
-            f"its smallest side is {size.min():.3g} m", "say the unit of the file: --unit cm"
+            f"its smallest side is {size.min():.3g} m", "give the unit of the file: --unit cm"
         )
     left, _, right = np.linalg.svd(frame.rotation @ row.rotation)
     rotation = left @ right
@@ -292,6 +294,6 @@ def _around(boxes: Sequence[CapturedBox], notes: list[str]) -> Array | None:
     reach = [0.5 * float(np.linalg.norm(box.size[:2])) + _FLOOR_MARGIN_M for box in boxes]
     low = np.min([b.center[:2] - r for b, r in zip(boxes, reach, strict=True)], axis=0)
     high = np.max([b.center[:2] + r for b, r in zip(boxes, reach, strict=True)], axis=0)
-    notes.append("no floor is given: the rectangle around the objects was taken")
+    notes.append("no floor is given: the rectangle around the objects is used")
     (x0, y0), (x1, y1) = np.round(low, 3), np.round(high, 3)
     return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])

@@ -13,7 +13,7 @@ from openrooms_usd.geometry.polygons import CLEARANCE, counter_clockwise, defect
 TWIN_DISTANCE_M = 0.15
 # Gaps between walls up to this length are closed without a note, metres.
 MAX_GAP_M = 0.3
-# A wall's end nearer to the line across the gap beside it is no corner, metres.
+# A wall's end this near to the line across the gap beside it is not a corner, metres.
 _STRAIGHT_M = 0.03
 # Of more pieces the nearest ends are joined without regard to others.
 _MOST_RUNS = 24
@@ -48,7 +48,7 @@ def tidied(corners: Array, notes: list[str]) -> Array | None:
     ring = shapely.get_coordinates(shapely.get_exterior_ring(largest).simplify(CLEARANCE))[:-1]
     if defect(ring) is not None:
         return None
-    notes.append("the captured floor crossed itself: its largest simple part was taken")
+    notes.append("the captured floor crossed itself: its largest simple part is used")
     return counter_clockwise(ring)[0]
 
 
@@ -75,7 +75,7 @@ def chained(segments: Array, notes: list[str]) -> Array | None:
     if len(hull) < 3:
         return None
     if defect(corners) is not None or abs(signed_area(corners)) < 0.5 * abs(signed_area(hull)):
-        notes.append("the walls do not close: their convex hull was taken as the floor")
+        notes.append("the walls do not close: their convex hull is used as the floor")
         return hull
     if wide := [f"{gap:.2f} m" for gap in _gaps(chain) if gap > MAX_GAP_M]:
         gaps = "a gap of" if len(wide) == 1 else "gaps of"
@@ -194,7 +194,7 @@ def _corners(chain: Array) -> Array:
         met = [a[1], b[0]] if corner is None else [corner]
         corners += met
         ends_gap += [corner is None] * len(met)
-    # The end of a wall that goes on straight over the gap is no corner.
+    # The end of a wall that goes on straight over the gap is not a corner.
     ring = np.array(corners)
     before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
     along, aside = after - before, ring - before

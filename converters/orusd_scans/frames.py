@@ -78,7 +78,7 @@ def intrinsics(node: Node) -> Array:
     if np.abs(K[2] - [0.0, 0.0, 1.0]).max() > 1e-9:
         raise node.error("the last row of intrinsics is 0 0 1", _REMEDY)
     if K[0, 0] <= 0.0 or K[1, 1] <= 0.0:
-        raise node.error("a focal length is not above zero", _REMEDY)
+        raise node.error("a focal length is not positive", _REMEDY)
     return np.asarray(K)
 
 

@@ -1,6 +1,6 @@
 """A plain point cloud or mesh becomes a Capture: PLY, PCD, OBJ, GLB, LAS, E57, text and NPZ.
 
-What the file, or somebody, says is compared with the evidence of all axes and all units. Where that
+What the file or the user says is compared with the evidence of all axes and all units. Where that
 is clear it is followed, with a note; where it is not, or contradicts what was asked, the scan is
 refused with the option that settles it. The options are those of the importer: ``--up``,
 ``--unit``, or ``up:`` and ``unit:`` in a description.
@@ -92,7 +92,7 @@ READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".npz": read_npz,
 }
 UNDETERMINED: Final = (
-    "a scan says nothing of its floor: let it be found, by `layout: {from: scan, scan: FILE}`"
+    "a scan does not record its floor: reconstruct it by `layout: {from: scan, scan: FILE}`"
 )
 # Samples of a mesh by which it is seen how it stands.
 _SAMPLES: Final = 200_000
@@ -246,7 +246,7 @@ def read_scanned(source: Path) -> Scanned:
         )
     if reader is None:
         raise InputError(
-            f"files that end in {source.suffix!r} are no scans that can be read",
+            f"files that end in {source.suffix!r} are not supported scans",
             place=source,
             remedy=f"known are: {', '.join(READERS)}",
         )
@@ -345,7 +345,7 @@ def direction(up: str, source: Path) -> Array:
         source: The file, for messages.
 
     Raises:
-        InputError: It is no direction.
+        InputError: It is not a direction.
     """
     axes = {"x": "1,0,0", "y": "0,1,0", "z": "0,0,1"}
     try:
@@ -355,7 +355,9 @@ def direction(up: str, source: Path) -> Array:
     length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
     if not 0.0 < length < np.inf:
         raise InputError(
-            f"the direction {up[:40]!r} is none", place=source, remedy="give up as 0,0,1 or as z"
+            f"the direction {up[:40]!r} is not valid",
+            place=source,
+            remedy="give up as 0,0,1 or as z",
         )
     return np.asarray(vector / length)
 
@@ -374,7 +376,7 @@ def classified(cloud: Cloud, path: Path) -> Cloud:
     """A cloud whose labels are the numbers of another list of classes than NYU40's.
 
     Raises:
-        InputError: The cloud has no labels, or the file is no table of words.
+        InputError: The cloud has no labels, or the file is not a table of words.
     """
     if cloud.label is None:
         raise InputError("the scan has no labels that could have classes", place=path)
@@ -388,10 +390,10 @@ def read_words(path: Path) -> dict[int, tuple[str, ...]]:
     """Words by numbers, of instances or of classes.
 
     Raises:
-        InputError: It is no such file.
+        InputError: It is not such a file.
     """
     node = read_json(path)
     words = node.value if isinstance(node.value, dict) else {}
     if not words or not all(key.isdecimal() and len(key) < 9 for key in words):
-        raise node.error("this is no table of words by numbers", 'write {"13": "trash can"}')
+        raise node.error("this is not a table of words by numbers", 'write {"13": "trash can"}')
     return {int(key): (text(node.need(key)),) for key in words}

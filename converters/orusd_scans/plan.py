@@ -82,7 +82,7 @@ def plan_of(root: Node, up: Up) -> DrawnPlan | None:
     """The floor that an object holds under ``floor``; None where it has none.
 
     Raises:
-        InputError: It is no simple polygon, or a number is absurd.
+        InputError: It is not a simple polygon, or a number is absurd.
     """
     floor = root.get("floor")
     if floor is None:

@@ -60,7 +60,7 @@ class Node:
         """The elements of a list in an object; none when it is missing.
 
         Raises:
-            InputError: It is no list.
+            InputError: It is not a list.
         """
         found = self.get(key)
         if found is None:
@@ -131,14 +131,14 @@ def _not_json(place: object, reason: str) -> InputError:
     return InputError(
         f"not readable as JSON: {reason}",
         place=place,
-        remedy="give the exported JSON file, whole and as it was written",
+        remedy="give the complete exported JSON file, unchanged",
     )
 
 
 # Single values of foreign records, checked: texts, numbers, choices and identifiers.
 
 _MAX_CHARACTERS: Final = 200  # characters of an identifier or a label
-_REMEDY: Final = "mend this value"
+_REMEDY: Final = "correct this value"
 
 
 def text(node: Node) -> str:
@@ -162,7 +162,7 @@ def number(node: Node, largest: float) -> float:
     """A finite number.
 
     Raises:
-        InputError: It is none, or absurd.
+        InputError: It is not a number, or absurd.
     """
     return float(node.numbers(1, largest)[0])
 
@@ -171,7 +171,7 @@ def positive(node: Node, largest: float) -> float:
     """A number above zero.
 
     Raises:
-        InputError: It is none, zero, negative or absurd.
+        InputError: It is not a number, or it is zero, negative or absurd.
     """
     found = number(node, largest)
     if found <= 0.0:
@@ -194,11 +194,11 @@ def choice(node: Node, known: Sequence[str]) -> str:
     """One of some words.
 
     Raises:
-        InputError: It is none of them.
+        InputError: It is not one of them.
     """
     found = text(node)
     if found not in known:
-        raise node.error(f"{found[:40]!r} is none of: {', '.join(known)}", _REMEDY)
+        raise node.error(f"{found[:40]!r} is not one of: {', '.join(known)}", _REMEDY)
     return found
 
 
@@ -215,8 +215,7 @@ def identifiers(nodes: Sequence[Node], kind: str) -> list[str]:
         identifier = text(given) if given else f"{kind}{index}"
         if (other := first.setdefault(identifier, node)) is not node:
             raise node.error(
-                f"the id {identifier!r} repeats that of {other.path}",
-                "give every one an id of its own",
+                f"the id {identifier!r} repeats that of {other.path}", "give each its own id"
             )
         found.append(identifier)
     return found
@@ -271,7 +270,7 @@ def _records(
             continue
         node = Node(None, path, f"line {line}")
         if len(row) != len(header):
-            raise node.error(f"{len(header)} fields expected, found {len(row)}", "mend the line")
+            raise node.error(f"{len(header)} fields expected, found {len(row)}", "correct the line")
         fields = {name: field.strip() for name, field in zip(header, row, strict=True)}
         yield Node({n: _value(f, n in texts) for n, f in fields.items()}, path, node.path)
 

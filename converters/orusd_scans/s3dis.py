@@ -42,7 +42,7 @@ class S3disImporter:
             options: None are known.
 
         Raises:
-            InputError: It is no such folder, or a file holds nonsense; names the place.
+            InputError: It is not such a folder, or a file holds nonsense; names the place.
         """
         notes = list[str]()
         files = _files(source, notes)
@@ -86,7 +86,7 @@ def _files(source: Path, notes: list[str]) -> list[Path]:
         found = full
     if not 0 < len(found) <= _MOST_THINGS:
         raise InputError(
-            f"no room of S3DIS: {len(found)} files {_FOLDER}/*.txt with points are here",
+            f"not a room of S3DIS: {len(found)} files {_FOLDER}/*.txt with points are here",
             place=source,
             remedy=f"give the folder of one room, such as Area_1/office_1, with {_FOLDER} in it",
         )

@@ -50,7 +50,7 @@ _TALL_LIMITS_M: Final = (0.0, 60.0)
 _LONG_LIMITS_M: Final = (0.8, 800.0)
 _CEILING_LIMITS_M: Final = (1.6, 60.0)
 _BEYOND_LOG_ODDS: Final = -8.0
-# Log odds of another unit from which it is told, is taken, and what was said is refused.
+# Log odds of another unit from which it is reported, is used, and the stated one is rejected.
 _DOUBTFUL_LOG_ODDS: Final = 0.5
 _CLEAR_UNIT_LOG_ODDS: Final = 4.0
 _ABSURD_LOG_ODDS: Final = 6.0
@@ -63,8 +63,8 @@ class Asked:
     """What the file and the person say.
 
     Attributes:
-        up: (3,) unit; as the format has it where nobody says anything.
-        up_said: Whether somebody said so.
+        up: (3,) unit; by default that of the format.
+        up_said: Whether it was stated.
         unit: Metres for one unit, and its name; None where it is to be found.
     """
 
@@ -77,7 +77,7 @@ def unit_named(text: str, source: Path) -> tuple[float, str] | None:
     """Metres for one unit, and its name; None for ``auto``.
 
     Raises:
-        InputError: It is no unit and no length.
+        InputError: It is neither a unit nor a length.
     """
     if text == AUTO:
         return None
@@ -147,15 +147,15 @@ def find_unit(
         one = max(found, key=lambda v: v.line)
         likely = _TALL_M_AND_SPREAD[0] / max(one.height or one.extent[0], 1e-12)
         raise InputError(
-            f"in metres the scan would be {room}, and no usual unit makes a room of it",
+            f"in metres the scan would be {room}, and no usual unit gives the size of a room",
             place=source,
-            remedy="say how many metres one unit is, perhaps"
-            f" `--unit {likely:.2g}`, or `--unit m` if it is in metres all the same",
+            remedy=f"give the metres of one unit, perhaps `--unit {likely:.2g}`, or `--unit m` if "
+            "it really is in metres",
         )
     if against > _DOUBTFUL_LOG_ODDS:
-        notes.append(f"in metres the scan is {room}, which is taken; {other}")
+        notes.append(f"in metres the scan is {room}, which is assumed; {other}")
     elif _is_odd(own, said):
-        notes.append(f"in metres the scan is {room}: should its unit be another, `--unit` says so")
+        notes.append(f"in metres the scan is {room}: if its unit is different, give `--unit`")
     return said, name
 
 
@@ -250,7 +250,8 @@ _CLEAR_LOG_ODDS: Final = 2.0
 _PARTLY_LOG_ODDS: Final = 1.0
 _SURE_LOG_ODDS: Final = 1.0
 _ALONE_LOG_ODDS: Final = 1.5
-# Log odds of a vertical's upper end: from which it is told, and below which it is the lower one.
+# Log odds of a vertical's upper end: from which it is reported, and below which it is the lower
+# one.
 _UPWARDS_LOG_ODDS: Final = 1.0
 _UPSIDE_DOWN_LOG_ODDS: Final = -3.5
 # By so much files of another axis have its positive end up.
@@ -290,8 +291,8 @@ def find_up(
     if asked.up_said:
         if own is not None and ahead < -2.0 * _CLEAR_LOG_ODDS:
             raise InputError(
-                f"with {written(asked.up)} up the room lies on its side: its floor and walls say"
-                f" {written(turned)}",
+                f"with {written(asked.up)} up the room lies on its side: its floor and walls "
+                f"suggest {written(turned)}",
                 place=source,
                 remedy=remedy,
             )
@@ -316,11 +317,11 @@ def find_up(
     if ahead > -_CLEAR_LOG_ODDS or not alone or way < _UPWARDS_LOG_ODDS or not shown:
         likely = (written(_towards(v)) for v in others[:2])
         raise InputError(
-            f"which way is up is not clear: {written(asked.up)} hardly is",
+            f"the up direction is not clear: {written(asked.up)} is unlikely",
             place=source,
-            remedy=f"`--up {' or --up '.join(likely)}`, by what the scan shows; `--up"
-            f" {written(asked.up)}` if it is up all the same. A scan of a part of a room also"
-            " needs `partial: true`",
+            remedy=f"`--up {' or --up '.join(likely)}`, as the scan suggests; `--up "
+            f"{written(asked.up)}` if that really is up. A scan of a part of a room also "
+            "needs `partial: true`",
         )
     notes.append(
         f"{written(turned)} is taken for up, and not {written(asked.up)}: the scan's floor and"
@@ -337,8 +338,8 @@ def _sided(own: Vertical, asked: Asked, source: Path, notes: list[str]) -> Array
     turned = written(-asked.up)
     if upwards > _UPSIDE_DOWN_LOG_ODDS:
         notes.append(
-            f"the scan hardly tells its floor from its ceiling: should it be upside down,"
-            f" `--up {turned}`"
+            "floor and ceiling of the scan are hard to distinguish: if it is upside down, give "
+            f"`--up {turned}`"
         )
         return asked.up
     if asked.up_said:

@@ -28,7 +28,7 @@ _LONGEST_MESSAGE: Final = 400  # letters
 # Classes and numbers of objects.
 _LARGEST_NUMBER: Final = 1 << 24
 _NYU40: Final = 40
-OTHER_CLASSES: Final = "NYU40 classes were expected (say by --classes FILE what yours mean)"
+OTHER_CLASSES: Final = "NYU40 classes were expected (give --classes FILE for other classes)"
 """The end of a note about labels that NYU40 does not have."""
 
 _PLACE: Final = (("x", "y", "z"),)
@@ -73,7 +73,8 @@ def opened(path: Path, kind: untrusted.Kind = "points") -> Iterator[BinaryIO]:
     """A file to read bytes from.
 
     Raises:
-        InputError: It cannot be read, is no regular file, is too large for its kind, or is empty.
+        InputError: It cannot be read, is not a regular file, is too large for its kind, or is
+            empty.
     """
     with untrusted.opened(path, kind) as stream:
         if size_of(stream) == 0:
@@ -101,10 +102,10 @@ def counted(path: Path, text: str, what: str = "points") -> int:
     """A count in a header.
 
     Raises:
-        InputError: It is none, or absurd.
+        InputError: It is not a number, or absurd.
     """
     if not text.isdecimal() or len(text) > 12 or int(text) > MOST_POINTS:
-        raise broken(path, f"{text[:20]!r} is no number of {what} (at most {MOST_POINTS:,})")
+        raise broken(path, f"{text[:20]!r} is not a number of {what} (at most {MOST_POINTS:,})")
     return int(text)
 
 
@@ -125,12 +126,12 @@ def one_in(options: Mapping[str, str], usual: int, place: Path, what: str) -> in
     """One in how many pictures the option ``fuse`` asks for.
 
     Raises:
-        InputError: It is no such number.
+        InputError: It is not such a number.
     """
     text = options.get("fuse", str(usual))
     if not text.isdecimal() or not 0 < int(text) < 1_000_000:
         raise InputError(
-            f"{text[:20]!r} is no number of {what}", place=place, remedy="give --fuse 10"
+            f"{text[:20]!r} is not a number of {what}", place=place, remedy="give --fuse 10"
         )
     return int(text)
 
@@ -145,7 +146,7 @@ def cloud_of(columns: Columns, path: Path, notes: list[str], others: Iterable[st
         others: Names of columns that hold no single numbers.
 
     Raises:
-        InputError: There are no points or coordinates, or a label is no whole number.
+        InputError: There are no points or coordinates, or a label is not a whole number.
     """
     places = _three(columns, _PLACE)
     if places is None:
@@ -193,7 +194,7 @@ def _three(columns: Columns, names: tuple[tuple[str, ...], ...]) -> list[NDArray
 
 
 def _double(values: NDArray[Any]) -> Array:
-    with np.errstate(invalid="ignore"):  # what is no number is dropped later
+    with np.errstate(invalid="ignore"):  # NaN is dropped later
         return values.astype(np.float64, copy=False)
 
 
@@ -204,12 +205,12 @@ def _single(values: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def _colors(values: NDArray[Any], notes: list[str]) -> NDArray[np.uint8]:
-    """Colours (N, 3) as bytes: fractions are scaled up, 16 bits down; grey for what is none."""
+    """Colours (N, 3) as bytes: fractions are scaled up, 16 bits down; grey if not valid."""
     if values.dtype == np.uint8:
         return values
     sound = np.isfinite(values).all(axis=1)
     if lost := int(np.count_nonzero(~sound)):
-        notes.append(f"{lost:,} colours are no numbers: these points are grey")
+        notes.append(f"{lost:,} colours are not numbers: these points are grey")
     top = float(values[sound].max(initial=0.0))
     is_fraction = values.dtype.kind == "f" and top <= 1.0
     scale = 255.0 if is_fraction else 255.0 / 65535.0 if top > 255.0 else 1.0
@@ -247,9 +248,9 @@ def _confidence(columns: Columns, notes: list[str]) -> NDArray[np.float32] | Non
     if name is None:
         return None
     given = _single(columns[name])
-    # What is no number is trusted least; a damaged line has no place, either.
+    # NaN is trusted least; a damaged line has no position, either.
     values = np.where(np.isnan(given), np.float32(0.0), given)
     if not ((values >= 0.0) & (values <= 1.0)).all():
-        notes.append("the confidence is not from 0 to 1: it was left out")
+        notes.append("the confidence is not from 0 to 1: it is ignored")
         return None
     return values

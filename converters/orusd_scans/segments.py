@@ -39,8 +39,8 @@ def with_segments(cloud: Cloud, path: Path) -> Cloud:
     for name, values in ((_LABEL, label), (_INSTANCE, instance)):
         if values is not None and values.shape != (len(cloud),):
             raise InputError(
-                f"the array {name!r} has {_said(values.shape)}, the scan's file has {len(cloud)}"
-                " points or vertices",
+                f"the array {name!r} has {_said(values.shape)}, but the scan's file has "
+                f"{len(cloud)} points or vertices",
                 place=path,
                 remedy=_REMEDY,
             )
@@ -64,9 +64,7 @@ def _read(path: Path) -> tuple[Values | None, Values | None]:
         return found.get(_LABEL), found.get(_INSTANCE)
     if ending != ".npy":
         raise InputError(
-            f"files that end in {ending!r} are no segments that can be read",
-            place=path,
-            remedy=_REMEDY,
+            f"files that end in {ending!r} are not supported segments", place=path, remedy=_REMEDY
         )
     values = read_array(path, None, NUMBERS + TEXTS)
     if values.ndim == 2 and values.shape[1] == 2 and values.dtype.kind not in TEXTS:
@@ -96,4 +94,4 @@ def _words(values: Values, path: Path) -> list[str]:
     try:
         return [word.decode() if isinstance(word, bytes) else str(word) for word in values.tolist()]
     except (UnicodeDecodeError, ValueError) as error:
-        raise InputError("a label is no text", place=path, remedy=_REMEDY) from error
+        raise InputError("a label is not text", place=path, remedy=_REMEDY) from error

@@ -32,7 +32,7 @@ class WorldFrame:
 
     def points(self, source: Array) -> Array:
         """Points (..., 3) in the world, metres; the origin is subtracted first, for precision."""
-        with np.errstate(invalid="ignore", over="ignore"):  # what is no number is dropped later
+        with np.errstate(invalid="ignore", over="ignore"):  # NaN is dropped later
             return np.asarray(self.unit * ((source - self.origin) @ self.rotation.T))
 
     def matrix(self, source_from_local: Array) -> Array:
@@ -69,7 +69,7 @@ def rigid(node: Node) -> Array:
     if np.abs(matrix[3] - _BOTTOM).max() > 1e-6:
         by_columns = np.abs(matrix[:, 3] - _BOTTOM).max() <= 1e-6
         raise node.error(
-            "its translation stands in the last row"
+            "its translation is in the last row"
             if by_columns
             else "the last row of a transform is 0 0 0 1",
             "write the matrix row by row, with the translation in the last column",
@@ -79,7 +79,7 @@ def rigid(node: Node) -> Array:
 
 
 def proper(rotation: Array, node: Node) -> None:
-    """Refuse a (3, 3) matrix that is no proper rotation.
+    """Reject a (3, 3) matrix that is not a proper rotation.
 
     Raises:
         InputError: It mirrors, scales or shears.

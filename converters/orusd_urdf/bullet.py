@@ -110,7 +110,7 @@ class BulletSimulation:
         """Write every body as a file, load it, and leave its joints to themselves.
 
         Args:
-            folder: Empty; nobody needs the files afterwards.
+            folder: Empty; the files are not needed afterwards.
             friction: Which coefficient of each surface counts.
 
         Raises:
@@ -191,7 +191,7 @@ class BulletSimulation:
         try:
             loaded = load_file(self._p, file, place, rubs, fixed=body.fixed, client=self._client)
         except self._p.error as error:
-            raise StageError(f"Bullet refuses {body.name!r}: {error}", place=body.path) from error
+            raise StageError(f"Bullet rejects {body.name!r}: {error}", place=body.path) from error
         dynamics = self._p.getDynamicsInfo(loaded.number, BASE, **self._how)
         self._bodies[body.name] = _Loaded(
             body,

@@ -24,11 +24,11 @@ def check_world(world: World) -> None:
     """Refuse a world that is impossible.
 
     Raises:
-        StageError: Names clash, a mass or an inertia is none, a shape has no volume, or joints
-            are no tree. The place is the prim.
+        StageError: Names clash, a mass or an inertia is not valid, a shape has no volume, or joints
+            do not form a tree. The place is the prim.
     """
     if not np.isfinite(world.gravity).all():
-        _refuse("the gravity is no number", "/", "set it in the physics scene")
+        _refuse("the gravity is not finite", "/", "set it in the physics scene")
     _check_unique([body.name for body in world.bodies], "bodies", "/")
     for body in world.bodies:
         _check_joints(body)
@@ -75,30 +75,30 @@ def _check_link(link: Link, body: Body, moves: bool) -> None:
             _refuse("it can move, but has no mass", link.path, "give it a mass or a density")
     else:
         for problem in _impossible(link.mass):
-            _refuse(problem, link.path, "give it a mass and an inertia that a thing can have")
+            _refuse(problem, link.path, "give it a physically possible mass and inertia")
     _check_rigid(link.body_from_link, link.path)
     _check_rigid(body.world_from_body, body.path)
     _check_unique([shape.name for shape in link.shapes], "shapes", link.path)
     for shape in link.shapes:
         where = f"{link.path}/{shape.name}"
         if not np.isfinite(shape.mesh.points).all():
-            _refuse("a point of its collider is no number", where, "mend the mesh")
+            _refuse("a point of its collider is not finite", where, "correct the mesh")
         if len(shape.mesh.triangles) < 4 or not _has_volume(shape.mesh):
             _refuse("the collider has no volume", where, "give it a thickness, or remove it")
         contact = shape.contact
         values = (contact.static_friction, contact.dynamic_friction, contact.restitution)
         if not all(np.isfinite(value) and value >= 0.0 for value in values):
-            _refuse("friction or restitution is negative", where, "mend its physics material")
+            _refuse("friction or restitution is negative", where, "correct its physics material")
 
 
 def _impossible(mass: MassProperties) -> Iterator[str]:
     if not (np.isfinite(mass.mass) and np.isfinite(mass.centre).all()):
-        yield "the mass or its centre is no number"
+        yield "the mass or the centre of mass is not finite"
         return
     if mass.mass <= 0.0:
         yield f"a mass of {mass.mass:g} kg"
     if not np.isfinite(mass.inertia).all():
-        yield "the inertia is no number"
+        yield "the inertia is not finite"
         return
     small, middle, large = np.linalg.eigvalsh((mass.inertia + mass.inertia.T) / 2.0)
     if small <= 0.0:
@@ -116,7 +116,7 @@ def _check_rigid(M: Array, path: str) -> None:
     turn = M[:3, :3]
     rigid = np.isfinite(M).all() and np.allclose(turn @ turn.T, np.eye(3), atol=1e-6)
     if not rigid or np.linalg.det(turn) < 0.0:
-        _refuse("its frame is not rigid", path, "scales and mirrors belong into its points")
+        _refuse("its frame is not rigid", path, "apply scales and mirrors to its points")
 
 
 def _check_joints(body: Body) -> None:
@@ -129,7 +129,7 @@ def _check_joints(body: Body) -> None:
     for joint in body.joints:
         _check_joint(joint, known, body.path)
         if joint.child in parents or joint.child == body.links[0].name:
-            message = f"joints form a loop: {joint.child!r} hangs on more than one"
+            message = f"joints form a loop: {joint.child!r} has more than one parent"
             _refuse(message, body.path, "remove the joint that closes the loop")
         parents[joint.child] = joint.parent
     for link in body.links[1:]:
@@ -143,7 +143,7 @@ def _check_hangs(name: str, parents: dict[str, str], body: Body) -> None:
         if at in seen:
             _refuse(f"joints form a loop: {', '.join(seen)}", body.path, "remove one of them")
         if at not in parents:
-            _refuse(f"no joint holds {at!r}", body.path, "join it, or make it a body of its own")
+            _refuse(f"no joint holds {at!r}", body.path, "join it, or make it a separate body")
         seen.append(at)
         at = parents[at]
 
@@ -151,12 +151,12 @@ def _check_hangs(name: str, parents: dict[str, str], body: Body) -> None:
 def _check_joint(joint: Joint, known: set[str], path: str) -> None:
     for end in (joint.parent, joint.child):
         if end not in known:
-            _refuse(f"joint {joint.name!r}: no link is named {end!r}", path, "mend its bodies")
+            _refuse(f"joint {joint.name!r}: no link is named {end!r}", path, "correct its bodies")
     if joint.kind == "fixed":
         return
     low, high = joint.limits
     if not abs(float(np.linalg.norm(joint.axis)) - 1.0) < _MOMENT_TOLERANCE:
-        _refuse(f"joint {joint.name!r}: its axis is no unit vector", path, "mend its axis")
+        _refuse(f"joint {joint.name!r}: its axis is not a unit vector", path, "correct its axis")
     if not low <= high:
         _refuse(f"joint {joint.name!r}: limits {low:g} to {high:g}", path, "swap its limits")
     if not (joint.damping >= 0.0 and joint.friction >= 0.0):

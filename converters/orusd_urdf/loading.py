@@ -50,7 +50,7 @@ def load_bullet(folder: str | Path, client: Any) -> dict[str, Loaded]:
         MissingPackageError: Bullet is not installed.
     """
     p = needed("pybullet")
-    # A BulletClient disconnects when nobody holds it any more: it stays in its own variable.
+    # A BulletClient disconnects when it is garbage collected: it stays in its own variable.
     folder, number = Path(folder), getattr(client, "_client", client)
     scene = _scene(folder / "scene.json")
     p.setGravity(*scene["gravity"], physicsClientId=number)
@@ -64,7 +64,7 @@ def _scene(file: Path) -> dict[str, Any]:
         scene = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(
-            f"no readable scene: {error}", place=file, remedy="export again"
+            f"not a readable scene: {error}", place=file, remedy="export again"
         ) from error
     if not isinstance(scene, dict) or scene.get("format") != 1:
         raise InputError("another format", place=file, remedy="export again")
@@ -79,7 +79,7 @@ def _load(p: Any, folder: Path, entry: dict[str, Any], client: int) -> Loaded:
         return load_file(p, file, place, rubs, fixed=entry["fixed_base"], client=client)
     except p.error as error:
         raise InputError(
-            f"Bullet refuses it: {error}", place=file, remedy="export again"
+            f"Bullet rejects it: {error}", place=file, remedy="export again"
         ) from error
 
 
@@ -122,7 +122,7 @@ def load_file(
     for index in loaded.links.values():
         p.changeDynamics(number, index, linearDamping=0.0, angularDamping=0.0, **how)
     for name, index in loaded.joints.items():
-        # Bullet drives every joint by itself until it is told otherwise. Dry friction is a motor
+        # Bullet drives every joint by default. Dry friction is a motor
         # that holds a joint still as well as it can.
         mode, force = p.VELOCITY_CONTROL, frictions[name]
         p.setJointMotorControl2(number, index, mode, 0.0, 0.0, force=force, **how)

@@ -295,8 +295,8 @@ def _equality(world: World) -> Element:
 
 
 def _moving_at_first(world: World) -> list[Loss]:
-    """What is told of first velocities."""
-    reason = "its first velocity is not in the file: set qvel"
+    """The report on initial velocities."""
+    reason = "its initial velocity is not in the file: set qvel"
     return [(path, "approximated", reason) for path in started(world)]
 
 
@@ -306,7 +306,7 @@ def _left_out(which: Which, asked: Choice) -> list[Loss]:
         return []
     what = {
         "near": "unequal surfaces that are apart",
-        "close": "unequal surfaces that do not touch at first",
+        "close": "unequal surfaces that do not touch initially",
         "none": "unequal surfaces",
     }[which]
     why = f": all pairs would be more than {MAX_PAIRS:,} (pairs=all)" if asked == "auto" else ""
@@ -317,4 +317,4 @@ def _restitution(world: World) -> list[Loss]:
     contacts = (s.contact for body in world.bodies for link in body.links for s in link.shapes)
     if not any(contact.restitution > 0.0 for contact in contacts):
         return []
-    return [("/", "approximated", "MuJoCo knows no restitution: nothing bounces")]
+    return [("/", "approximated", "MuJoCo has no restitution: nothing bounces")]

@@ -75,7 +75,7 @@ class MujocoEngine:
                 _add_motors(mujoco, spec)
                 model = spec.compile()
             except ValueError as error:
-                raise StageError(f"MuJoCo refuses the model: {error}") from error
+                raise StageError(f"MuJoCo rejects the model: {error}") from error
         _tune(mujoco, model, timestep)
         return MujocoSimulation(mujoco, model, world)
 

@@ -27,7 +27,7 @@ def safe(text: str) -> str:
 
     So do words that a format keeps for itself, such as ``world``.
 
-    Nobody needs to know the other names, so that readers of the files find a thing by its name.
+    Names do not depend on other names, so that readers of the files find a thing by its name.
     """
     if _PLAIN.fullmatch(text) and not _RESERVED.fullmatch(text):
         return text

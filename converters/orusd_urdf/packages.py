@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from openrooms_usd.errors import MissingPackageError
 
-_OTHERWISE: Final = {"pybullet": "; for Python 3.12 and newer take the engine mujoco"}
+_OTHERWISE: Final = {"pybullet": "; for Python 3.12 and newer use the engine mujoco"}
 
 
 def needed(name: str) -> Any:

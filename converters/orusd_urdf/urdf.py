@@ -69,9 +69,9 @@ def write_urdf(
 def _lost(world: World) -> Iterator[Loss]:
     """What URDF has no word for."""
     for loop in world.loops:
-        yield loop.path, "skipped", "it closes a loop: URDF knows trees alone"
+        yield loop.path, "skipped", "it closes a loop: URDF supports only trees"
     for path in started(world):
-        yield path, "approximated", "its first velocity is lost"
+        yield path, "approximated", "its initial velocity is lost"
     for body in world.bodies:
         for joints in joined(body):
             child = next(link for link in body.links if link.name == joints[-1].child)
@@ -79,7 +79,7 @@ def _lost(world: World) -> Iterator[Loss]:
                 what = f"URDF has one direction a joint: {len(joints)} with light links between"
                 yield child.path, "approximated", what
             if any(joint.drive for joint in joints):
-                yield child.path, "approximated", "its drive is lost but for the damping"
+                yield child.path, "approximated", "its drive is lost except for the damping"
 
 
 def write_bodies(

@@ -2,8 +2,9 @@
 
 Isaac Sim (PhysX) and Newton find everything with ``UsdPhysics.LoadUsdPhysicsFromRange``. PhysX
 averages coefficients unless told otherwise; here both surfaces ask to be multiplied, and have the
-root of what they are, so that a pair has the geometric mean. Links of one body are told not to
-collide. Dry friction of joints is said in Newton's word, which PhysX reads too, in articulations.
+root of what they are, so that a pair has the geometric mean. Collisions between links of one body
+are turned off. Dry friction of joints is said in Newton's word, which PhysX reads too, in
+articulations.
 """
 
 import hashlib

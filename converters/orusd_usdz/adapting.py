@@ -119,7 +119,7 @@ def write_plain(stage: Usd.Stage, target: Path, profile: Profile) -> Report:
     with TemporaryDirectory() as folder:
         scene = Path(folder) / "scene.usdc"
         work = _Adaptation(_flattened(stage), profile, Textures(scene.parent, profile.pictures))
-        # 1. What nobody would see, or know, goes.
+        # 1. Removes what phones do not show or support.
         work.remove_prims()
         work.remove_properties()
         # 2. Materials are written anew, with their textures beside them.
@@ -196,7 +196,7 @@ class _Adaptation:
     def _tell(self, prim: Usd.Prim, lost: list[str]) -> None:
         bodies = any("Physics" in name for name in lost)
         lamp = any("Light" in name for name in lost)
-        reasons = [*["its body is left out"] * bodies, *["it glows, and lights nothing"] * lamp]
+        reasons = [*["its body is left out"] * bodies, *["it glows, but lights nothing"] * lamp]
         outcome: Any = "approximated" if reasons else "translated"
         self.report.add(prim.GetPath(), outcome, "; ".join(reasons))
 
@@ -213,7 +213,7 @@ class _Adaptation:
             self._show_color(prim)
 
     def _plain(self, preview: PreviewSurface) -> tuple[PreviewSurface, list[str]]:
-        """What a phone is told, and what is lost."""
+        """The material for a phone, and what is lost."""
         lost = []
         if preview.transmission > 0.0:
             # As it is authored for all who do not know ours.
@@ -228,9 +228,9 @@ class _Adaptation:
         if not isinstance(emissive, Texture) and max(emissive) > 1.0:
             red, green, blue = (value / max(emissive) for value in emissive)
             preview = replace(preview, emissive=(red, green, blue))
-            lost.append("it glows as bright as white: nits mean nothing there")
+            lost.append("its emission is shown as white: nits are not supported there")
         if preview.specular is not None:
-            lost.append("RealityKit knows no specular colour")
+            lost.append("RealityKit has no specular colour")
         preview = replace(preview, opacity_mode="transparent")
         values: dict[str, Any] = {}
         for item in fields(preview):
@@ -288,7 +288,7 @@ def _why_not(prim: Usd.Prim, types: frozenset[str]) -> str:
         return "it is a class, or not active"
     drawn = any(_is_drawn(below, types) for below in Usd.PrimRange(prim))
     if kind not in types and (kind == "PointInstancer" or not drawn):
-        return f"phones know no {kind}"
+        return f"phones do not support {kind}"
     shown = UsdGeom.Imageable(prim)
     if shown and shown.ComputePurpose() in _UNSEEN:
         return f"its purpose is {shown.ComputePurpose()}"

@@ -42,7 +42,7 @@ class UsdzExporter:
         profile = _profile(options)
         scene = stage.GetRootLayer().realPath
         if not scene:
-            raise StageError("the stage lies in no file", remedy="save it first")
+            raise StageError("the stage is not saved in a file", remedy="save it first")
         with claims.output(destination):
             if profile.is_plain:
                 from orusd_usdz.adapting import write_plain
@@ -82,7 +82,7 @@ def leave_out(stage: Usd.Stage, profile: Profile) -> tuple[Report, Edit]:
     for prim in stage.Traverse():
         if prim.GetTypeName() in profile.without:
             gone.append(prim.GetPath())
-            reason = f"programs that know no {prim.GetTypeName()} would take it for a lamp"
+            reason = f"programs without {prim.GetTypeName()} would show it as a lamp"
             report.add(prim.GetPath(), "skipped", f"left out: {reason}")
             continue
         lost = []

@@ -38,8 +38,7 @@ DEFAULT: Final = "default"
 PROFILES: Final[dict[str, Profile]] = {
     DEFAULT: Profile("every USD program: the scene's folder as it is"),
     "exchange": Profile(
-        "programs that take a portal for a lamp, such as Blender",
-        without=frozenset({"PortalLight"}),
+        "programs that show a portal as a lamp, such as Blender", without=frozenset({"PortalLight"})
     ),
     "arkit": Profile(
         "phones: AR Quick Look and RealityKit",

@@ -87,9 +87,7 @@ class Room(description.Room):
         source = {} if file is None else {"from": "file", "file": str(path_of(file))}
         if name in dict(self._named()):
             # Else the other one would be numbered anew, and what stands on it would move.
-            raise InputError(
-                "another object has this name", place=name, remedy="give a different name"
-            )
+            raise InputError("an object has this name", place=name, remedy="give another name")
         data, place = self.as_dict(), {"at": at, "relative_to": relative_to}
         row = given_of(category=category, **place, **source, **said, **fields)
         self._rows(data, "alignment", "objects").append(row)

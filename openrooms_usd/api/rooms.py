@@ -29,8 +29,8 @@ def new_room(
 
     Args:
         room_type: Such as ``office``; chooses materials and other defaults.
-        width: Along x, metres; its corners are (0, 0), (width, 0), (width, depth), (0, depth), so
-            that wall 0 lies at y = 0, wall 1 at x = width, wall 2 at y = depth, wall 3 at x = 0.
+        width: Along x, metres. The corners are (0, 0), (width, 0), (width, depth), (0, depth). So
+            wall 0 lies at y = 0, wall 1 at x = width, wall 2 at y = depth, wall 3 at x = 0.
         depth: Along y, metres.
         height: Floor to ceiling, metres; as usual by default.
         polygon: Inner corners in order in place of a rectangle, metres.

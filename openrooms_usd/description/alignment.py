@@ -82,14 +82,14 @@ class Placed(Model):
     category: PrimName
     """What it is, such as chair."""
     at: tuple[Length, ...] = Field(min_length=2, max_length=3)
-    """x, y and, where it does not follow from the support, z of the middle of its base; x and y
-    start at the object that it is relative to, where there is one."""
+    """x, y and, unless the support defines it, z of the centre of its base. With relative_to, x and
+    y start at that object."""
     yaw: Angle = 0.0
     """Rotation about the vertical, counter-clockwise from above; at 0 the front looks along -Y."""
     tilt: tuple[Angle, Angle] = (0.0, 0.0)
-    """How it leans before yaw turns it: forward (about its x axis), then to its right (about its y
-    axis); negative angles backward and to its left. Where z follows from the support, its lowest
-    point lies there."""
+    """Rotation before yaw: forward (about its x axis), then to its right (about its y axis);
+    negative angles backward and to its left. If the support defines z, its lowest point lies
+    there."""
     on: str | None = None
     """What carries it: floor, ceiling, wall (the nearest one, with its back to it) or another
     object's name; by default as its category does."""
@@ -108,9 +108,9 @@ class LibraryObject(Placed):
     style: str | None = None
     """One of the category's styles; by default drawn by the seed."""
     fronts: Literal["slab", "shaker", "handleless"] | None = None
-    """How the doors and drawers of a kitchen unit look; by default drawn by the seed."""
+    """Style of the doors and drawers of a kitchen unit; by default drawn by the seed."""
     cutouts: tuple[Cutout, ...] = ()
-    """Holes in a worktop for what is let into it."""
+    """Cut-outs of a worktop, such as for a sink or hob."""
 
 
 class FileObject(Placed):
@@ -122,14 +122,14 @@ class FileObject(Placed):
     size: Size | None = None
     """The box to fit it into; by default its own size."""
     up: Literal["Y", "Z"] | None = None
-    """The file's up axis; by default as USD and URDF state it, otherwise Y (OBJ, GLB) or Z (PLY,
-    STL), unless its category's usual sizes say the other."""
+    """The file's up axis. By default as USD and URDF state it, otherwise Y (OBJ, GLB) or Z (PLY,
+    STL), unless its category's usual sizes suggest the other."""
     front: Literal["+X", "-X", "+Y", "-Y"] | None = None
-    """Where its front looks after the up axis is turned to Z; by default -Y; of a URDF
-    where its doors and drawers open to."""
+    """Direction of its front after the up axis is turned to Z. By default -Y; for URDF the side to
+    which doors and drawers open."""
     unit: PositiveLength | None = None
-    """The length of one unit of the file; by default as USD and URDF state it, otherwise 1 m,
-    unless its category's usual sizes say another."""
+    """The length of one unit of the file. By default as USD and URDF state it, otherwise 1 m,
+    unless its category's usual sizes suggest another."""
 
 
 AlignedObject = Annotated[
@@ -188,20 +188,19 @@ class ScanAlignment(CheckedModel):
 
     source: Literal["scan"] = Field(alias="from")
     cad: str | None = None
-    """A folder of meshes, relative to this description, with an index.json if they have one; by
-    default furniture is built by the library."""
+    """A folder of meshes, relative to this description, with an optional index.json. By default the
+    library builds the furniture."""
     objects: tuple[ScannedObject, ...] | None = None
-    """What is known of objects; by default every labelled instance of the scan is taken."""
+    """Known properties of objects; by default every labelled instance of the scan is used."""
     unresolved: Literal["leave_out", "keep"] = "leave_out"
-    """What becomes of objects that still lie in others or in walls, or float, after they were moved
-    by up to 30 cm."""
+    """How to treat objects that still overlap others or walls, or float, after moving them by up to
+    30 cm."""
     unlabelled: Literal["furnish", "boxes", "leave_out"] = "furnish"
-    """What becomes of a scan that does not say what stands in it: pieces of furniture are found and
-    named where their shape is telling, only boxes of their size stand for them, or they are left
-    out."""
+    """How to treat a scan without labels. Furniture is found and, where its shape is clear, named;
+    or only boxes of its size replace it; or it is left out."""
     segmenter: str | None = None
-    """What tells the things of the scan apart: `shapes`, which is ours, or any that is installed,
-    as `orusd doctor` lists them; by default the scan's labels, or else `shapes`."""
+    """The segmenter of the scan: the built-in `shapes`, or an installed one, as `orusd doctor`
+    lists them. By default the scan's labels, or else `shapes`."""
     further: tuple[AlignedObject, ...] = ()
     """Further objects that the scan does not show, such as a lamp."""
 

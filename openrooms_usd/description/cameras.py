@@ -63,12 +63,10 @@ class Viewed(Exposed, CheckedModel):
     fov: FieldOfView = 60.0
     """Horizontal field of view."""
     f_stop: Annotated[Number, Field(ge=0.5, le=128)] | None = None
-    """F-number of a lens before film 36 mm wide: what is not in focus is blurred; by default all is
-    sharp."""
+    """F-number of a lens on film 36 mm wide, for depth of field; by default all is sharp."""
     focus: Literal["subject"] | PositiveLength | None = None
-    """How far away things are sharp, along the optical axis, or the ``subject`` of the picture:
-    the main thing in it, or else what is in its middle; by default the target, where there is
-    one."""
+    """Focus distance along the optical axis, or ``subject``: the main object of the picture, or
+    else its centre. By default the target, if there is one."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -86,9 +84,9 @@ class LookAtCamera(Viewed):
     name: PrimName | None = None
     """Its prim name; by default a number."""
     eye: Point3
-    """Where it stands."""
+    """Position of the camera."""
     target: Point3
-    """What it looks at."""
+    """The point that it looks at."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -119,14 +117,14 @@ class SelectedCameras(Viewed):
     count: Whole = Field(default=3, ge=1, le=1000)
     """How many to keep."""
     spare: Whole = Field(default=0, ge=0, le=1000)
-    """How many more, named ``spare_0`` and so on, for views that turn out to be of no use."""
+    """How many spare cameras, named ``spare_0`` and so on, to replace rejected views."""
     prefer: Literal["photograph", "paper"] = "photograph"
     """``photograph``: level views from corners, doorways and walls that show the room's main
     things whole; ``paper``: tilted views along the walls, scored as in the OpenRooms paper."""
     height: Range | None = None
     """Range of heights above the floor; by default 1.2 to 1.6 m, as in the paper 1.4 to 1.8 m."""
     distance: Range = (0.3, 1.5)
-    """Range of distances from the wall of views that stand neither in a corner nor a doorway."""
+    """Range of distances from the wall, for views outside corners and doorways."""
 
 
 class FrameCameras(Exposed):
@@ -136,7 +134,7 @@ class FrameCameras(Exposed):
     name: PrimName = "frame"
     """Prefix of the cameras' names; the frame's identifier follows."""
     every: Whole = Field(default=1, ge=1)
-    """Take the first frame, and then each one so many further."""
+    """Use every n-th frame, starting with the first one."""
 
 
 View = Annotated[
@@ -157,7 +155,7 @@ class Cameras(CheckedModel):
     resolution: tuple[Pixels, Pixels] = (640, 480)
     """Width and height in pixels."""
     views: tuple[View, ...] = (SelectedCameras.model_validate({"from": "select"}),)
-    """The cameras, and how others are found."""
+    """Cameras, and rules that select further ones."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:

@@ -60,29 +60,29 @@ class Noise(Model):
     full_well: Annotated[Number, Field(ge=10, le=1e7)] = 15_000.0
     """Electrons that a pixel holds: photons times quantum efficiency."""
     read_noise: Annotated[Number, Field(ge=0, le=1e4)] = 3.0
-    """Standard deviation of what reading adds, electrons."""
+    """Standard deviation of read noise, electrons."""
     bits: Annotated[Whole, Field(ge=1, le=16)] = 12
-    """Of the numbers that are read."""
+    """Bits per value."""
     black: Annotated[Number, Field(ge=0, le=0.5)] = 1 / 64
-    """The number of no light, as a share of the greatest: noise below it is kept."""
+    """Black level, as a share of the greatest value: noise below it is kept."""
 
 
 class DepthCamera(Model):
     """A depth camera that projects a pattern."""
 
     model: Literal["structured_light"] = "structured_light"
-    """How it measures."""
+    """Measuring principle."""
     range: Range = (0.5, 5.0)
-    """The nearest and the farthest depth that it tells."""
+    """The nearest and the farthest depth that it measures."""
     baseline: PositiveLength = 0.075
-    """How far right of the camera the projector is."""
+    """Distance from the camera to the projector at its right."""
     noise: Annotated[Number, Field(ge=0, le=100)] = 1.0
-    """Times the noise that was measured of the first Kinect; 0 for none."""
+    """Factor of the measured noise of the first Kinect; 0 for none."""
     steps: Switch = True
-    """Whether disparity comes in steps."""
+    """Whether disparity is quantised."""
     missing: Switch = True
-    """Whether there is no depth in shadows of the projector, and on what is slanted, dark or a
-    mirror."""
+    """Whether depth is missing in shadows of the projector, and on slanted, dark and mirroring
+    surfaces."""
 
 
 class Sensor(CheckedModel):
@@ -123,13 +123,13 @@ class GeneratedRooms(Model):
 
     source: Literal["generate"] = Field(default="generate", alias="from")
     types: tuple[RoomType, ...] = Field(default=get_args(RoomType), min_length=1)
-    """The kinds of rooms, by turns; all of them by default."""
+    """The room types, in turn; all of them by default."""
     count: Whole = Field(ge=1, le=_MOST_ROOMS)
     """How many rooms."""
     clutter: Annotated[Whole, Field(ge=0, le=3)] = 2
-    """How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy."""
+    """Amount of clutter: 0 none, 1 tidy, 2 lived in, 3 messy."""
     style: InteriorStyle | None = None
-    """What furniture, materials and colours go together; drawn for each room by default."""
+    """Style of furniture, materials and colours; drawn for each room by default."""
 
 
 class DescribedRooms(Model):
@@ -139,7 +139,7 @@ class DescribedRooms(Model):
     files: tuple[_Text, ...] = Field(min_length=1)
     """Their room.yaml, relative to this file."""
     coverage: _Share | None = None
-    """The part of the floor and the walls that a scan shall show at least; by default any."""
+    """The least share of the floor and the walls that a scan must show; by default any."""
 
 
 class CapturedRooms(Model):
@@ -151,9 +151,9 @@ class CapturedRooms(Model):
     importer: _Text = "scan"
     """Its name, as `orusd import --help` lists it."""
     options: dict[str, _Text] = Field(default_factory=dict)
-    """What is asked of it; paths are relative to this file."""
+    """Options of the importer; paths are relative to this file."""
     coverage: _Share = 0.6
-    """The part of the floor and the walls that a scan shall show at least; others are left out."""
+    """The least share of the floor and the walls that a scan must show; others are left out."""
 
 
 Rooms = Annotated[
@@ -165,7 +165,7 @@ Rooms = Annotated[
 
 
 class DatasetViews(CheckedModel):
-    """From where each room is seen."""
+    """The views of each room."""
 
     source: Literal["select", "described", "capture", "path"] = Field(
         default="select", alias="from"
@@ -173,23 +173,22 @@ class DatasetViews(CheckedModel):
     """``select``: the best of many views; ``described``: the first cameras of the room's own;
     ``capture``: photographs of the capture, evenly spread; ``path``: the frames of a walk."""
     count: Whole = Field(default=3, ge=1, le=1000)
-    """How many views of each room; of a stereo camera pairs of views."""
+    """Number of views per room; for stereo cameras, of pairs."""
     resolution: tuple[Pixels, Pixels] = (640, 480)
     """Width and height in pixels."""
     fov: FieldOfView | None = None
-    """Horizontal field of view of all cameras; by default what the room's cameras have."""
+    """Horizontal field of view of all cameras; by default that of the room's cameras."""
     prefer: Literal["photograph", "paper"] = "photograph"
     """How views are selected: see the cameras of room.yaml."""
     projection: Literal["pinhole", "equirectangular"] = "pinhole"
-    """``equirectangular``: level panoramas of all directions, twice as wide as high, from where the
-    views would be."""
+    """``equirectangular``: level panoramas of all directions, twice as wide as high, at the
+    positions of the views."""
     replace: Whole = Field(default=5, ge=0, le=1000)
-    """How many further cameras of a room may be tried in place of those whose views are of no use;
-    not of a path."""
+    """How many spare cameras of a room may replace those with rejected views; not for paths."""
     rate: Annotated[Whole, Field(ge=1, le=240)] | None = None
-    """Frames of a path a second; 4 by default."""
+    """Frames per second of a path; 4 by default."""
     stereo: PositiveLength | None = None
-    """How far right of each camera there is another one that looks the same way."""
+    """Stereo baseline: distance to a second camera, at the right of each."""
 
     @property
     def units(self) -> int:
@@ -215,20 +214,19 @@ class Output(Model):
     """A form in which finished rooms are written besides."""
 
     kind: _Text = Field(alias="as")
-    """Whose: openrooms, nerf, webdataset, hypersim, coco, parquet, or another that is installed."""
+    """Format: openrooms, nerf, webdataset, hypersim, coco, parquet, or an installed one."""
     layout: Literal["split", "merged"] = "split"
-    """Of openrooms: a tree for each channel, or one folder, which published loaders read."""
+    """For openrooms: a tree for each channel, or one folder, which published loaders read."""
     crowded: Literal["leave-out", "drop", "keep"] = "leave-out"
-    """Of openrooms: what becomes of views with more lights than loaders have room for."""
+    """For openrooms: how to treat views with more lights than loaders support."""
     scenes: bool = False
-    """Of openrooms: whether meshes, materials and ``main.xml`` go beside the pictures."""
+    """For openrooms: whether to write meshes, materials and ``main.xml`` too."""
     taxonomy: Literal["category", "openrooms45", "nyu40", "ade20k", "coco"] = "category"
-    """Of coco: whose classes."""
+    """For coco: the taxonomy of the classes."""
     shard_mb: Annotated[Whole, Field(ge=1, le=100_000)] = 256
-    """Of webdataset: how large a shard may become, megabytes; a single view may be larger."""
+    """For webdataset: greatest size of a shard, megabytes; a single view may be larger."""
     files: tuple[_Text, ...] = ()
-    """Of webdataset: which files of each view, such as ``channels.exr``; all of channels by
-    default."""
+    """For webdataset: the files of each view, such as ``channels.exr``; all channels by default."""
 
 
 class Shares(CheckedModel):
@@ -259,29 +257,29 @@ class Dataset(CheckedModel):
     name: PrimName = "dataset"
     """Its name, for people."""
     seed: Whole = Field(default=0, ge=0, lt=2**63)
-    """Fixes everything that is drawn."""
+    """Seed of all random choices."""
     rooms: tuple[Rooms, ...] = Field(min_length=1)
     """Where the rooms come from."""
     views: DatasetViews = Field(default_factory=DatasetViews)
-    """From where each room is seen."""
+    """The views of each room."""
     variants: tuple[Variant, ...] = Field(default=("main",), min_length=1)
     """What each room is rendered as: ``main``, with other materials (``mainDiffMat``), other lights
     (``mainDiffLight``) or both (``mainDiffMatLight``)."""
     channels: tuple[_Text, ...] = Field(default=("usual",), min_length=1)
     """Names as of `orusd render --channels`: usual, all, or those of `orusd channels`."""
     budget: Budget = Field(default_factory=Budget)
-    """When a view is good enough."""
+    """When a view stops."""
     rendering: Rendering = Field(default_factory=Rendering)
-    """How light is computed."""
+    """Settings of the renderer."""
     sensor: Sensor | None = None
-    """What a real camera would make of each view, written beside the truth; by default nothing."""
+    """Simulated sensor, written beside the ground truth; by default none."""
     storage: StorageName = COMPACT
-    """How the files of views hold channels: ``compact`` is some seven times smaller, each
-    number of light within a stated share of itself, all else without loss (docs/storage.md)."""
+    """How the files of views hold channels: ``compact`` is about seven times smaller: light within
+    a stated relative error, everything else lossless (docs/storage.md)."""
     outputs: tuple[Output, ...] = ()
     """Forms in which finished rooms are written besides EXR and manifest."""
     splits: Shares = Field(default_factory=Shares)
-    """Which part of the rooms is for what."""
+    """Shares of the rooms for training, validation and tests."""
     retries: Whole = Field(default=1, ge=0, le=100)
     """How often a view that fails is tried again."""
 

@@ -49,7 +49,7 @@ class Partition(Model):
     name: PrimName | None = None
     """Its prim name; by default partition and a number, such as partition_0."""
     line: tuple[Point2, Point2]
-    """Both ends of its middle line. At walls, and where partitions meet, gaps of up to 15 cm are
+    """Both ends of its centre line. At walls, and where partitions meet, gaps of up to 15 cm are
     closed."""
     thickness: PositiveLength = Field(default=PARTITION_THICKNESS, ge=0.01, le=2)
     """Half of it to each side of the line."""
@@ -69,7 +69,7 @@ class Opening(CheckedModel):
     partition: PrimName | None = None
     """In place of a wall: the name of the partition that it is cut into."""
     at: Length | None = None
-    """Distance from the wall's start to the middle of the opening; the wall's middle by default."""
+    """Distance from the wall's start to the centre of the opening; the wall's centre by default."""
     width: PositiveLength | None = None
     """Default 1.2 m for windows, 0.9 m otherwise."""
     height: PositiveLength | None = None
@@ -77,7 +77,7 @@ class Opening(CheckedModel):
     sill: Length | None = Field(default=None, ge=0)
     """Height of the lower edge above the floor; default 0.9 m for windows, 0 otherwise."""
     open: Angle = Field(default=0.0, ge=0, le=180)
-    """How far a door's leaf stands open."""
+    """Opening angle of a door's leaf."""
     hinge: Literal["left", "right"] = "left"
     """The hinge side of a door, seen from inside the room; at a partition, seen from the side from
     which its line runs to the right."""
@@ -88,7 +88,7 @@ class Opening(CheckedModel):
     """How it is built: by default doors are panelled and windows have casements."""
 
     beyond: Literal["outside", "hallway"] = "outside"
-    """What lies behind it; a hallway is built where the opening can be looked through."""
+    """What lies behind it; a hallway is built if the opening is transparent or open."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -116,19 +116,19 @@ class PolygonLayout(CheckedModel):
     polygon: Annotated[tuple[Point2, ...], AfterValidator(simple_polygon)] = Field(
         default=((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)), min_length=3, max_length=10_000
     )
-    """Inner corners in order, either way round; not repeated at the end."""
+    """Inner corners in order, clockwise or not; the first is not repeated at the end."""
     height: PositiveLength = Field(default=ROOM_HEIGHT, ge=0.5, le=100)
     """Floor to ceiling."""
     wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
     """Thickness of the walls, outwards from the polygon."""
     partitions: tuple[Partition, ...] = ()
-    """Walls that stand free in the room."""
+    """Inner walls."""
     openings: tuple[Opening, ...] = ()
     """Windows, doors and passages."""
     trim: Trim = Field(default_factory=Trim)
-    """What runs along walls and around openings; by default nothing."""
+    """Skirting, cornices, casings and the like; by default none."""
     ceiling: AnyCeiling = Field(default_factory=Ceiling)
-    """What stands out below the ceiling: a kind, or a mapping; by default nothing."""
+    """Beams or grids below the ceiling: a kind, or a mapping; by default none."""
     cladding: tuple[Cladding, ...] = ()
     """Tiles or boards on parts of the walls."""
 
@@ -150,20 +150,20 @@ class CapturedLayout(CapturedSection):
     polygon: Annotated[tuple[Point2, ...], AfterValidator(simple_polygon)] | None = Field(
         default=None, min_length=3, max_length=10_000
     )
-    """Inner corners that a person drew in place of the captured floor, in the frame of the composed
-    room. `openings` and `partitions` are then all that there are."""
+    """Drawn inner corners that replace the captured floor, in the frame of the composed room. Only
+    the listed `openings` and `partitions` exist then."""
     wall_thickness: PositiveLength = Field(default=0.2, ge=0.01, le=2)
     """Thickness of the walls, outwards from the captured surfaces."""
     height: PositiveLength | None = Field(default=None, ge=0.5, le=100)
     """Floor to ceiling; by default as captured."""
     partitions: tuple[Partition, ...] = ()
-    """Further walls that stand free, beside the captured ones."""
+    """Further inner walls beside the captured ones."""
     openings: tuple[Opening, ...] = ()
     """Further windows and doors beside the captured ones."""
     trim: Trim = Field(default_factory=Trim)
-    """What runs along walls and around openings; by default nothing."""
+    """Skirting, cornices, casings and the like; by default none."""
     ceiling: AnyCeiling = Field(default_factory=Ceiling)
-    """What stands out below the ceiling: a kind, or a mapping; by default nothing."""
+    """Beams or grids below the ceiling: a kind, or a mapping; by default none."""
     cladding: tuple[Cladding, ...] = ()
     """Tiles or boards on parts of the walls."""
 
@@ -203,20 +203,18 @@ class ScanLayout(CapturedLayout):
     file: str = Field(alias="scan", min_length=1)
     """The scan, relative to this description."""
     importer: str = Field(default="scan", min_length=1)
-    """What reads it: `scan` for PLY, PCD, OBJ, GLB, LAS, E57 and the like, or another importer that
-    gives points, as `orusd import --help` lists them."""
+    """Its importer: `scan` for PLY, PCD, OBJ, GLB, LAS, E57 and the like, or another importer of
+    points, as `orusd import --help` lists them."""
     unit: Literal["auto", "m", "dm", "cm", "mm", "in", "ft", "km"] | PositiveLength = "auto"
-    """The unit of the coordinates, or how long it is; `auto` takes metres unless the scan shows
-    otherwise, and says so."""
+    """The unit of the coordinates, or its length. `auto` assumes metres unless the scan shows
+    otherwise, and reports it."""
     up: Direction | None = None
-    """Roughly upwards, in the scan's own frame; by default as the file format has it, unless the
+    """Approximate up direction in the scan's frame; by default that of the file format, unless the
     scan shows otherwise."""
     simplicity: PositiveLength = Field(default=0.1, le=10)
-    """What a corner must save in missing wall to be worth its while; larger values give plainer
-    rooms."""
+    """Cost of a corner, in length of missing wall; larger ones give simpler rooms."""
     partial: bool = False
-    """Take a scan that shows little of the room, such as a single view; walls that it does not show
-    are guessed."""
+    """Accept a scan of a small part of the room, such as one view; unseen walls are guessed."""
     room: Annotated[Whole, Field(ge=0)] | Literal["all"] = 0
     """Which of several rooms becomes the layout: 0 is the largest and best seen one (area times the
     part of its walls that was scanned). `all` joins it with the rooms wall to wall with it, or

@@ -82,22 +82,22 @@ class SkyEnvironment(Model):
     longitude: Number = Field(ge=-180, le=180)
     """Degrees, positive eastwards."""
     date: Day
-    """Year, month and day on that place's calendar, such as 2026-06-21."""
+    """Local date, such as 2026-06-21."""
     time: ClockTime
-    """What clocks show, such as 14:30."""
+    """Local time, such as 14:30."""
     utc_offset: UtcOffset | None = None
-    """Hours that clocks are ahead of UTC, or a time zone such as Europe/Berlin, which knows about
-    summer time; by default the whole hours nearest to the sun's own time."""
+    """Hours ahead of UTC, or a time zone such as Europe/Berlin, with daylight saving time. By
+    default the whole hours nearest to solar time."""
     turbidity: Number = Field(default=3.0, ge=1, le=10)
     """Haze: 2 very clear, 3 clear, 6 hazy, 10 thick haze."""
     overcast: Switch = False
     """Clouds over the whole sky and no sun."""
     ground: tuple[Reflectance, Reflectance, Reflectance] = (0.2, 0.2, 0.2)
-    """How much the land outside reflects, scene-linear Rec.709."""
+    """Reflectance of the ground outside, scene-linear Rec.709."""
     north: Angle = 0.0
-    """Where north lies: 0 along +Y, counter-clockwise from above."""
+    """Direction of north: 0 along +Y, counter-clockwise from above."""
     illuminance: Positive | None = None
-    """Horizontal illuminance to scale it to, lux; by default what the moment gives."""
+    """Horizontal illuminance to scale it to, lux; by default that of the date and time."""
 
     @property
     def moment(self) -> datetime:
@@ -115,22 +115,22 @@ class OutsideEnvironment(SkyEnvironment):
     longitude: Number = Field(default=10.0, ge=-180, le=180)
     """Degrees, positive eastwards."""
     date: Day = "2026-06-21"
-    """Year, month and day on that place's calendar."""
+    """Local date."""
     time: ClockTime = "14:00"
-    """What clocks show."""
+    """Local time."""
     scene: Scene
-    """What lies before the windows."""
+    """The surroundings outside the windows."""
     storey: Storey = 0
-    """In which storey the room is; 0 is level with the land."""
+    """The storey of the room; 0 is level with the ground."""
     facing: Angle = 90.0
-    """Where the front of the house looks, on which the street or the garden lies:
-    counter-clockwise from +X, seen from above."""
+    """Direction of the front of the house, where the street or the garden lies: counter-clockwise
+    from +X, seen from above."""
     clouds: Reflectance = 0.3
-    """The part of the sky that clouds cover."""
+    """The share of the sky that clouds cover."""
     near: Switch = True
-    """Whether what stands near the windows is geometry, which moves against what is far."""
+    """Whether objects near the windows are geometry, which shows parallax."""
     seed: Seed | None = None
-    """Draws what stands there and the clouds; by default the room's seed."""
+    """Seed of the surroundings and clouds; by default the room's seed."""
 
 
 Environment = Annotated[
@@ -146,7 +146,7 @@ class Lamp(CheckedModel):
     """What a lamp emits."""
 
     lumen: Number | None = Field(default=None, ge=0, le=1e6)
-    """Luminous flux; by default as its category usually has."""
+    """Luminous flux; by default the usual one of its category."""
     kelvin: Number | None = Field(default=None, ge=1000, le=20_000)
     """Colour temperature; by default drawn by the seed: warm at home, cooler where people work."""
     color: tuple[Radiance, Radiance, Radiance] | None = None
@@ -154,12 +154,12 @@ class Lamp(CheckedModel):
     radiance: tuple[Radiance, Radiance, Radiance] | None = None
     """Of its bulbs, nits of each primary, scene-linear Rec.709, in place of lumen and kelvin."""
     profile: str | None = Field(default=None, min_length=1)
-    """Where its light goes: downlight, spot, batwing, bare bulb, or an IES file (LM-63, type C)
-    relative to this description; by default evenly from all of its bulbs. It follows the bulbs' own
-    frame, down where the lamp stands upright, and keeps the lumen."""
+    """Light distribution: downlight, spot, batwing, bare bulb, or an IES file (LM-63, type C)
+    relative to this description; by default evenly from all bulbs. It follows the bulbs' frame,
+    down if the lamp is upright, and keeps the lumen."""
     beam: Number | None = Field(default=None, ge=5, le=140)
-    """Beam angle of a downlight, a spot or a batwing, degrees: where half of the intensity is left;
-    of a batwing between its wings."""
+    """Beam angle of a downlight, a spot or a batwing, degrees: at half of the peak intensity; for a
+    batwing between its wings."""
     on: Switch = True
     """A lamp that is off keeps its geometry and is dark."""
 
@@ -191,14 +191,14 @@ class Screen(Model):
     nits: Positive = 200.0
     """Luminance of its white, cd/m2."""
     shows: Literal["desktop", "film"] | None = None
-    """A desktop with windows, or a still of a film; by default televisions show films."""
+    """A desktop with windows, or a still of a film; by default a film on televisions."""
 
 
 class Lights(Model):
     """The environment and the lamps."""
 
     environment: Environment = Field(default_factory=ConstantEnvironment)
-    """What shines in through the openings."""
+    """Light from outside, through the openings."""
     lamps: dict[str, Lamp] = Field(default_factory=dict)
     """By the object's name; lamps that are not listed take their defaults."""
     screens: dict[str, Screen] = Field(default_factory=dict)

@@ -26,9 +26,9 @@ class Look(CheckedModel):
     """One material: of the library, of files, or a constant; what is left out is drawn."""
 
     family: FamilyName | None = None
-    """A family of the library, or a substance, of which a family that fits is drawn."""
+    """A family of the library, or a substance: then a family of it is drawn."""
     substance: Substance | None = None
-    """What it is; without a family, one of this substance that fits is drawn."""
+    """The substance; without a family, one of this substance is drawn."""
     number: Annotated[Whole, Field(ge=0, lt=2**31)] | None = None
     """Which material of the family: its own seed."""
     color: tuple[Unit, Unit, Unit] | None = None
@@ -85,9 +85,9 @@ class Scale(CheckedModel):
     """By how much drawn materials may be brighter, tinted or rougher than they were made."""
 
     color: tuple[Factor, Factor] = (1.0, 1.0)
-    """Least and greatest factor of each primary of the base colour."""
+    """Smallest and greatest factor of each primary of the base colour."""
     roughness: tuple[Factor, Factor] = (1.0, 1.0)
-    """Least and greatest factor of the roughness."""
+    """Smallest and greatest factor of the roughness."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -104,7 +104,7 @@ class Materials(CheckedModel):
     """Materials of the room and overrides for objects; the rest follows from tables."""
 
     floor: AnyLook | None = None
-    """The floor: a family, a substance, or a look; by default what the room type usually has."""
+    """The floor: a family, a substance, or a look; by default the usual one of the room type."""
     walls: AnyLook | None = None
     """All walls."""
     ceiling: AnyLook | None = None
@@ -115,17 +115,17 @@ class Materials(CheckedModel):
     trim: AnyLook | None = None
     """Skirting, cornice, rails and wainscot; by default white lacquer."""
     beams: AnyLook | None = None
-    """What stands out below the ceiling; by default wood, a grid is white."""
+    """Beams or grids below the ceiling; by default wood, and white for grids."""
     cladding: dict[PrimName, AnyLook] = Field(default_factory=dict)
     """The name of a cladding of the layout, then its material; by default tiles."""
     overrides: dict[str, dict[str, AnyLook]] = Field(default_factory=dict)
     """Object name, then part name (or ``all``), then the material."""
     annotations: dict[str, Annotated[str, Field(min_length=1)]] = Field(default_factory=dict)
-    """Object name or category, then a file in which people noted what its parts are made of."""
+    """Object name or category, then a file that annotates the materials of its parts."""
     scale: Scale = Field(default_factory=Scale)
     """Factors of colour and roughness, drawn for each material."""
     looks: Whole = Field(default=1, ge=1, le=64)
-    """How many looks the room has: variants ``default``, ``look_1`` and so on."""
+    """Number of looks, which are variants: ``default``, ``look_1`` and so on."""
     look: Whole = Field(default=0, ge=0, lt=64)
     """Which of them is shown; 0 is the default one."""
     resolution: Whole = Field(default=512, ge=16, le=8192)

@@ -16,24 +16,23 @@ class PhysicsObject(Model):
     """What is known of one object."""
 
     body: Motion | None = None
-    """Whether it can be moved; by default all but what is built in, or hangs."""
+    """Whether it can be moved; by default everything except built-in and hanging objects."""
     mass: Mass | None = None
     """Of the whole object, moving parts included; by default from its volume and materials."""
     shapes: Shapes | None = None
-    """How its collision shapes are made; by default as for all."""
+    """How its collision shapes are made; by default as for all objects."""
     friction: Friction | None = None
-    """Static coefficient of all of it; by default that of each part's material."""
+    """Static friction coefficient of the whole object; by default that of each part's material."""
 
 
 class Physics(Model):
     """How things weigh, collide and move."""
 
     shapes: Shapes = "auto"
-    """How collision shapes are made: a convex hull of each connected piece, cut where it is off by
-    more than the tolerance and joined with others where that allows it; one convex hull a material,
-    or one box a material."""
+    """How collision shapes are made. Either convex hulls of connected pieces, cut and joined within
+    the tolerance; or one convex hull per material; or one box per material."""
     tolerance: Annotated[Length, Field(gt=0, le=1)] = 0.01
-    """How far a collision shape may lie from what is seen."""
+    """Greatest deviation of collision shapes from the visible geometry."""
     gravity: Annotated[Number, Field(ge=0, le=100)] = 9.81
     """Downwards, m/s2."""
     objects: dict[str, PhysicsObject] = Field(default_factory=dict)

@@ -76,7 +76,7 @@ class Budget(CheckedModel):
     """When a view is good enough: one of the three."""
 
     samples: Annotated[Whole, Field(ge=1, le=2**20), Option("--spp")] | None = None
-    """Samples a pixel; 64 where neither an error nor a time is given."""
+    """Samples per pixel; 64 if neither an error nor a time is given."""
     error: Annotated[Number, Field(ge=1e-9, le=1e3)] | None = None
     """Stop at this estimated robust error of the radiance."""
     seconds: Annotated[Number, Field(ge=1e-3, le=1e7), Option("--time", "seconds")] | None = None
@@ -94,12 +94,12 @@ class Rendering(Model):
     """How light is computed, and what is written of it."""
 
     renderer: _Name = "mitsuba"
-    """mitsuba, preview (quick, without light), or another that is installed."""
+    """mitsuba, preview (quick, without light), or another installed one."""
     options: dict[str, str] = Field(default_factory=dict)
-    """What is asked of the renderer, by name, such as the variant of Mitsuba."""
+    """Options of the renderer, by name, such as the variant of Mitsuba."""
     method: Method | None = None
     """How light is computed: reference follows every path to its end, without bias; cache computes
-    what is smooth once for the room. By default what takes less time."""
+    smooth light once for the room. By default the faster one."""
     bounces: Annotated[Whole, Field(ge=0, le=1024)] = DEFAULT_BOUNCES
     """At most this many scatterings on the way from a light to the camera."""
     grid: tuple[_Cells, _Cells] = DEFAULT_GRID
@@ -109,15 +109,15 @@ class Rendering(Model):
     denoise: Switch = False
     """Write a denoised radiance beside the raw one (extra denoise)."""
     denoise_light: Switch = False
-    """Write denoised versions of every channel of light that can bear it, too."""
+    """Write denoised versions of every channel of light that supports it, too."""
     tone: ToneName = PHOTOGRAPH
-    """How PNGs show light: photograph as a camera does, film by the curve alone, srgb with nothing
-    but the encoding. EXRs are never toned."""
+    """Tone mapping of PNGs: photograph as a camera does, film by the curve alone, srgb by the
+    encoding alone. EXRs are never tone mapped."""
     f_stop: Annotated[Number, Field(ge=0.5, le=128)] | None = None
-    """Depth of field: F-number of a lens before film 36 mm wide, such as 2.8, focused as the camera
-    says or else on the middle of the picture. Ground truth stays that of a pinhole."""
+    """Depth of field: F-number of a lens on a film 36 mm wide, such as 2.8, focused by the camera
+    or else on the picture's centre. Ground truth stays that of a pinhole."""
     default_light: Switch = True
-    """Whether a stage without any light gets one, even and from above, or stays dark."""
+    """Whether a stage without any light gets a default one, even and from above, or stays dark."""
     texture_side: Annotated[Whole, Field(ge=1, le=2**16), Option(unit="pixels")] | None = None
     """The longest side of textures: longer ones are halved until they fit. By default 4096, or less
     where all together would take more than 2 GB."""
@@ -134,17 +134,16 @@ class RenderSettings(Budget, Rendering):
     channels: tuple[_Name, ...] | None = None
     """Names as `orusd channels` lists them; usual, the default: those without +; all: every one."""
     resolution: tuple[_Side, _Side] | None = None
-    """Width and height in pixels; by default what the stage says."""
+    """Width and height in pixels; by default those of the stage."""
     field_of_view: Annotated[Number, Field(gt=0, lt=180), Option("--fov", "degrees")] | None = None
-    """Horizontal field of view of all cameras; by default what each has."""
+    """Horizontal field of view of all cameras; by default each camera's own."""
     seed: Annotated[Whole, Field(ge=0, le=2**31 - 1)] = 0
-    """Fixes every random number."""
+    """Seed of all random numbers."""
     storage: StorageName = COMPLETE
-    """How files hold channels: compact is some seven times smaller, each number of light within a
-    stated share of itself (docs/storage.md)."""
+    """How files hold channels: compact is about seven times smaller, light within a stated relative
+    error (docs/storage.md)."""
     time_code: Annotated[Number, Field(ge=-1e12, le=1e12)] | None = None
-    """When a stage that moves is seen, in its time codes; by default at the first sample of
-    everything."""
+    """Time code of an animated stage; by default the first sample of everything."""
 
     if not TYPE_CHECKING:  # Type checkers see an argument for each field.
 

@@ -71,24 +71,24 @@ class Room(CheckedModel):
     room: RoomType = "misc"
     """The room type; chooses defaults."""
     seed: Whole = Field(default=0, ge=0, lt=2**63)
-    """Fixes everything that is drawn."""
+    """Seed of all random choices."""
     style: InteriorStyle | None = None
-    """What furniture, materials and colours go together; by default each is drawn by itself."""
+    """Style of furniture, materials and colours; by default each is drawn independently."""
     clutter: int = Field(default=0, ge=0, le=3)
-    """How much lies about on the furniture of a room that is drawn or generated, listed furniture
-    too: 0 nothing but what is listed, 1 tidy, 2 lived in, 3 messy."""
+    """Amount of clutter on the furniture of a drawn or generated room, listed furniture too: 0 only
+    listed objects, 1 tidy, 2 lived in, 3 messy."""
     layout: Layout = Field(default_factory=PolygonLayout)
     """The room's shell."""
     alignment: Alignment = Field(default_factory=ObjectList)
     """The objects in it."""
     materials: Materials = Field(default_factory=Materials)
-    """What things are made of."""
+    """Materials of the room and its objects."""
     lights: Lights = Field(default_factory=Lights)
     """The environment and the lamps."""
     cameras: AnyCameras = Field(default_factory=Cameras)
-    """From where it is seen."""
+    """Cameras."""
     physics: Physics | None = None
-    """How things weigh, collide and move."""
+    """Mass, collision shapes and motion of objects."""
 
     _folder: Path | None = PrivateAttr(default=None)
     _text: _Text = PrivateAttr(default_factory=lambda: _Text("the room"))

@@ -61,18 +61,18 @@ class ScannedObject(CheckedModel):
     """What is known of one object of the scan."""
 
     instance: Whole = Field(ge=1)
-    """Its number in the scan, or one of your choice where the scan has none."""
+    """Its number in the scan, or any number if the scan has none."""
     category: str | None = None
-    """What it is; by default as it is labelled."""
+    """What it is; by default its label."""
     cad: str | None = None
-    """The id of its CAD; by default the one that fits best."""
+    """The id of its CAD; by default the best fit."""
     pose: ScannedPose | None = None
-    """Where the CAD is, roughly."""
+    """Approximate pose of the CAD."""
     box: ScannedBox | None = None
-    """Where the object is, roughly."""
+    """Approximate box of the object."""
     support: Support | None = None
-    """What carries it: floor, wall, ceiling, or the instance that it stands on; by default what is
-    found."""
+    """What carries it: floor, wall, ceiling, or the instance that it stands on; by default the
+    detected one."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -131,8 +131,8 @@ class CapturedSection(CheckedModel):
     file: str = Field(min_length=1)
     """The captured file, relative to this description."""
     options: dict[str, Option] = Field(default_factory=dict)
-    """What is asked of the importer, as `orusd import KIND --help` lists it; paths are relative to
-    this description."""
+    """Options of the importer, as `orusd import KIND --help` lists them; paths are relative to this
+    description."""
 
     @property
     def reader(self) -> str:

@@ -127,13 +127,13 @@ class Ceiling(CheckedModel):
     kind: CeilingKind = "plain"
     """Nothing, beams, beams that cross, or the bars of a suspended ceiling."""
     spacing: PositiveLength | None = Field(default=None, ge=0.1, le=10)
-    """From middle to middle of two beams at most."""
+    """Greatest distance between the centres of two beams."""
     width: PositiveLength | None = Field(default=None, ge=0.005, le=1)
     """Of a beam."""
     depth: PositiveLength | None = Field(default=None, ge=0.001, le=1)
-    """How far it hangs down."""
+    """How far it reaches down."""
     along: Literal["x", "y"] | None = None
-    """The way that beams run; by default across the longer side of the room."""
+    """Direction of the beams; by default across the longer side of the room."""
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[Found]:
@@ -158,11 +158,11 @@ class Cladding(CheckedModel):
     """Tiles or boards on a part of the walls."""
 
     name: PrimName | None = None
-    """How it is called in `materials`; by default cladding and a number, such as cladding_0."""
+    """Its name in `materials`; by default cladding and a number, such as cladding_0."""
     walls: tuple[Annotated[Whole, Field(ge=0)], ...] | None = Field(default=None, min_length=1)
     """The numbers of the walls; by default all of them."""
     span: tuple[Length, Length] | None = None
-    """From where to where along the wall, from its start; by default all of it."""
+    """Start and end along the wall, from the wall's start; by default all of it."""
     bottom: Length = Field(default=0.0, ge=0)
     """Height of the lower edge above the floor."""
     top: PositiveLength | None = None

@@ -172,7 +172,7 @@ def _is_flattened(layer: Sdf.Layer, base: Usd.Stage, out: Path, source: Path) ->
             f"{', '.join(str(spec.path) for spec in list(layer.rootPrims)[:3])}",
             place=source,
             remedy="programs that rewrite USD lose its layers: export only what is new, and "
-            "refer to it in {names.LAYERS}/{names.EDITS}.usda",
+            f"refer to it in {names.LAYERS}/{names.EDITS}.usda",
         )
     # An anonymous stage of one layer: sublayers of other names may hold the room as well.
     rooms = (layer.GetPrimAtPath(path) for path in (names.ROOM, names.FURNITURE))

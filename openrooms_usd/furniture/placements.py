@@ -68,24 +68,24 @@ Place = Literal[
 ]
 """What people use a place for.
 
-``worktop``: of a kitchen, away from sink and hob; ``sink_edge``: the worktop or rim within 40 cm of
-a kitchen's sink; ``hob``: the burners; ``dining_table``: also of kitchens; ``desk``: also tables
-that people work or meet at; ``bedside``: the table beside a bed; ``cabinet_top``: sideboards and
-low shelves; ``media_top``: what the television stands on; ``appliance_top``: of washing machines
-and refrigerators; ``mantel``: of a fireplace; ``basin_edge``: rim or top of a bathroom's basin;
+``worktop``: of a kitchen, away from sink and hob. ``sink_edge``: the worktop or rim within 40 cm of
+a kitchen's sink. ``hob``: the burners. ``dining_table``: also of kitchens. ``desk``: also tables
+that people work or meet at. ``bedside``: the table beside a bed. ``cabinet_top``: sideboards and
+low shelves. ``media_top``: what the television stands on. ``appliance_top``: of washing machines
+and refrigerators. ``mantel``: of a fireplace. ``basin_edge``: rim or top of a bathroom's basin.
 ``cistern``: of a toilet.
 
-``shelf``: a board with clearance above that is open to the front; ``low_shelf``: one below 60 cm,
-also below tables; ``wardrobe_shelf``, ``cupboard``, ``drawer``: behind a front.
+``shelf``: a board with clearance above that is open to the front. ``low_shelf``: one below 60 cm,
+also below tables. ``wardrobe_shelf``, ``cupboard``, ``drawer``: behind a front.
 
-``bed_head``: by the pillows; ``bed_foot``: the last third of a bed's length.
+``bed_head``: by the pillows. ``bed_foot``: the last third of a bed's length.
 
-``floor_by_media``: at the wall beside what a television stands on;
-``floor_by_wall``: with its back to a wall; ``floor_under_desk``: against the wall below a desk;
-``floor_before_basin``: before basin, bath or shower; ``floor_open``: anywhere off the walking
-paths, for toys; ``wall``: pictures and clocks.
+``floor_by_media``: at the wall beside what a television stands on.
+``floor_by_wall``: with its back to a wall. ``floor_under_desk``: against the wall below a desk.
+``floor_before_basin``: before basin, bath or shower. ``floor_open``: anywhere off the walking
+paths, for toys. ``wall``: pictures and clocks.
 
-``hook``: each hook takes one thing; ``clothes_rail``: of a rack, for what is on hangers;
+``hook``: each hook takes one thing. ``clothes_rail``: of a rack, for what is on hangers.
 ``in_bowl``, ``in_bin``: what is dropped in and settles.
 """
 
@@ -95,22 +95,22 @@ Pose = Literal[
 """How a thing lies. All poses begin with the thing as it is built: its base at z = 0, its front
 towards -Y.
 
-``upright``: as built, its front within 20 degrees to those who use the place; ``flat``: as built,
-turned any way; ``stacked``: several alike on top of each other, as built, a little turned against
-each other; ``row``: several alike side by side, fronts forward; ``leaning``: as built, its lower
+``upright``: as built, its front within 20 degrees to those who use the place. ``flat``: as built,
+turned any way. ``stacked``: several alike on top of each other, as built, a little turned against
+each other. ``row``: several alike side by side, fronts forward. ``leaning``: as built, its lower
 front edge away from what is behind it and its upper back edge against that (a book, a tray, a
-board, a picture at a wall; a cushion at the back of a sofa); ``on_back``: laid on its +Y side;
-``on_side``: laid on its +X side; ``draped``: over an edge (below); ``hung``: from a hook or a rail
+board, a picture at a wall; a cushion at the back of a sofa). ``on_back``: laid on its +Y side.
+``on_side``: laid on its +X side. ``draped``: over an edge (below). ``hung``: from a hook or a rail
 by the loop on its top (below).
 
 A ``draped`` thing is built as an upside-down U: two flaps that hang down towards -Y and +Y from a
 ridge along X. The wanted depth is that of what it hangs over plus twice `DRAPED_WALL_M`, so that
-each flap is `DRAPED_WALL_M` thick, with all folds on its outside; the wanted height is from the
+each flap is `DRAPED_WALL_M` thick, with all folds on its outside. The wanted height is from the
 longer flap's hem (z = 0) to the top of the ridge. The front flap (-Y) is the longer one.
 
-A ``hung`` thing ends on its top in a loop across X, `LOOP_M` thick, whose highest point is at
-x = 0: `LOOP_BACK_M` before its back where it hangs on a hook, at y = 0 where it hangs on a rail.
-Below the loop's underside `LOOP_RISE_M` are free for what it hangs on.
+A ``hung`` thing ends on its top in a loop across X, `LOOP_M` thick, whose highest point is at x =
+0. On a hook it is `LOOP_BACK_M` before its back, on a rail at y = 0. Below the loop's underside
+`LOOP_RISE_M` are free for what it hangs on.
 """
 
 DRAPED_WALL_M: Final = 0.012

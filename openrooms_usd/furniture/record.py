@@ -111,10 +111,10 @@ class BuiltCategory(Category):
         mass_range: Kilograms of products of such sizes, lightest and heaviest, as their makers ship
             them; styles that are another kind of thing have their own. None where it is built in
             and never weighed. Chairs are of wood or with thin cushions, a wing chair has a beech
-            frame; a bed is with its mattress (30 to 40 kg) and bedding, shelves are with their
-            books (a metre of books has 20 to 25 kg); storage of 16 mm boards has 10 to 13 kg for
-            each square metre of front; a cabinet of files is of sheet steel; an oven has 25 to
-            40 kg for each cavity; a slate bed alone is 200 kg; a pot is with soil.
+            frame. A bed includes its mattress (30 to 40 kg) and bedding, shelves include their
+            books (a metre of books has 20 to 25 kg). Storage of 16 mm boards has 10 to 13 kg for
+            each square metre of front. A cabinet of files is of sheet steel. An oven has 25 to 40
+            kg for each cavity. A slate bed alone is 200 kg. A pot includes soil.
         on_worktop_probability: On how many of a kitchen's counters it stands, as a share.
         placements: Where it lies about when people live in a room; by default nowhere: it stands
             where groups of furniture have it.

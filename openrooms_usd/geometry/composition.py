@@ -57,7 +57,7 @@ _TOO_BARE_SHARE: Final = 0.35
 # Steeper than this, a normal is that of a floor.
 _LEVEL_COSINE: Final = 0.8
 # A picture is full when its subjects fill this share of it, where those of less weight than a main
-# one count as much less; pictures lose a factor e for each such
+# one count as much less. Pictures lose a factor e for each such
 # share of the frame's edge that cuts through one, by the subject's weight.
 _FULL_SHARE: Final = 0.25
 _MAIN_WEIGHT: Final = 2.0

@@ -1,9 +1,9 @@
 """How texture coordinates lie on a surface: how dense they are, and how they stretch pictures.
 
 A triangle's map from the surface to the texture is linear. Its two singular values say how long a
-metre is in the texture along the most and the least dense direction (Sander, Snyder, Gortler and
-Hoppe, "Texture Mapping Progressive Meshes", SIGGRAPH 2001, section 3, in the other direction: their
-greatest stretch is one over our least density).
+metre is in the texture along the most and the least dense direction. See Sander, Snyder, Gortler
+and Hoppe, "Texture Mapping Progressive Meshes", SIGGRAPH 2001, section 3: their greatest stretch is
+one over our least density.
 """
 
 from dataclasses import dataclass

@@ -166,9 +166,9 @@ class Compose:
 
 # Mirrored and turned pictures.
 #
-# A mirrored picture is the picture of a mirrored room. Which mirror is a matter of choice, and here
-# it is the world's plane x = 0: positions, normals and boxes of lights change the sign of their x
-# alone, so that nothing is rounded and up stays up, and all mirrored views of a room are in the
+# A mirrored picture is the picture of a mirrored room. The mirror is the world's plane x = 0.
+# Positions, normals and boxes of lights change the sign of their x
+# alone, so that nothing is rounded and up stays up. All mirrored views of a room are in the
 # same mirrored room. With S = diag(-1, 1, 1, 1) the pose becomes S world_from_camera S, which is a
 # rotation again, and the principal point goes to the other side.
 #

@@ -45,31 +45,35 @@ CONVENTIONS: Final = {
     "world_from_camera": "4x4, row-major, multiplies column vectors; camera frame of OpenCV: "
     "x right, y down, z forward; metres",
     "K": "3x3 intrinsics in pixels; the centre of the top-left pixel is at (0.5, 0.5)",
-    "projection": "of a view: pinhole where nothing is said; equirectangular: columns are angles "
-    "to the right of the forward direction, rows angles below the horizon, K has pixels per "
-    "radian, depth is the distance; orthographic: all rays look forward, K has pixels per metre "
-    "and says where each has depth 0, which is its distance too, and is negative behind",
+    "projection": "of a view: pinhole by default. Equirectangular: columns are angles to the "
+    "right of the forward direction, rows angles below the horizon, K has pixels "
+    "per radian, depth is the distance. Orthographic: all rays look forward, and K "
+    "has pixels per metre and says where each has depth 0. Depth is the distance "
+    "there too, and is negative behind",
     "lens": "light is seen through the camera's lens where it has one (fStop "
     "and focusDistance); geometry, materials, labels and grids of hemispheres by a pinhole",
     "color": "scene-linear, Rec.709 primaries, D65; radiance in nits",
     "estimated_error": "what the mean over pixels and components of (x - t)^2 / (t^2 + 0.01 T^2) "
-    "is likely to be, x the picture, t what it would be with endless samples, T the mean of t in a "
-    "component: estimated from two independent halves of the samples, allowing for rare bright "
-    "paths, so rather too large than too small; 0 where one ray is exact, null where there is no "
+    "is likely to be. x is the picture, t what it would be with endless samples, T the mean of t "
+    "in a component. It is estimated from two independent halves of the samples, allowing for "
+    "rare bright "
+    "paths, so rather too large than too small. 0 where one ray is exact, null where there is no "
     "estimate, such as where no sample has met any light",
     "estimated_robust_error": "the same with the part of every pixel and component capped at 1: no "
     "single pixel dominates it; a render that stops at an error stops by this one",
-    "bias": "of a method that is not the reference: total is the sum of what the picture has more "
-    "than the reference over the sum of the reference, by paths that are independent of the "
-    "picture in so many pixels; worst_tenth is the mean size of the bias in the tenth of the "
-    "pixels, in groups of neighbours, where it is worst, relative to the reference there: about "
-    "0 where there is none; each with its standard error (_error); null where it was not measured",
+    "bias": "of a method that is not the reference. total is the excess of the picture over the "
+    "reference, relative to the sum of the reference, by paths that are independent of "
+    "the picture in so many pixels. worst_tenth is the mean size of the bias in the "
+    "worst tenth of the pixels, in groups of neighbours, relative to the reference "
+    "there: about 0 without bias. Each has its standard error (_error); null where it "
+    "was not measured",
     "nonfinite_pixels": "pixels that hold a NaN or an infinity, and those where the renderer put 0 "
     "in its place",
     "bounces": "at most this many scatterings on the way from a light to the camera",
-    "denoised": "of denoised versions of channels: bias is the mean of the denoised picture over "
-    "that of the raw one, less 1; standard_error that of the raw mean, relative; blocks_beyond the "
-    "part of blocks of 16x16 pixels whose mean lies more than two standard errors from the raw one",
+    "denoised": "of denoised versions of channels. bias is the mean of the denoised picture over "
+    "that of the raw one, less 1. standard_error is that of the raw mean, relative. "
+    "blocks_beyond is the part of blocks of 16x16 pixels whose mean lies more than "
+    "two standard errors from the raw one",
     "time_code": "of a stage that moves: when it is seen; where nothing is said, everything is at "
     "the first of its time samples",
     "traced": "of a view: the mean over its pixels of the channel of that name",

@@ -37,8 +37,9 @@ _CONVENTIONS: Final = {
     "panorama": "latitude-longitude, scene-linear Rec.709 radiance in nits, each pixel the mean "
     "over its solid angle; first row around +Z, middle column along -Y, a quarter from the left "
     "along +X: the texture of a UsdLux DomeLight_1 whose pole axis is Z",
-    "harmonics": "real, orthonormal, no Condon-Shortley phase, in world axes; rows l = 0, then "
-    "m = -l to l: 0.282095, 0.488603 y, 0.488603 z, 0.488603 x, 1.092548 x y, 1.092548 y z, "
+    "harmonics": "real, orthonormal, no Condon-Shortley phase, in world axes. Rows l = 0, then m "
+    "= -l to l: 0.282095, 0.488603 y, 0.488603 z, 0.488603 x, 1.092548 x y, "
+    "1.092548 y z, "
     "0.315392 (3 z^2 - 1), 1.092548 x z, 0.546274 (x^2 - y^2); columns red, green, blue",
     "radiance": "sum of coefficients times functions in direction d: nits that come from d",
     "irradiance": "the same for a surface with normal n: lux; radiance convolved with the clamped "

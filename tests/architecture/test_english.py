@@ -39,42 +39,42 @@ class Limits(NamedTuple):
 
 
 LIMITS: dict[str, Limits] = {
-    "converters/orusd_gltf": Limits(6, 0),
-    "converters/orusd_hypersim": Limits(5, 0),
-    "converters/orusd_mitsuba": Limits(23, 14),
-    "converters/orusd_nerf": Limits(1, 0),
-    "converters/orusd_openrooms": Limits(37, 2),
-    "converters/orusd_preview": Limits(3, 0),
-    "converters/orusd_scans": Limits(90, 5),
-    "converters/orusd_urdf": Limits(13, 0),
-    "converters/orusd_usdz": Limits(2, 0),
+    "converters/orusd_gltf": Limits(0, 0),
+    "converters/orusd_hypersim": Limits(0, 0),
+    "converters/orusd_mitsuba": Limits(0, 0),
+    "converters/orusd_nerf": Limits(0, 0),
+    "converters/orusd_openrooms": Limits(0, 0),
+    "converters/orusd_preview": Limits(0, 0),
+    "converters/orusd_scans": Limits(0, 0),
+    "converters/orusd_urdf": Limits(0, 0),
+    "converters/orusd_usdz": Limits(0, 0),
     "converters/orusd_webdataset": Limits(0, 0),
-    "docs": Limits(93, 197),
-    "openrooms_usd": Limits(0, 2),
-    "openrooms_usd/api": Limits(0, 2),
-    "openrooms_usd/building": Limits(0, 1),
-    "openrooms_usd/cli": Limits(10, 0),
+    "docs": Limits(93, 195),
+    "openrooms_usd": Limits(0, 0),
+    "openrooms_usd/api": Limits(0, 0),
+    "openrooms_usd/building": Limits(0, 0),
+    "openrooms_usd/cli": Limits(9, 0),
     "openrooms_usd/comparison": Limits(0, 0),
     "openrooms_usd/dataset": Limits(0, 0),
     "openrooms_usd/demo": Limits(0, 0),
     "openrooms_usd/description": Limits(0, 0),
     "openrooms_usd/edits": Limits(0, 0),
-    "openrooms_usd/furniture": Limits(0, 6),
+    "openrooms_usd/furniture": Limits(0, 0),
     "openrooms_usd/generation": Limits(0, 0),
-    "openrooms_usd/geometry": Limits(0, 2),
+    "openrooms_usd/geometry": Limits(0, 0),
     "openrooms_usd/importing": Limits(0, 0),
     "openrooms_usd/library": Limits(0, 0),
-    "openrooms_usd/loading": Limits(0, 1),
+    "openrooms_usd/loading": Limits(0, 0),
     "openrooms_usd/physics": Limits(0, 0),
-    "openrooms_usd/rendering": Limits(0, 9),
-    "openrooms_usd/scan": Limits(0, 2),
+    "openrooms_usd/rendering": Limits(0, 0),
+    "openrooms_usd/scan": Limits(0, 0),
     "openrooms_usd/showroom": Limits(0, 0),
     "openrooms_usd/simulation": Limits(0, 0),
     "openrooms_usd/stages": Limits(0, 0),
     "openrooms_usd/unpickling": Limits(0, 0),
-    "openrooms_usd/usd": Limits(1, 0),
+    "openrooms_usd/usd": Limits(0, 0),
     "openrooms_usd/validation": Limits(0, 0),
-    "openrooms_usd/view": Limits(0, 1),
+    "openrooms_usd/view": Limits(0, 0),
     "schemas": Limits(0, 0),
     "top": Limits(53, 60),
 }
@@ -105,16 +105,16 @@ def passages_of_python(source: str) -> Iterator[tuple[int, str]]:
             )
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             yield node.lineno, inspect.cleandoc(node.value)
-    block, last = "", -2
+    block, first, last = "", 0, 0
     for token in tokenize.generate_tokens(io.StringIO(source).readline):
         if token.type == tokenize.COMMENT:
-            follows = token.start[0] == last + 1
-            if not follows and block:
-                yield last, block
-            block = f"{block}\n{token.string[1:]}" if follows else token.string[1:]
-            last = token.start[0]
-    if block:
-        yield last, block
+            whole, line = token.line.lstrip().startswith("#"), token.start[0]
+            if not (whole and line == last + 1):
+                yield first, block
+                block, first = "", line
+            block += f"\n{token.string[1:]}"
+            last = line if whole else 0
+    yield first, block
 
 
 def passages_of_markdown(text: str) -> Iterator[tuple[int, str]]:
@@ -128,10 +128,11 @@ def passages_of_markdown(text: str) -> Iterator[tuple[int, str]]:
 
 
 def parts_of_python(text: str) -> Iterator[str]:
-    """Paragraphs, and the entries of ``Args:`` and the like; no tables and no lists of names."""
+    """Paragraphs, and entries of ``Args:`` and the like; no tables, lists of names or formulas."""
     for part in re.split(r"\n\s*\n|\n(?= *(?:[\w*]+(?:, [\w*]+)*:|[-*] ))", text):
         names = len(part.split()) > LONGEST and not re.search(r"[.,:;]", part)
-        if not names and not re.search(r"\S   +\S", part):
+        formula = len(re.findall(r"[=+^<>{}()]", part)) > len(part.split()) / 4
+        if not names and not formula and not re.search(r"\S   +\S", part):
             yield part
 
 

@@ -190,7 +190,7 @@ def _write_cut(path: Path) -> None:
         ("empty.ply", b"", "PLY"),
         ("garbage.usda", b"#usda 1.0\nnonsense{", "not a readable USD file"),
         ("cut.usdc", b"PXR-USDC" + bytes(50), "not a readable USD file"),
-        ("text.usdz", b"no zip", "USDZ archive is incomplete"),
+        ("text.usdz", b"no zip", "not a complete USDZ archive"),
         ("some.abc", b"", "cannot be read"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
@@ -256,7 +256,7 @@ def test_an_unreadable_stage(name: str, command: str, orusd: Any, lab: Any, tmp_
     }
     stage, out = tmp_path / name, tmp_path / "out"
     stage.write_bytes(contents.get(name, b"a text"))
-    said = "USDZ archive is incomplete" if name.endswith("usdz") else "not a readable USD file"
+    said = "not a complete USDZ archive" if name.endswith("usdz") else "not a readable USD file"
     words = _reading(command, stage, out, lab)
     orusd(*words).refused(INPUT, f"{name}: {said}", "remedy: ")
     orusd(*words, "--json").refused(INPUT, f"{name}: {said}")
@@ -388,8 +388,8 @@ def _capture(path: Path) -> Path:
         (b"", "scan.json:1:1"),
         (b'{"walls": [{"dim', "scan.json:1:13"),
         (bytes(range(256)), "scan.json:1:1"),
-        (b"[]", "no RoomPlan export"),
-        (b"{}", "no RoomPlan export"),
+        (b"[]", "not a RoomPlan export"),
+        (b"{}", "not a RoomPlan export"),
         (b'{"walls": 3}', "walls"),
         (b'{"walls": [{"dimensions": [NaN, 1, 0]}]}', "NaN"),
         (b'{"walls": [{"dimensions": [1e300, 1, 0], "transform": [1]}]}', "walls[0]"),

@@ -180,7 +180,7 @@ def test_help_lists_the_options_of_an_importer() -> None:
 HEADER = "id,label,x,y,z,width,depth,height,yaw\n"
 BAD = {
     "a missing column": "id,label,x,y\na,chair,1,2\n",
-    "a number that is none": HEADER + "a,chair,nan,2,0,1,1,1,0\n",
+    "a number is not finite": HEADER + "a,chair,nan,2,0,1,1,1,0\n",
     "a side of zero": HEADER + "a,chair,1,2,0,0,1,1,0\n",
     "an id twice": HEADER + "a,chair,1,2,0,1,1,1,0\na,chair,3,2,0,1,1,1,0\n",
     "nothing": "",

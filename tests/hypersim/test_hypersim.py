@@ -250,7 +250,7 @@ def test_what_is_not_there_is_told(root: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="there is no view"):
         open_source(root, form="hypersim", split="train")
     source = open_source(root, form="hypersim")
-    with pytest.raises(InputError, match="do not tell 'base_color'"):
+    with pytest.raises(InputError, match="do not have 'base_color'"):
         source.read(0, ["base_color"])
 
 
@@ -288,7 +288,7 @@ def test_arrays_that_are_no_pictures_or_cameras_are_refused(root: Path, tmp_path
     with pytest.raises(InputError, match=r"depth_meters\.hdf5: 'distance' has the shape"):
         source.read(0, ["depth"])
     write_array(scene / "_detail/cam_00/camera_keyframe_positions.hdf5", np.ones((2, 1)))
-    with pytest.raises(InputError, match=r"cam_00: its arrays are no cameras"):
+    with pytest.raises(InputError, match=r"cam_00: its arrays are not cameras"):
         open_source(copy, form="hypersim").read(1, ["depth"])
 
 

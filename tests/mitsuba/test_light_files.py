@@ -97,7 +97,7 @@ def test_what_was_no_number_is_counted_in_every_channel(
     assert all(np.isfinite(pixels).all() for pixels in stored.values())
     losses = json.loads((tmp_path / "out" / "manifest.json").read_text())["report"]["losses"]
     assert [row["reason"] for row in losses if row["prim"] == "/Camera"] == [
-        f"{name} was no number in 2 pixels, taken as 0" for name in PASSES
+        f"{name} was not finite in 2 pixels; 0 is used" for name in PASSES
     ]
 
 

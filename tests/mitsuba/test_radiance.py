@@ -269,7 +269,7 @@ def test_pixels_that_are_no_numbers_are_counted_and_reported(open_stage, monkeyp
     assert np.isfinite(image.pixels).all()
     assert image.replaced == 2
     rows = [reason for path, _, reason in session.report.losses() if path == "/Camera"]
-    assert rows == ["radiance was no number in 2 pixels, taken as 0"]
+    assert rows == ["radiance was not finite in 2 pixels; 0 is used"]
 
 
 def test_an_error_that_is_not_reached_is_reported(open_stage, monkeypatch):

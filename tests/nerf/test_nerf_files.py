@@ -196,7 +196,7 @@ def test_several_renders_and_options_of_another_dataset_are_refused(
 ) -> None:
     with pytest.raises(InputError, match="2 renders"):
         NerfDataset().write([render, render], tmp_path / "data", DatasetOptions())
-    with pytest.raises(InputError, match="are of OpenRooms"):
+    with pytest.raises(InputError, match="belong to OpenRooms"):
         write(render, tmp_path / "data", first=0)
 
 

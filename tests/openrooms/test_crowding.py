@@ -73,7 +73,7 @@ def test_the_least_lights_are_dropped_on_request(crowded: RenderedScene, tmp_pat
     # Window 1 is the smallest of those that are seen; of the unseen one is there.
     assert boxes(tmp_path, 1) == [f"box{n}.dat" for n in (0, 3, 4, 5, 6)]
     assert len(boxes(tmp_path, 2)) == 6
-    assert any("view_0 is without its least lights, 1:" in note for note in summary.notes)
+    assert any("view_0 is without its weakest lights, 1:" in note for note in summary.notes)
 
 
 def test_all_lights_stay_on_request(crowded: RenderedScene, tmp_path: Path) -> None:

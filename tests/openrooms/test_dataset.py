@@ -249,7 +249,7 @@ def test_nothing_appears_when_something_fails(
 
 def test_variants_share_their_views(render: RenderedScene, tmp_path: Path) -> None:
     other = make_render(tmp_path / "other", views=1)
-    with pytest.raises(InputError, match="its views are not those"):
+    with pytest.raises(InputError, match="its views differ from those"):
         write([render, other], tmp_path / "data", splits=VARIANTS[:2])
     # The views of xml1 are others.
     write([render, other], tmp_path / "data", splits=("main_xml", "main_xml1"))
@@ -264,15 +264,15 @@ def test_variants_share_their_cameras(key: str, render: RenderedScene, tmp_path:
     entries["view_1"] = entries["view_1"].model_copy(update={key: changed.tolist()})
     views = {name: RenderedView(name, render.folder / name, entries[name]) for name in entries}
     other = RenderedScene(render.folder, render.manifest, views)
-    with pytest.raises(InputError, match="its views are not those"):
+    with pytest.raises(InputError, match="its views differ from those"):
         write([render, other], tmp_path / "data", splits=VARIANTS[:2])
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"scene": "../scene0"}, "no name of a scene"),
-        ({"scene": "room"}, "no name of a scene"),
+        ({"scene": "../scene0"}, "not the name of a scene"),
+        ({"scene": "room"}, "not the name of a scene"),
         ({"splits": ("main",)}, "no split is named 'main'"),
         ({"splits": ("main_xml", "main_xml1")}, "1 renders and 2 splits"),
         ({"first": -1}, "cannot be number -1"),
@@ -317,7 +317,7 @@ def test_scenes_of_others_stay_in_the_lists_whatever_their_names(
     write([render], tmp_path)
     assert (tmp_path / "train.txt").read_bytes() == b"r\xe9sidence\nscene0000_00\n"
     (tmp_path / "test.txt").write_text("To do: buy milk\n")
-    with pytest.raises(OutputError, match="no list of scenes"):
+    with pytest.raises(OutputError, match="not a list of scenes"):
         write([render], tmp_path)
     assert (tmp_path / "test.txt").read_text() == "To do: buy milk\n"
 

@@ -169,7 +169,7 @@ def test_a_ramp_stays_a_ramp_at_odd_sizes() -> None:
 
 def test_a_picture_of_another_size_is_no_grid(tmp_path: Path) -> None:
     write_rgbe(tmp_path / "imenv_1.hdr", np.ones((16, 40, 3), np.float32))
-    with pytest.raises(InputError, match="no grid of 32x16"):
+    with pytest.raises(InputError, match="not a grid of 32x16"):
         read_environments(tmp_path / "imenv_1.hdr")
 
 

@@ -237,5 +237,5 @@ def test_json_lies_beside_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("value", [b"bytes", {1, 2}, object(), np.array([None]), 1j])
 def test_what_is_no_plain_data_is_not_written(value: object) -> None:
-    with pytest.raises(TypeError, match="no plain data"):
+    with pytest.raises(TypeError, match="not plain data"):
         pickled({"a": [value]})

@@ -292,7 +292,7 @@ def test_mistakes_are_told(written: Path, tmp_path: Path) -> None:
         open_source(tmp_path, form="openrooms")
     with pytest.raises(InputError, match="has no option 'ordre'"):
         open_source(written, form="openrooms", options={"ordre": "rgb"})
-    with pytest.raises(InputError, match="is no order of channels"):
+    with pytest.raises(InputError, match="is not an order of channels"):
         open_source(written, form="openrooms", options={"order": "bgr"})
-    with pytest.raises(InputError, match=r"do not tell 'radiance_i'"):
+    with pytest.raises(InputError, match=r"do not have 'radiance_i'"):
         open_source(written, form="openrooms").read(0, ["radiance_i"])

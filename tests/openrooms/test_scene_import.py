@@ -55,10 +55,10 @@ def test_the_layout_is_a_plan_with_its_holes(capture: Capture) -> None:
 def test_what_stands_for_what_is_not_there_is_listed(capture: Capture) -> None:
     text = "\n".join(capture.notes)
     for words in (
-        "04379243/none is not there: the library's table stands for it",
-        "window/3 is not there: a window of ours fills its hole",
-        "gold_leaf is not there: metal of the library stands for it",
-        "clay_large is not there: rough_stone of the library stands for it",
+        "04379243/none is missing: the library's table replaces it",
+        "window/3 is missing: the library's window fills its opening",
+        "gold_leaf is missing: metal of the library replaces it",
+        "clay_large is missing: rough_stone of the library replaces it",
         "container.obj is left out",
     ):
         assert words in text
@@ -86,7 +86,7 @@ def test_environments_off_on_and_missing(dataset: Path, tmp_path: Path) -> None:
     (tmp_path / "none").mkdir()
     lost = read_capture(KIND, on, {**root, "environments": str(tmp_path / "none")})
     assert lost.environment == {"from": "constant", "illuminance": pytest.approx(515.773)}
-    assert any("173L.hdr is not there: an even sky of 164.176 nits" in n for n in lost.notes)
+    assert any("173L.hdr is missing: an even sky of 164.176 nits" in n for n in lost.notes)
 
 
 def test_without_the_dataset_the_room_is_rebuilt_around_its_things(tmp_path: Path) -> None:
@@ -122,7 +122,7 @@ def test_a_released_scene(real: Callable[[str], Path], tmp_path: Path) -> None:
     # Five copies of one model stand at heights that agree in its height, to the last digit.
     heights = [model.half[1] for model in chairs]
     assert len(chairs) == 5 and np.ptp(heights) < 1e-6
-    assert sum("is not there" in note for note in imported.notes) > 10
+    assert sum("is missing" in note for note in imported.notes) > 10
 
 
 LAMP = """<shape id="03636649_x_object" type="obj">
@@ -241,4 +241,4 @@ def test_the_description_can_be_read_again(dataset: Path, tmp_path: Path) -> Non
     for one, other in zip(again.models, imported.capture.models, strict=True):
         assert one.half == pytest.approx(other.half, abs=1e-6)
         assert one.stands == pytest.approx(other.stands)
-    assert not any("of the library stands for it, without" in note for note in again.notes)
+    assert not any("of the library replaces it, without" in note for note in again.notes)

@@ -102,7 +102,7 @@ def test_paths_count_from_the_dataset_s_folder(text: str) -> None:
     ],
 )
 def test_paths_that_leave_the_dataset_are_refused(text: str) -> None:
-    with pytest.raises(InputError, match="is no path into uv_mapped"):
+    with pytest.raises(InputError, match="is not a path into uv_mapped"):
         named(text, "here")
 
 
@@ -138,8 +138,8 @@ MALFORMED = {
     "external entity": (scene(head=EXTERNAL), "declares a DOCTYPE or entities"),
     "parameter entity": (scene(head=EXTERNAL.replace("ENTITY x", "ENTITY % x")), "DOCTYPE"),
     "undefined entity": (one_shape().replace("verion", "v='&nope;' verion"), "undefined entity"),
-    "path out": (one_shape(file="../../../etc/passwd"), "is no path into"),
-    "path out of a folder": (one_shape(file="uv_mapped/../../x.obj"), "is no path into"),
+    "path out": (one_shape(file="../../../etc/passwd"), "is not a path into"),
+    "path out of a folder": (one_shape(file="uv_mapped/../../x.obj"), "is not a path into"),
     "truncated": (scene()[:2000], "is not readable XML"),
     "empty": ("", "is not readable XML"),
     "no XML": ("v 0 0 0\nf 1 2 3\n", "is not readable XML"),
@@ -151,16 +151,19 @@ MALFORMED = {
     "NaN scale": (one_shape(NAN), "nan is not between"),
     "infinite shift": (one_shape('<translate x="inf" y="0" z="0"/>'), "inf is not between"),
     "NaN angle": (one_shape('<rotate angle="nan" x="1"/>'), "nan is not between"),
-    "mirrored": (one_shape('<scale x="-1" y="1" z="1"/>'), "factors are above 0"),
-    "flat": (one_shape('<scale value="0"/>'), "factors are above 0"),
+    "mirrored": (one_shape('<scale x="-1" y="1" z="1"/>'), "factors must be positive"),
+    "flat": (one_shape('<scale value="0"/>'), "factors must be positive"),
     "no axis": (one_shape('<rotate angle="30"/>'), "an axis without length"),
-    "a matrix": (one_shape('<matrix value="1 0 0 0"/>'), "is no scale, rotate or translate"),
-    "text for a number": (one_shape('<translate x="1,5"/>'), "'1,5' is no number"),
+    "a matrix": (one_shape('<matrix value="1 0 0 0"/>'), "is not scale, rotate or translate"),
+    "text for a number": (one_shape('<translate x="1,5"/>'), "'1,5' is not a number"),
     "a huge number": (one_shape(f'<translate x="{9**400}"/>'), "is not between"),
     "unknown material": (scene().replace('ref id="door_7_part0"', 'ref id="x"'), "no bsdf 'x'"),
-    "twice": (scene().replace('f id="door_7_part0"', 'f id="03001627_abc_part1"'), "is there"),
+    "twice": (
+        scene().replace('f id="door_7_part0"', 'f id="03001627_abc_part1"'),
+        "is defined twice",
+    ),
     "no field of view": (scene().replace(f'value="{FOV}"', 'value="0"'), "a field of view of 0"),
-    "two colours": (scene().replace("461.874 452.328 506.107", "1 2"), "is no colour"),
+    "two colours": (scene().replace("461.874 452.328 506.107", "1 2"), "is not a colour"),
     "NaN light": (scene().replace("461.874", "nan"), "nan is not between"),
 }
 
@@ -205,7 +208,7 @@ def refusal(path: Path) -> str:
 def test_files_of_the_dataset_may_be_hostile_too(tmp_path: Path) -> None:
     path = write_dataset(tmp_path / "data")
     mesh = tmp_path / "data/uv_mapped/03001627/abc/alignedNew.obj"
-    for text, reason in (("v nan 0 0\n" * 3 + "f 1 2 3\n", "no lengths"), ("f 1 2 9\n", "OBJ")):
+    for text, reason in (("v nan 0 0\n" * 3 + "f 1 2 3\n", "not finite"), ("f 1 2 9\n", "OBJ")):
         mesh.write_text(text)
         assert reason in refusal(path)
     (path.parent / "transform.dat").write_bytes(b"cos\nsystem\n(S'true'\ntR.")
@@ -221,7 +224,7 @@ def test_files_of_the_dataset_have_limits(tmp_path: Path) -> None:
     mesh = tmp_path / "data/layoutMesh/scene0000_00/uv_mapped.obj"
     for text, reason in (
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 100_001, "100,001 triangles"),
-        ("v 0 0 0\nv 1e6 0 0\nv 0 1 0\nf 1 2 3\n", "no lengths"),
+        ("v 0 0 0\nv 1e6 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),
         ("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n", "no level face"),
     ):
         mesh.write_text(text)

@@ -134,7 +134,7 @@ def test_few_points_are_refused_with_the_reason() -> None:
 @pytest.mark.parametrize(
     ("hint", "reason"),
     [
-        (Hint(1, "piano"), "no CAD has the category piano"),
+        (Hint(1, "piano"), "no CAD of the category piano"),
         (Hint(1, "chair", "chair_z"), "no CAD 'chair_z'"),
         (Hint(1, None), "no CAD has the category"),
     ],

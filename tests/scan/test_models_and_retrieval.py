@@ -55,7 +55,7 @@ def test_symmetries_are_spelt_in_several_ways(tmp_path: Path, symmetry: object) 
     ("name", "text", "says"),
     [
         ("index.json", "{", "index"),
-        ("index.json", "[]", "no object"),
+        ("index.json", "[]", "not an object"),
         ("index.json", '{"a": 3}', "neither"),
         ("index.json", '{"a": {"symmetry": "7"}}', "symmetry"),
     ],

@@ -131,7 +131,7 @@ def test_boxes_that_are_none_are_refused(tmp_path: Path) -> None:
     good = json.loads(path.read_text())
     drawn = good["data"][0]["segments"]["obbAligned"]
     for key, value, said in (
-        ("axesLengths", [1, 1, 0], "not above zero"),
+        ("axesLengths", [1, 1, 0], "not positive"),
         ("normalizedAxes", [1, 0, 0, 1, 0, 0, 0, 0, 1], "right angles"),
     ):
         path.write_text(
@@ -142,7 +142,7 @@ def test_boxes_that_are_none_are_refused(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=said):
             read_capture("arkitscenes", folder)
     path.write_text(json.dumps({"data": good["data"] * 2}))
-    with pytest.raises(InputError, match="there already"):
+    with pytest.raises(InputError, match="exists already"):
         read_capture("arkitscenes", folder)
 
 

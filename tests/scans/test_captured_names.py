@@ -305,7 +305,7 @@ def test_a_plain_scan_may_have_words(tmp_path: Path) -> None:
     assert found is not None
     assert [one.words[0] for one in found] == ["guitar", "trash can"]
     table.write_text('["guitar"]')
-    with pytest.raises(InputError, match="no table of words"):
+    with pytest.raises(InputError, match="not a table of words"):
         read_capture("scan", tmp_path / "a.npz", {"words": str(table)})
 
 

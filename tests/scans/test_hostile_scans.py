@@ -175,7 +175,7 @@ def test_chunks_that_laz_announces(tmp_path: Path) -> None:
     (start,) = struct.unpack_from("<I", data, 96)
     (table,) = struct.unpack_from("<q", data, start)
     struct.pack_into("<I", data, table + 4, 0x61000000)
-    refused(path, bytes(data), "chunks, which cannot be in it")
+    refused(path, bytes(data), "chunks, more than the file can hold")
     struct.pack_into("<q", data, start, 1 << 60)
     refused(path, bytes(data), "outside the file")
     # The size of its chunks stands 12 bytes after the head of the record that says how it packs.

@@ -45,10 +45,7 @@ DIALECTS: dict[str, tuple[str | bytes, str]] = {
     "colours as bytes": (COLORED.replace("1 0 0.5\n", "255 0 128\n"), ""),
     "materials and groups": ("mtllib a.mtl\no a\n" + V + "usemtl b\ng c\ns off\n" + F, ""),
     "lines and points": (V + "p 1\nl 1 2\n" + F, ""),
-    "what is none of OBJ": (
-        V + "hello you\n42\n" + F,
-        "2 lines are none of OBJ: the first is line 5",
-    ),
+    "what is none of OBJ": (V + "hello you\n42\n" + F, "2 lines are not OBJ: the first is line 5"),
 }
 
 
@@ -130,7 +127,7 @@ def test_words_after_a_vertex_cost_nothing(tmp_path: Path) -> None:
         (V + "f 1 2 5\n", "a vertex that is not there"),
         (V + "f -1 -2 -9\n", "a vertex that is not there"),
         ("f 1 2 3\n", "no vertices"),
-        ("v 1 x 2\nv 2 y 3\n", "no row of 3 numbers: the first is line 1"),
+        ("v 1 x 2\nv 2 y 3\n", "not a row of 3 numbers: the first is line 1"),
     ],
 )
 def test_what_cannot_be_read_is_told(tmp_path: Path, text: str, said: str) -> None:

@@ -141,9 +141,9 @@ def test_a_damaged_line_is_told_by_its_number(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("# .PCD", "\x89PNG", "no PCD file"),
+        ("# .PCD", "\x89PNG", "not a PCD file"),
         ("POINTS 4", "POINTS 5", "announces 5 points"),
-        ("POINTS 4", "POINTS 9999999999999", "no number of points"),
+        ("POINTS 4", "POINTS 9999999999999", "not a number of points"),
         ("WIDTH 2\nHEIGHT 2", "WIDTH 0\nHEIGHT 0", "announces 4 points"),
         ("WIDTH 2\nHEIGHT 2\n", "", "ends too early"),
         ("SIZE 4 4 4", "SIZE 3 4 4", "is not known"),

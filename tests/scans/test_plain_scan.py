@@ -199,16 +199,16 @@ def test_numbers_are_classes_and_things(scan: Path, tmp_path: Path) -> None:
         (
             "s.npz",
             {"label": np.zeros(5, "i4")},
-            "'label' has 5 values, the scan's file has 600 points",
+            "'label' has 5 values, but the scan's file has 600 points",
         ),
         ("s.npz", {"instance": np.zeros((COUNT, 3), "i4")}, "has the shape 600 x 3"),
         ("s.npz", {"instance": np.full(COUNT, 0.5)}, "'instance' has fractions"),
         ("s.npz", {"instance": np.array(["a"] * COUNT)}, "'instance' holds words"),
         ("s.npz", {"instance": np.full(COUNT, 1 << 30)}, "beyond 16,777,216"),
-        ("s.npz", {"label": np.full(COUNT, b"\xff")}, "a label is no text"),
+        ("s.npz", {"label": np.full(COUNT, b"\xff")}, "a label is not text"),
         ("s.npz", {"masks": np.zeros(COUNT)}, "no array label or instance"),
         ("s.npz", {"label": np.array([{}] * COUNT)}, "no numbers or words but object"),
-        ("s.csv", {}, "files that end in '.csv' are no segments"),
+        ("s.csv", {}, "files that end in '.csv' are not supported segments"),
     ],
 )
 def test_what_does_not_fit_is_refused_with_the_remedy(

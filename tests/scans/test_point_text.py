@@ -198,16 +198,19 @@ def test_what_writers_print_for_no_number(tmp_path: Path, word: str) -> None:
     assert len(scanned.cloud) == 4
     colored = read(tmp_path, rows(" ", RGB) + f"1 2 3 {word} 2 3\n")
     assert colored.cloud.colors.tolist() == [*RGB, [128] * 3]
-    assert "1 colours are no numbers" in colored.notes[0]
+    assert "1 colours are not numbers" in colored.notes[0]
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("1 2 3\n" * 2 + "so\n" * 2, "2 of 4 lines are no row of 3 numbers: the first is line 3"),
+        (
+            "1 2 3\n" * 2 + "so\n" * 2,
+            "2 of 4 lines are not a row of 3 numbers: the first is line 3",
+        ),
         ("1 2\n3 4\n", "no line is a row of three numbers"),
         ("nan nan nan\n", "no line is a row of three numbers"),
-        ("a,b,c\n1,2,3\n", "its columns are called a, b, c: none are x, y and z"),
+        ("a,b,c\n1,2,3\n", "its columns are named a, b, c: x, y and z are missing"),
         ("x y z r g b\n1 2 3\n", "6 columns are named, but lines have 3"),
         ("X,Y,Z\n1,5,2,5,3,5\n", "lines have 6 between commas"),
     ],
@@ -249,8 +252,8 @@ STATION = "2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\
     [
         ("0 0 1 0\n", "0 0 nan 0\n", "the matrix from line 7 on is not of numbers"),
         ("0 0 1 0\n", "0 0 x 0\n", "the matrix from line 7 on is not of numbers"),
-        ("2\n1\n", f"{'9' * 5000}\n1\n", "is no number of directions"),
-        ("2\n1\n", "99999999\n99999\n", "is no number of points"),
+        ("2\n1\n", f"{'9' * 5000}\n1\n", "is not a number of directions"),
+        ("2\n1\n", "99999999\n99999\n", "is not a number of points"),
     ],
 )
 def test_nonsense_in_the_head_of_a_station_is_refused(
@@ -265,7 +268,7 @@ def test_a_station_without_colours_leaves_those_of_others(tmp_path: Path) -> Non
     colored = STATION + "1 2 3 0.5 9 8 255\n4 5 6 0.5 7 6 5\n"
     scanned = read(tmp_path, STATION + "1 2 3 0.5\n4 5 6 0.5\n" + colored, "a.ptx")
     assert scanned.cloud.colors.tolist() == [[128] * 3] * 2 + [[9, 8, 255], [7, 6, 5]]
-    assert "2 colours are no numbers: these points are grey" in scanned.notes
+    assert "2 colours are not numbers: these points are grey" in scanned.notes
 
 
 def test_a_long_table_is_read_in_pieces(tmp_path: Path) -> None:

@@ -107,12 +107,12 @@ BAD_LAYERS = {
     "zero": (cube(scale="(1, 0, 1)"), "a dimension is zero"),
     "other operation": (
         cube().replace('"xformOp:scale"]', '"xformOp:rotateX"]'),
-        "xformOp:rotateX is no transform",
+        "xformOp:rotateX is not a transform",
     ),
     "a size in words": (cube().replace("double size = 1", 'string size = "big"'), "another type"),
     "Z up": (cube().replace('"Y"', '"Z"'), "the up axis is Z"),
     "centimetres": (cube().replace("metersPerUnit = 1", "metersPerUnit = 0.01"), "0.01 m"),
-    "a floor of nothing": (component('    def Mesh "A"\n    {\n    }', "Floor"), "no sound points"),
+    "a floor of nothing": (component('    def Mesh "A"\n    {\n    }', "Floor"), "no valid points"),
     "a floor of one edge": (
         component(
             '    def Mesh "A"\n    {\n        int[] faceVertexCounts = [3]\n'
@@ -120,9 +120,9 @@ BAD_LAYERS = {
             "        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0)]\n    }",
             "Floor",
         ),
-        "no flat polygon",
+        "not a flat polygon",
     ),
-    "no category": (f'{HEAD}def Xform "Room"\n{{\n}}\n', "no export of RoomPlan"),
+    "no category": (f'{HEAD}def Xform "Room"\n{{\n}}\n', "not an export of RoomPlan"),
     "no USD": ("#usda 1.0\ndef Xform {{{", "not readable as USD"),
     "text": ("hello", "not readable as USD"),
 }

@@ -239,7 +239,7 @@ def test_layers_give_what_the_json_gives(scanner, tmp_path: Path) -> None:
     usdz = read(pack(tmp_path / "Room.usdz", layers_of(data)))
     assert_same(usdz, read(scanner.write(data)), 1e-6)
     assert usdz.boxes[0].confidence is None
-    assert any("which doors stand open" in note for note in usdz.notes)
+    assert any("which doors are open" in note for note in usdz.notes)
 
 
 def test_layers_may_be_crates(scanner, tmp_path: Path) -> None:

@@ -47,13 +47,13 @@ def test_things_are_what_their_files_are_called(tmp_path: Path) -> None:
 
 
 def test_another_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no room of S3DIS"):
+    with pytest.raises(InputError, match="not a room of S3DIS"):
         read(tmp_path)
     with pytest.raises(InputError, match="cannot be the path of a file"):
         read(Path("a\0b"))
     folder = room(tmp_path / "a")
     (folder / "Annotations" / "chair_1.txt").write_text("1 2 3 4 5 6\n1 2 x 4 5 6\n")
-    with pytest.raises(InputError, match=r"1 of 2 lines are no row of 6 numbers.* line 2"):
+    with pytest.raises(InputError, match=r"1 of 2 lines are not a row of 6 numbers.* line 2"):
         read(folder)
 
 
@@ -83,7 +83,7 @@ def test_an_empty_file_costs_its_thing(tmp_path: Path, content: str) -> None:
     assert len(S3disImporter().pack(folder).contents) == len(THINGS) - 1
     for path in (folder / "Annotations").glob("*.txt"):
         path.write_text(content)
-    with pytest.raises(InputError, match="no room of S3DIS"):
+    with pytest.raises(InputError, match="not a room of S3DIS"):
         read(folder)
 
 

@@ -174,11 +174,11 @@ FIRST = ("aligned_models", 0)
         ((*FIRST, "trs", "rotation"), [1, 0, 0], "4 numbers expected, found 3"),
         ((*FIRST, "trs", "translation"), [1e300, 0, 0], "out of range"),
         ((*FIRST, "bbox"), [0.1, 0, 0.1], "aligned_models[0].bbox: a half extent"),
-        ((*FIRST, "id_cad"), "../../etc", "no identifier of Scan2CAD"),
+        ((*FIRST, "id_cad"), "../../etc", "not an identifier of Scan2CAD"),
         ((*FIRST, "center"), None, "'center' is missing"),
         (("trs", "scale"), [1, 1, 2], "shears"),
         (("aligned_models",), 5, "a list expected"),
-        (("id_scan",), KeyError, "no Scan2CAD annotation"),
+        (("id_scan",), KeyError, "not a Scan2CAD annotation"),
     ],
 )
 def test_nonsense_is_refused_with_its_place(tmp_path, keys, value, said) -> None:

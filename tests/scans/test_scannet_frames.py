@@ -114,7 +114,7 @@ def test_every_cut_of_a_sens_file_is_refused(tmp_path: Path) -> None:
         ("pose/1.txt", "1 2 3", "no 4 x 4 matrix"),
         ("pose/1.txt", "1 0 0 0 0 1 0 0 0 0 -1 0 0 0 0 1", "left-handed"),
         ("pose/1.txt", "2 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "scales or shears"),
-        ("pose/1.txt", "1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1", "translation stands in the last row"),
+        ("pose/1.txt", "1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1", "translation is in the last row"),
         ("intrinsic/intrinsic_color.txt", "0 " * 16, "intrinsics"),
         ("scene0000_00.txt", "sceneType = x", "size of the colour pictures"),
     ],

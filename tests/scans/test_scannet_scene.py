@@ -241,13 +241,13 @@ def test_nonsense_in_a_scene_is_refused(tmp_path: Path, file: str, text: str, sa
 def test_what_is_missing_is_said(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no mesh"):
         read_capture("scannet", tmp_path)
-    with pytest.raises(InputError, match="no scene"):
+    with pytest.raises(InputError, match="not a scene"):
         read_capture("scannet", tmp_path / "nothing")
     folder = scene(tmp_path / NAME)
     with pytest.raises(InputError, match=r"no \.sens file"):
         read_capture("scannet", folder, {"fuse": "5"})
     sens(folder / f"{NAME}.sens")
-    with pytest.raises(InputError, match="no number of frames"):
+    with pytest.raises(InputError, match="not a number of frames"):
         read_capture("scannet", folder, {"fuse": "0"})
     for path in folder.iterdir():
         if path.suffix in (".json", ".txt") or "labels" in path.name:

@@ -263,7 +263,7 @@ def test_a_capture_that_lies_on_its_side(real: Real) -> None:
     assert lounge.settled == {"up": "0,1,0"}
     assert any("0,1,0 is taken for up" in note for note in lounge.notes)
     fragment = real("real_dev/data/rgbd_fragment/cloud_bin_2.ply")
-    with pytest.raises(InputError, match="which way is up") as caught:
+    with pytest.raises(InputError, match="up direction is not clear") as caught:
         read_capture("scan", fragment)
     assert "--up" in caught.value.remedy
     assert "partial: true" in caught.value.remedy

@@ -148,7 +148,7 @@ def test_points_outside_the_folder_are_not_read(tmp_path: Path) -> None:
     moved = data.replace(b"X\n\x00\x00\x00000017.bin", b"X\r\x00\x00\x00../secret.bin")
     assert moved != data
     path.write_bytes(moved)
-    with pytest.raises(InputError, match="are not there"):
+    with pytest.raises(InputError, match="are missing"):
         read_capture("sunrgbd", path)
 
 
@@ -174,7 +174,7 @@ def test_nonsense_is_refused(tmp_path: Path, file: str, data: bytes, said: str) 
 
 
 def test_what_is_no_frame_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no frame of SUN RGB-D"):
+    with pytest.raises(InputError, match="not a frame of SUN RGB-D"):
         read_capture("sunrgbd", tmp_path)
     path = index(tmp_path / "m")
     (tmp_path / "m/000017.bin").write_bytes(bytes(25))

@@ -271,7 +271,7 @@ def test_first_velocities_are_in_the_world(
     np.testing.assert_allclose(velocity.angular, (0.0, np.pi / 2.0, 0.0), atol=1e-3)
     for write in (write_mjcf, write_urdf):
         (told,) = write(read_world(stage), tmp_path, looks={})
-        assert told[0] == "/World/bar" and "first velocity" in told[2]
+        assert told[0] == "/World/bar" and "initial velocity" in told[2]
 
 
 def test_a_first_turn_of_a_link_is_the_speed_of_its_joint(

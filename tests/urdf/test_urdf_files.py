@@ -169,7 +169,7 @@ def test_options_that_nobody_knows_are_refused(exporter: type, tmp_path: Path) -
 def test_a_folder_without_a_scene_is_refused(tmp_path: Path, client: int) -> None:
     from orusd_urdf.loading import load_bullet
 
-    with pytest.raises(InputError, match="no readable scene"):
+    with pytest.raises(InputError, match="not a readable scene"):
         load_bullet(tmp_path, client)
     (tmp_path / "scene.json").write_text('{"format": 9}')
     with pytest.raises(InputError, match="another format"):

@@ -71,7 +71,7 @@ def test_too_many_pairs_are_only_those_that_are_near(
     # Also when what touches is too many.
     monkeypatch.setattr(mjcf, "MAX_PAIRS", 1)
     ((_, _, reason),) = write_mjcf(world, tmp_path / "more", looks={})
-    assert "do not touch at first" in reason and explicit(tmp_path / "more") == stands
+    assert "do not touch initially" in reason and explicit(tmp_path / "more") == stands
     # Asked for, all are written however many they are.
     assert write_mjcf(world, tmp_path / "all", looks={}, pairs="all") == []
     assert explicit(tmp_path / "all") == explicit(tmp_path / "few")
@@ -89,7 +89,7 @@ def test_mujoco_neither_bounces_nor_draws_one_triangle(
     }
     lost = write_mjcf(World((make.block("B", np.zeros(3), link=link),)), tmp_path, looks={})
     assert {reason for _, _, reason in lost} == {
-        "MuJoCo knows no restitution: nothing bounces",
+        "MuJoCo has no restitution: nothing bounces",
         "one is one triangle",
     }
 
@@ -138,7 +138,7 @@ def test_a_spring_is_lost_in_urdf_and_that_is_said(make: SimpleNamespace, tmp_pa
     body = make.cabinet()
     held = replace(body.joints[0], drive=Drive(stiffness=1000.0))
     lost = write_urdf(World((replace(body, joints=(held, body.joints[1])),)), tmp_path, looks={})
-    said = "its drive is lost but for the damping"
+    said = "its drive is lost except for the damping"
     assert lost == [("/World/C/Door", "approximated", said)]
 
 
@@ -173,13 +173,13 @@ CUBE = [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
 BAD: dict[str, tuple[Callable[..., Body], str]] = {
     "negative mass": (with_mass(-1.0, (1, 1, 1)), "a mass of -1 kg"),
     "no mass at all": (with_mass(0.0, (1, 1, 1)), "a mass of 0 kg"),
-    "mass is no number": (with_mass(np.nan, (1, 1, 1)), "no number"),
+    "mass is not finite": (with_mass(np.nan, (1, 1, 1)), "not finite"),
     "negative moment": (with_mass(1.0, (-1, 1, 1)), "a principal moment"),
     "impossible moments": (with_mass(1.0, (1, 1, 3)), "above the sum of the others"),
     "moving without mass": (lambda m: m.block("B", X, link={"mass": None}), "has no mass"),
     "flat collider": (with_shape(np.array(CUBE) * [1, 1, 0]), "has no volume"),
     "inverted collider": (with_shape(np.array(CUBE) * [1, 1, -1]), "has no volume"),
-    "collider of no numbers": (with_shape(np.full((8, 3), np.inf)), "no number"),
+    "collider of no numbers": (with_shape(np.full((8, 3), np.inf)), "not finite"),
     "scaled frame": (lambda m: m.block("B", X, turn=2 * np.eye(3)), "not rigid"),
     "mirrored frame": (lambda m: m.block("B", X, turn=np.diag([1, 1, -1])), "not rigid"),
     "loop": (with_joints(("Body", "Door"), ("Drawer", "Door"), ("Door", "Drawer")), "a loop"),
@@ -202,7 +202,7 @@ def test_an_impossible_body_is_refused(make: SimpleNamespace, kind: str) -> None
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"axis": 2 * X}, "no unit vector"),
+        ({"axis": 2 * X}, "not a unit vector"),
         ({"limits": (1.0, 0.0)}, "limits 1 to 0"),
         ({"damping": -1.0}, "negative damping"),
     ],

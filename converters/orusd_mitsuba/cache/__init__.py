@@ -5,7 +5,7 @@
   ``links`` of what lights and other surfels send, from one to the other.
 - ``tracing`` follows paths that end where the cache knows what is scattered.
 - ``arriving`` looks up what very many rays bring to points, for environment maps.
-- ``scattered`` gives them to whoever finds straight light by itself.
+- ``scattered`` gives them to integrators that find direct light themselves.
 - ``room_light`` is the cache of an opened room: filled, or read from its file;
   and the integrator that looks it up.
 """

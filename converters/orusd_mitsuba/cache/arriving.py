@@ -221,7 +221,7 @@ class RaySums:
 
 
 class EverySum(RaySums):
-    """The same of paths that nobody has counted yet."""
+    """The same of paths that are not counted yet."""
 
     def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
         """See `RaySums.add`."""

@@ -1,11 +1,11 @@
 """Fills the light cache: what every surfel receives of each light, with all scatterings.
 
-From points of every surfel paths are followed that end where other surfels are met (`tracing`):
-what lights send on such a path is summed by light, and the rest is a link: so much of what that
-surfel receives arrives here. Links are the form factors of classical radiosity with the albedo of
-the very point that was met (Goral et al. 1984; constant elements), so one set of rays serves all
-bounces and all lights: the irradiance is S + T S + T T S + ..., a sparse product a bounce. Where a
-path went by more than one surface, it counts as so many scatterings.
+From points of every surfel paths are followed that end where other surfels are met (`tracing`).
+What lights send on such a path is summed by light. The rest is a link: the share of what that
+surfel receives which arrives here. Links are the form factors of classical radiosity with the
+albedo of the very point that was met (Goral et al. 1984; constant elements), so one set of rays
+serves all bounces and all lights: the irradiance is S + T S + T T S + ..., a sparse product a
+bounce. Where a path went by more than one surface, it counts as so many scatterings.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -116,8 +116,8 @@ class CacheData:
     Attributes:
         table: Where surfels are found.
         irradiance: (N, S + 1, L, 3) lux that each surfel receives of each light with at most S
-            scatterings, with one less, and so on to none: what there may be before the second
-            surface of a path, before the third one, and so on.
+            scatterings, with one less, and so on to none. They apply before the second surface of a
+            path, before the third one, and so on.
         reflected: (N, 3) the diffuse albedo of each surfel, in the mean.
         passed: (N, 3) what it passes on diffusely.
         lobe: (N,) what its lobe reflects of even light, luminance.
@@ -160,7 +160,7 @@ def fill(
 
 
 def _dark(size_m: float, scatterings: int, lights: int) -> CacheData:
-    """What holds nothing: one surfel that nobody finds."""
+    """An empty cache: one surfel that no lookup finds."""
     table = SurfelTable(size_m, np.zeros((1, 2), dtype=np.uint32), 1)
     irradiance = np.zeros((1, scatterings + 1, lights, 3), dtype=np.float32)
     nothing = np.zeros((1, 3), dtype=np.float32)
@@ -278,7 +278,7 @@ def _gathered(
         ray = points.rays.at(_numbers(_turns(points.starts, surfels, _PATHS_A_SURFEL)))
         follow(around.knowing(links), sampler, ray, sums, white, numbers=numbers)
         entries = np.asarray(dr.block_sum(sums.entries, _PATHS_A_SURFEL).numpy())
-        # As in pictures: what is no number counts as none.
+        # As in pictures: values that are not finite are ignored.
         entries = np.where(np.isfinite(entries), entries, np.float32(0.0))
         straight[:, surfels] = np.moveaxis(entries.reshape(orders, lights, 3, -1), 3, 1)
         met = links.found()

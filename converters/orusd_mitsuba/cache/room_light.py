@@ -145,7 +145,7 @@ def _arrays_of(data: CacheData) -> dict[str, NDArray[Any]]:
 
 
 def _data_of(arrays: dict[str, NDArray[Any]], limits: int, lights: int) -> CacheData | None:
-    """The cache that arrays are of; None where they are none: files are not to be trusted."""
+    """The cache of arrays from a file; None if they are not valid, since files are untrusted."""
     try:
         entries, irradiance = arrays["entries"], arrays["irradiance"]
         reflected, passed = arrays["reflected"], arrays["passed"]

@@ -1,9 +1,9 @@
 """Surfels: the surface elements that the light cache has a value for.
 
 A surfel is what of one piece of surface lies in one cube of a grid and faces about one way, on one
-side. Which surfel a point belongs to is told by a hash of the cube, the piece and the direction
-(Binder, Fricke and Keller 2019, "Massively parallel path space filtering"); surfels are kept in an
-open-addressing table.
+side. A hash of the cube, the piece and the direction finds the surfel of a point (Binder, Fricke
+and Keller 2019, "Massively parallel path space filtering"); surfels are kept in an open-addressing
+table.
 
 What arrives at the other side of sheets that pass light on has surfels of its own, of the points
 that are seen from this side: those that are seen from the other one lie where more light arrives.

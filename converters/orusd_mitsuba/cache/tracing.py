@@ -3,9 +3,9 @@
 At a surface that the cache knows, what is scattered diffusely is the surface's own albedo times the
 cached irradiance, by light; only the lobe is followed on, with a chance in proportion to what it
 reflects. Where the cache is not to be trusted, the path goes on as in
-`orusd_mitsuba.transport.path_tracing`: at the first surface, where a ray is so short that a surfel
-is large beside it (corners, gaps, contacts), where no surfel was filled, and at surfaces that are
-not in the table of materials (clear ones, foreign models).
+`orusd_mitsuba.transport.path_tracing`. That holds at the first surface, where a ray is short
+against a surfel (corners, gaps, contacts) and where no surfel was filled. It holds at surfaces that
+are not in the table of materials, too (clear ones, foreign models).
 """
 
 from typing import Any, Final, Protocol

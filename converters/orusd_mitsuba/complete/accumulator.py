@@ -22,10 +22,10 @@ SUMS: Final = (
 """What is summed of every light."""
 
 GUIDES: Final = ("albedo", "normal", "position", "nearness", "lobe_albedo", "lobe")
-"""What is summed of first surfaces, if that is wanted: Lambert's albedo, unit normal, position in
-metres; the inverse distance to what a direction by the cosine meets, per metre, and 1; what the
-lobe reflects of even light; of the lobe its width in radian, by how much what it meets changes with
-position, per metre, and 1."""
+"""Sums over first surfaces, on request. They are Lambert's albedo, unit normal and position in
+metres; the inverse distance along a cosine-distributed direction, per metre, and 1; what the
+lobe reflects of even light. For the lobe they are its width in radian, the change with position
+of what it meets, per metre, and 1."""
 
 KINDS: Final[dict[str, tuple[str, ...]]] = {
     "emission": ("emission",),

@@ -1,11 +1,11 @@
 """All channels of light of a camera's pictures from one set of first hits and light samples.
 
-At the first surface three techniques look for straight light: a sample of every light, with one
-shadow ray that serves irradiance, diffuse reflection and the lobe alike; a direction by the cosine;
-a direction by the rest of what the surface scatters. The power heuristic (Veach 1997) combines the
-first with the second for what is received, and with the third for the rest. What the surfaces
-scatter that the two directions meet comes from a `ScatteredLight`. Every sum adds the same numbers
-by light and by kind, so they agree but for rounding.
+At the first surface three techniques look for direct light. One is a sample of every light, with
+one shadow ray for irradiance, diffuse reflection and the lobe alike. One is a direction by the
+cosine, and one a direction by the rest of the surface's scattering. The power heuristic (Veach
+1997) combines the first with the second for what is received, and with the third for the rest. What
+the surfaces scatter that the two directions meet comes from a `ScatteredLight`. Every sum adds the
+same numbers by light and by kind, so they agree but for rounding.
 """
 
 from copy import copy

@@ -83,7 +83,7 @@ class LightSamples:
         self._lamps = dr.opaque(mi.UInt32, len(self.faces))
         self._rectangles = dr.opaque(mi.UInt32, len(self._openings))
         numbers = [int(registered(mi.ShapePtr(shape))[0]) for shape in built.shapes()]
-        # First row of a shape's faces; of shapes that are no lamps one behind all of them.
+        # First row of a shape's faces; for shapes that are not lamps one behind all of them.
         count = int(self.faces.starts[-1])
         self._count = dr.opaque(mi.UInt32, count)
         starts = np.full(max(numbers, default=0) + 1, count, dtype=np.uint32)

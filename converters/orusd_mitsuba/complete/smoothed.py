@@ -3,8 +3,8 @@
 Averaged is what arrives of a light indirectly; and what is reflected of it, by Lambert's law and by
 lobes, each over what it is of even light. What that changes of a part changes all pictures that it
 is a part of by the same, so that they go on adding up. Both halves of the samples are averaged by
-the same weights, so they go on telling the noise. What they cannot tell, because it is no noise, is
-kept as means over blocks: see `pictures.Changes`.
+the same weights, so they go on telling the noise. What they cannot find, because it is not noise,
+is kept as means over blocks: see `pictures.Changes`.
 """
 
 from collections.abc import Callable, Mapping

@@ -16,9 +16,9 @@ _LEAST_RELATIVE_VARIANCE: Final = 1e-5
 def finish(planes: Array) -> dict[str, Array]:
     """The channels of every light from the means of passes.
 
-    Visibility is a ratio of two means over the same samples. Occluded light is the mean itself, and
-    where there is a closed form a control variate lowers its noise: what the samples make of
-    unoccluded light differs from the truth, and a part of that difference is taken off, by linear
+    Visibility is a ratio of two means over the same samples. Occluded light is the mean itself.
+    Where there is a closed form, a control variate lowers its noise: the samples' estimate of
+    unoccluded light differs from the truth. A part of that difference is subtracted, by linear
     regression over the samples of the pixel (Lavenberg and Welch 1981). Where all is seen or
     nothing, the result is exact. Both are biased by what falls with the number of samples; of a
     single one nothing can be said.

@@ -1,11 +1,11 @@
 """Direct irradiance of each light, with and without occlusion, and visibility, their ratio.
 
-The first surface is made white. There the power heuristic (Veach 1997) combines two techniques: a
-sample of each light (a point on a lamp, a direction to the surroundings), and one direction of the
-hemisphere by its cosine, which finds lights that are large or close. Both sums, without and with
-what stands between, are over the same samples: the visibility is so a mean of numbers in [0, 1]
-under common weights. For a lamp of few faces the irradiance without occlusion is also known in
-closed form, and serves as a control variate.
+The first surface is made white. There the power heuristic (Veach 1997) combines two techniques. One
+is a sample of each light (a point on a lamp, a direction to the surroundings). The other is one
+direction of the hemisphere by its cosine, which finds lights that are large or close. Both sums,
+without and with what stands between, are over the same samples: the visibility is so a mean of
+numbers in [0, 1] under common weights. For a lamp of few faces the irradiance without occlusion is
+also known in closed form, and serves as a control variate.
 """
 
 from collections.abc import Callable, Sequence

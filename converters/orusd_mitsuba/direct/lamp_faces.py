@@ -1,9 +1,9 @@
 """The emitting faces of all lamps as tables, and points on them by what can be seen.
 
-Of a lamp a face is chosen by its flux and by how it is turned to the sector that the receiving
-point lies in, seen from the lamp's middle; a part of the samples goes by flux alone, so that no
-face is ever left out (a defensive mixture, Hesterberg 1995). Rays meet the faces alone in a scene
-of their own, because light without occlusion knows nothing else.
+A face of a lamp is chosen by its flux and by its orientation to the sector of the receiving point,
+seen from the lamp's centre. A part of the samples depends on flux alone, so that no face is ever
+left out (a defensive mixture, Hesterberg 1995). Rays meet the faces alone in a scene of their own,
+because light without occlusion knows nothing else.
 """
 
 from collections.abc import Sequence

@@ -8,8 +8,8 @@ import mitsuba as mi
 
 from orusd_mitsuba.transport.light_index import LightIndex
 
-# A surface's normal is told by its BSDF along the vertical and four directions: sine and cosine of
-# their angle to the vertical.
+# A surface's normal is measured by its BSDF along the vertical and four directions: sine and cosine
+# of their angle to the vertical.
 _PROBE_SINE: Final = 0.8
 _PROBE_COSINE: Final = 0.6
 

@@ -47,7 +47,7 @@ class Rectangles:
         return direction, self._density(row, at, direction, True)
 
     def density(self, light: Any, at: Any, direction: Any) -> Any:
-        """How densely `sample` takes a direction through a light; 0 where that is no opening."""
+        """Density of `sample` for a direction through a light; 0 if it is not an opening."""
         row = dr.gather(mi.UInt32, self._row, light)
         return self._density(row, at, direction, row < self._count)
 

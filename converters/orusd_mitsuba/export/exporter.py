@@ -102,7 +102,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
     """
     if options:
         known = ", ".join(options)
-        raise InputError(f"the Mitsuba exporter has no option {known}", remedy="leave it away")
+        raise InputError(f"the Mitsuba exporter has no option {known}", remedy="omit it")
     is_file = destination.suffix.lower() == ".xml"
     file = destination if is_file else destination / "scene.xml"
     # A folder may hold several scenes: each has a ledger of its own.

@@ -71,7 +71,7 @@ def brightest_beam(environment: Environment) -> Beam:
 def light_weights(scene: Scene) -> LightWeights:
     """Weigh the lights of a translated stage.
 
-    Without portals nobody knows how much of the surroundings comes in: they are then sampled as
+    Without portals it is unknown how much of the surroundings comes in: they are then sampled as
     often as all other lights together.
     """
     lamps = {patch.name: flux_of(patch) for patch in scene.patches if patch.radiance is not None}

@@ -1,9 +1,9 @@
 """The matter of many surfaces in one table, so that one BSDF serves them all.
 
 Dr.Jit traces and compiles every BSDF of a scene, and in a kernel each is a call of its own. Here a
-surface is a row: which one is told by the shape that was hit, its numbers and the places of its
-pictures are gathered, and the texels of all pictures lie in one array. What is compiled does not
-grow with the number of materials. Texels are decoded as `pictures.Coding` says and interpolated as
+surface is a row: the shape that was hit gives its index, its numbers and the places of its pictures
+are gathered, and the texels of all pictures lie in one array. What is compiled does not grow with
+the number of materials. Texels are decoded as `pictures.Coding` says and interpolated as
 `pictures.Picture.lookup` does it.
 """
 
@@ -128,7 +128,7 @@ class MaterialTable:
         ]
 
     def traverse(self, callback: Any) -> None:
-        """Show nothing to Mitsuba: rows are no parameters."""
+        """Show nothing to Mitsuba: rows are not parameters."""
 
     def _value(self, name: str, row: Any, uv: Any, constant: Any, active: Any) -> Any:
         found = self._inputs[name]

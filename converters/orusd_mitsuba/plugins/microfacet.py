@@ -8,9 +8,9 @@ albedo, R the roughness, h the half vector, and the cosines n.v, n.l, n.h, v.h
     G = G1(n.v) G1(n.l),   G1(c) = c / (c (1 - k) + k),   k = (R + 1)^2 / 8.
 
 It is kept as it was published. The lobe alone never reflects more light than it gets, but nothing
-is taken from the diffuse part for it: with F0 = 0.05 the sum reflects more than it gets where A is
-above 1 - s, s the most that the lobe reflects: 0.16 at R = 0.01 (80 degrees off the normal), 0.14
-at 0.1, 0.09 at 0.3, 0.06 at 0.5 to 0.7, 0.05 at 1. Albedos found indoors end at about 0.85,
+is taken from the diffuse part for it. So with F0 = 0.05 the sum reflects more than it gets where A
+is above 1 - s. s is the most that the lobe reflects: 0.16 at R = 0.01 (80 degrees off the normal),
+0.14 at 0.1, 0.09 at 0.3, 0.06 at 0.5 to 0.7, 0.05 at 1. Albedos found indoors end at about 0.85,
 and paths after a bounded number of scatterings: nothing is clipped.
 
 Two ways of writing avoid what breaks in single precision. The denominator of D is

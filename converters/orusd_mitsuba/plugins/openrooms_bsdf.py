@@ -1,10 +1,10 @@
 """OpenRooms' reflectance model as a BSDF of Mitsuba, ``{"type": "openrooms", ...}``.
 
 The same from both sides; a part of the light may leave the other side like Lambert's, as through
-cloth. Its relief is worked in here rather than wrapped around it, so
-that the model sees the normal that the ground truth shows: mirrored behind the surface, and bent to
-the horizon where interpolation or relief turns it away from the viewer. Light is reflected only to
-the viewer's side of the true surface, and transmitted only to the other one.
+cloth. Its relief is part of the model rather than wrapped around it, so that the model sees the
+normal that the ground truth shows. That normal is mirrored behind the surface, and bent to the
+horizon where interpolation or relief turns it away from the viewer. Light is reflected only to the
+viewer's side of the true surface, and transmitted only to the other one.
 """
 
 from dataclasses import dataclass
@@ -250,7 +250,7 @@ def define_bsdf(name: str, inputs: Any, model: Any, parts: tuple[Any, ...]) -> A
             wo, part = at.direction(which, where)
             local = at.view.frame.to_world(wo)
             value, density = at.value(wo, local)
-            # What the lobe sends below the horizon is lost; it is no transmission.
+            # What the lobe sends below the horizon is lost, not transmitted.
             active = active & (density > 0.0) & ((part == 2) | (wo.z > 0.0))
             bs: Any = dr.zeros(mi.BSDFSample3f)
             bs.wo = local

@@ -45,9 +45,9 @@ class BuiltinIntegrator:
     ) -> None:
         if camera.projection == EQUIRECTANGULAR:
             raise RenderError(
-                "scalar variants of Mitsuba render no panoramas",
+                "scalar variants of Mitsuba cannot render panoramas",
                 place=request.camera,
-                remedy="take a vectorized variant, such as llvm",
+                remedy="use a vectorized variant, such as llvm",
             )
         self._built, self._camera, self._origin = built, camera, origin
         self.planes, self.size = 1, (request.height, request.width)

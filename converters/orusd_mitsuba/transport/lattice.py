@@ -1,11 +1,11 @@
 """Random numbers of a pixel's samples that are spread evenly over the first dimensions.
 
 The samples of a pixel are a lattice in each pair of dimensions, one of them cut into as many steps
-as there are samples, the other stepping by the golden ratio; no two pairs take it in the same
-order. Each pixel shifts it at random in every dimension (Cranley and Patterson 1976): so each
-sample by itself is uniform in all dimensions together, and means are unbiased. Permuting samplers
-such as Mitsuba's ``multijitter`` save a little more, but with few samples their dimensions are
-correlated; with one, a white room of fifty bounces came out two per cent too dark.
+as there are samples, the other stepping by the golden ratio. No two pairs use it in the same order.
+Each pixel shifts it at random in every dimension (Cranley and Patterson 1976): so each sample by
+itself is uniform in all dimensions together, and means are unbiased. Permuting samplers such as
+Mitsuba's ``multijitter`` save a little more, but with few samples their dimensions are correlated;
+with one, a white room of fifty bounces came out two per cent too dark.
 """
 
 from math import gcd

@@ -57,7 +57,7 @@ class LightIndex:
 
     @property
     def elsewhere(self) -> int:
-        """The number of the light that is none."""
+        """The index that stands for no light."""
         return self.count - 1
 
     @cached_property

@@ -1,10 +1,10 @@
 """Clear panes: light goes straight through, dimmed and tinted, or is mirrored by their two faces.
 
-Panes are no part of the scene that rays are traced in: what stands in the way of light is found
-without them, and shadow rays stay one question. What a ray crosses on its way is found in a scene
-of panes alone, which is small. A pane mirrors and passes what all reflections between its faces sum
-up to (Fresnel's equations for both polarizations, Airy's sum without interference), without moving
-a ray sideways: of all that light brings nothing is lost but what the glass holds back.
+Panes are not part of the scene that rays are traced in: occluders are found without them, and a
+shadow ray stays one query. What a ray crosses on its way is found in a scene of panes alone, which
+is small. A pane reflects and transmits the sum of all reflections between its faces (Fresnel's
+equations for both polarizations, Airy's sum without interference), without moving a ray sideways.
+No light is lost except what the glass absorbs.
 """
 
 from typing import Any, Final

@@ -110,7 +110,7 @@ class ProgressiveSampler:
 
     Attributes:
         samples: How many each half has at the end.
-        error: That of what is judged; None where nobody asks for one.
+        error: That of what is judged; None if not requested.
     """
 
     def __init__(

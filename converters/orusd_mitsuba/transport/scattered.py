@@ -1,8 +1,8 @@
 """What surfaces that a path has come to scatter back along it: the rest of the path, in one place.
 
-Whoever finds the straight light of a ray itself, emission and sky weighted against light samples of
-its own, needs of the surface that the ray meets only what it scatters. Here are the contract for
-that and its reference, which goes on tracing paths.
+An integrator that finds the direct light of a ray itself, with emission and sky weighted against
+its own light samples, needs only the scattered light of the surface that the ray meets. Here are
+the contract for that and its reference, which goes on tracing paths.
 """
 
 from typing import Any, Protocol

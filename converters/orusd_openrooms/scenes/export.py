@@ -72,7 +72,7 @@ def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
 
 
 def add_scene(stage: Usd.Stage, root: Path, name: str, split: str, film: Film) -> None:
-    """Write a room beside pictures of it, whose cameras are written by whoever writes these.
+    """Write a room beside pictures of it; the writer of the pictures writes their cameras.
 
     Args:
         stage: The composed stage.
@@ -105,7 +105,7 @@ class _Export:
         self.objects: Objects = objects_of(stage, scene)
 
     def write(self, film: Film | None = None) -> None:
-        """Everything; the cameras where nobody else writes them."""
+        """Everything; the cameras if no other writer does."""
         folder = self.root / "scenes" / self.suffix / self.name
         bsdfs, shapes = self._write_surfaces()
         film = film or Film(self._write_cameras(folder), stage_resolution(self.stage))
@@ -156,7 +156,7 @@ class _Export:
             if abs(fovs[path] - fov) > _SAME_FOV_DEG:
                 lost.append(f"the scene has one field of view, {fov:.2f} degrees")
             if np.abs(camera.K[:2, 2] - middle).max() > _MIDDLE_PX:
-                lost.append("its principal point is in the middle there")
+                lost.append("its principal point is in the centre there")
             self.report.add(path, "approximated" if lost else "translated", "; ".join(lost))
         write_cameras(folder / "cam.txt", [pose(c.world_from_camera) for c in cameras.values()])
         focal = 0.5 * width / np.tan(np.radians(fov) / 2.0)
@@ -197,7 +197,7 @@ class _Export:
         for item in self.objects.members:
             for part in item.parts.values():
                 shines = part.patch.radiance is not None
-                reason = "what shines has no material there" if shines else ""
+                reason = "light sources have no material there" if shines else ""
                 for triangles in part.triangles:
                     piece = self.scene.pieces[int(triangles.pieces[0])]
                     path = self.scene.legend.part[piece.part]

@@ -29,7 +29,7 @@ class OpenRoomsXmlExporter:
             What became of every prim.
 
         Raises:
-            InputError: An option is not known, or the scene's name is no name.
+            InputError: An option is not known, or the scene's name is not valid.
             StageError: The stage has no room.
             OutputError: A file cannot be written.
         """
@@ -41,7 +41,7 @@ class OpenRoomsXmlExporter:
         name = str(options.get("scene", "scene0000_00"))
         if not is_plain_name(name) or any(word in name for word in (" ", "main_", "hdr", "mask")):
             raise InputError(
-                f"{name!r} cannot be the name of a scene", remedy="take one such as scene0001_00"
+                f"{name!r} cannot be the name of a scene", remedy="use one such as scene0001_00"
             )
         from orusd_openrooms.scenes.export import export_scene
 

@@ -184,10 +184,10 @@ def _missing(scene: Scene) -> Iterator[str]:
     labels = {"/".join(p.item.model.parts): p.item.label for p in scene.placed}
     for model, count in sorted(lacking.items()):
         times = f", {count} times" if count > 1 else ""
-        yield f"the model {model} is not there{times}: the library's {labels[model]} stands for it"
+        yield f"the model {model} is missing{times}: the library's {labels[model]} replaces it"
     for model, kind, count in scene.filled:
         times = f", {count} times" if count > 1 else ""
-        yield f"the model {model} is not there{times}: a {kind} of ours fills its hole"
+        yield f"the model {model} is missing{times}: the library's {kind} fills its opening"
     for model, cad in scene.cads.items():
         looks = cad.looks(scene.roots.find)
         for part, bsdf in cad.wears.items():
@@ -200,8 +200,8 @@ def _stood_for(bsdf: Bsdf, look: Mapping[str, Any]) -> str:
 
     name = material_name(bsdf.maps["albedo"])
     return (
-        f"the material {name} is not there: {look['substance']} of the library stands for it, "
-        "without its factors of albedo and roughness"
+        f"the material {name} is missing: {look['substance']} of the library replaces it, without "
+        "its factors of albedo and roughness"
     )
 
 
@@ -213,8 +213,8 @@ def _environment(scene: Scene) -> tuple[dict[str, Any], list[str]]:
     if file is None:
         lux = round(float(np.pi) * scale, 3)
         note = (
-            f"the panorama {scene.file.environment.rsplit('/', 1)[-1]} is not there: an even sky "
-            f"of {scale:g} nits stands for it"
+            f"the panorama {scene.file.environment.rsplit('/', 1)[-1]} is missing: an even sky of "
+            f"{scale:g} nits replaces it"
         )
         return {"from": "constant", "illuminance": lux}, [note]
     centre = inverse(scene.scene_from_world)[:3, :3] @ np.array([0.0, 0.0, 1.0])
@@ -234,7 +234,7 @@ def read_frames(
         scene_from_world: (4, 4) rigid.
 
     Raises:
-        InputError: It is no list of cameras.
+        InputError: It is not a list of cameras.
     """
     if path is None:
         return ()
@@ -267,7 +267,7 @@ def camera_pose(rows: Array, place: str) -> Array:
         place: For messages.
 
     Raises:
-        InputError: The rows are no camera.
+        InputError: The rows are not a camera.
     """
     origin, target, up = rows
     view = target - origin
@@ -289,7 +289,7 @@ def read_transforms(path: Path, layout: tuple[Step, ...] | None) -> Iterator[str
         layout: The steps of the layout's shape.
 
     Raises:
-        InputError: It is no pickle of plain data, or holds no transforms.
+        InputError: It is not a pickle of plain data, or holds no transforms.
     """
     if not path.is_file() or layout is None:
         return
@@ -310,7 +310,7 @@ def _step(kind: Any, value: Any) -> Array:
         raise ValueError(f"a step {str(kind)[:20]!r}")
     numbers = np.asarray(value, dtype=np.float64)
     if not (np.abs(numbers) < _FARTHEST).all():
-        raise ValueError("a number that is none")
+        raise ValueError("a number is not finite")
     if kind == "s":
         return np.diag([*numbers.reshape(3), 1.0])
     return pose(numbers.reshape(3, 3)) if kind == "rot" else pose(np.eye(3), numbers.reshape(3))

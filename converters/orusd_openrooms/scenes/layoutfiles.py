@@ -155,7 +155,7 @@ def floor_of(stage: Usd.Stage) -> tuple[Array, float]:
         raise StageError(
             "the stage has no room whose floor and height are known",
             place=names.ROOM,
-            remedy="give a stage that orusd compose has made",
+            remedy="give a stage from orusd compose",
         )
     return corners, float(height)
 
@@ -221,7 +221,7 @@ def layout_losses(objects: Objects) -> Iterator[tuple[str, str]]:
         part = next(p for root, p in SHELL.items() if path == root or path.startswith(f"{root}/"))
         lost = ["its faces are thin, without reveals"] if part == "wall" else []
         if patch.surface is not objects.shell[part][1].surface:
-            lost.append(f"it wears the material of the other {part}s")
+            lost.append(f"it has the material of the other {part}s")
         yield path, "; ".join(filter(None, (*lost, losses(patch.surface))))
 
 

@@ -101,14 +101,14 @@ def tiled_pictures(bsdf: Bsdf, pictures: dict[str, Path]) -> dict[str, bytes]:
     """The maps of a material with its factors in them, by the names of a folder of maps.
 
     Raises:
-        InputError: One of them is no picture.
+        InputError: One of them is not a picture.
     """
     return {_NAMES[kind]: _tiled(bsdf, kind, path) for kind, path in pictures.items()}
 
 
 def _tiled(bsdf: Bsdf, kind: str, path: Path) -> bytes:
     if path.suffix.lower() != ".png":
-        raise InputError("a map of a material is no PNG file", place=path, remedy="convert it")
+        raise InputError("a map of a material is not a PNG file", place=path, remedy="convert it")
     if kind in ("normal", "metallic"):
         return untrusted.read_bytes(path, "picture")
     with tempfile.TemporaryDirectory() as folder:

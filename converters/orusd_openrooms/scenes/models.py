@@ -117,7 +117,7 @@ def extent_of_file(path: Path) -> Array:
     """(2, 3) least and greatest coordinates of what an import wrote.
 
     Raises:
-        InputError: It is no such file.
+        InputError: It is not such a file.
     """
     from openrooms_usd.library.models.usdfile import read_usd
 
@@ -138,7 +138,7 @@ def _check(piece: Piece, file: Path) -> None:
     points = piece.mesh.points
     if not np.isfinite(points).all() or (np.abs(points) > _MOST_M).any():
         raise InputError(
-            "the mesh has coordinates that are no lengths", place=file, remedy="export it again"
+            "the mesh has coordinates that are not finite", place=file, remedy="export it again"
         )
 
 

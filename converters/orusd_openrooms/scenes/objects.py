@@ -52,7 +52,7 @@ class Object:
         world_from_object: (4, 4): a rotation, a translation and a scale along each of its axes;
             the identity where its own matrix is more than these.
         shifts: (3,) each, metres: those that the prim keeps apart, which come last.
-        prototype: What others are copies of; its own path where it is none.
+        prototype: What others are copies of; its own path if it is not a copy.
         parts: By name and surface.
         baked: Why its matrix went into its mesh; empty where it did not.
     """

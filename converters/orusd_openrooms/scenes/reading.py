@@ -39,7 +39,7 @@ def read_scene(path: Path) -> SceneFile:
         path: ``main.xml``, ``mainDiffMat.xml``, ``mainDiffLight.xml`` or one of ours.
 
     Raises:
-        InputError: It is unreadable, hostile, no such scene, or holds numbers that are none.
+        InputError: It is unreadable, hostile, not such a scene, or holds invalid numbers.
     """
     root = read_xml(path, "scene", "text", _MOST_ELEMENTS)
     if root.tag != "scene":
@@ -66,7 +66,7 @@ class _Reader:
         for element in root.findall("bsdf"):
             bsdf = self.bsdf(element)
             if bsdf.id in bsdfs:
-                raise self.error(f"bsdf {bsdf.id!r}", "it is there twice")
+                raise self.error(f"bsdf {bsdf.id!r}", "it is defined twice")
             bsdfs[bsdf.id] = bsdf
         shapes = [self.shape(number, one) for number, one in enumerate(root.findall("shape"))]
         shapes = [shape for shape in shapes if shape.file]
@@ -76,7 +76,7 @@ class _Reader:
         fov, resolution = self.sensor(root)
         file, scale = self.environment(root.findall("emitter"))
         for tag in sorted(set(kinds) - {"bsdf", "shape", "sensor", "emitter", *_RENDERING}):
-            self.notes.append(f"<{tag[:40]}> is unknown here and left out")
+            self.notes.append(f"<{tag[:40]}> is not supported and left out")
         return SceneFile(bsdfs, tuple(shapes), fov, resolution, file, scale, tuple(self.notes))
 
     def bsdf(self, element: Element) -> Bsdf:
@@ -139,7 +139,7 @@ class _Reader:
             texts = words * 3 if len(words) == 1 else words or each
             x, y, z = self.values(texts, where, -_LARGEST_SCALE, _LARGEST_SCALE)
             if min(x, y, z) <= 0.0:
-                raise self.error(where, f"a scale of {min(x, y, z):g}: factors are above 0")
+                raise self.error(where, f"a scale of {min(x, y, z):g}: factors must be positive")
             return Step.scale(x, y, z)
         x, y, z = self.values([get(a, "0") for a in "xyz"], where, -_FARTHEST_M, _FARTHEST_M)
         if element.tag == "translate":
@@ -150,7 +150,7 @@ class _Reader:
             if not np.linalg.norm(axis) > 1e-6:
                 raise self.error(where, "it turns about an axis without length")
             return Step.rotate(angle, axis)
-        raise self.error(where, f"<{element.tag[:40]}> is no scale, rotate or translate")
+        raise self.error(where, f"<{element.tag[:40]}> is not scale, rotate or translate")
 
     def sensor(self, root: Element) -> tuple[float | None, tuple[int, int]]:
         sensors = root.findall("sensor")
@@ -213,7 +213,9 @@ class _Reader:
         words = (text or "").replace(",", " ").split()
         words = words * 3 if len(words) == 1 else words
         if len(words) != 3:
-            raise self.error(where, f"{(text or '')[:40]!r} is no colour: three numbers are")
+            raise self.error(
+                where, f"{(text or '')[:40]!r} is not a colour: three numbers are needed"
+            )
         x, y, z = self.values(words, where, least, most)
         return x, y, z
 
@@ -224,7 +226,7 @@ class _Reader:
             try:
                 number = float(text)
             except ValueError:
-                raise self.error(where, f"{text[:40]!r} is no number") from None
+                raise self.error(where, f"{text[:40]!r} is not a number") from None
             if not least <= number <= most:
                 raise self.error(where, f"{text[:40]} is not between {least:g} and {most:g}")
             found.append(number)
@@ -234,4 +236,4 @@ class _Reader:
 
     def error(self, where: str, reason: str) -> InputError:
         place = f"{self.path}: {where}" if where else str(self.path)
-        return InputError(reason, place=place, remedy="take the file of the release, or mend it")
+        return InputError(reason, place=place, remedy="use the file of the release, or correct it")

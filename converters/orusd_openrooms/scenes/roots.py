@@ -54,9 +54,9 @@ def named(text: str, place: str) -> Named:
     rest = parts[at + 1 :] if at is not None else []
     if at is None or not rest or any(not untrusted.is_plain_name(part) for part in rest):
         raise InputError(
-            f"{text[:120]!r} is no path into {', '.join(OPTIONS)}",
+            f"{text[:120]!r} is not a path into {', '.join(OPTIONS)}",
             place=place,
-            remedy="files of a scene lie in these folders of the dataset; mend the path",
+            remedy="files of a scene lie in these folders of the dataset; correct the path",
         )
     folder: Folder = next(name for name in OPTIONS if name == parts[at])
     return Named(folder, "/".join(rest))
@@ -81,7 +81,7 @@ class Roots:
         """
         for name in ("root", *OPTIONS.values()):
             if name in options and not Path(options[name]).is_dir():
-                raise InputError(f"--{name} is no folder", place=options[name])
+                raise InputError(f"--{name} is not a folder", place=options[name])
         above = [] if "root" in options else [*source.absolute().parents][:_LEVELS]
         whole = [Path(options["root"])] if "root" in options else above
         self.folders: dict[Folder, list[Path]] = {

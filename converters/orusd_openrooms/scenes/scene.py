@@ -26,7 +26,7 @@ OpeningKind = Literal["window", "door", "opening"]
 MARK: Final = "imported.txt"
 # From their world, Y up, to ours where no layout says it.
 _UPRIGHT: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
-# Files have six decimals; what a scale between two rotations shears more than this is told.
+# Files have six decimals; larger shears from a scale between two rotations are reported.
 _SHEAR: Final = 1e-4
 _TILT: Final = 1e-3
 
@@ -189,7 +189,7 @@ def load_scene(source: Path, options: Mapping[str, str]) -> Scene:
     filled = Counter(("/".join(t.model.parts), t.kind) for t in lacking if t.kind in found)
     lost = Counter("/".join(t.model.parts) for t in lacking if t.kind not in found)
     notes += [
-        f"the model {model} is not there, and nothing says where it would stand: left out"
+        f"the model {model} is missing, and its place is unknown: left out"
         for model in sorted(lost)
     ]
     notes += [
@@ -289,12 +289,12 @@ def _rebuilt(placed: Sequence[Placed], notes: list[str]) -> Shell:
     boxes = inside or [one.box for one in placed]
     if not boxes:
         raise InputError(
-            "nothing says how large the room is: there are neither its layout nor its models",
-            remedy="say where the dataset is: --root FOLDER, or give the layout: --layout FILE",
+            "the size of the room is unknown: its layout and its models are missing",
+            remedy="give the dataset: --root FOLDER, or the layout: --layout FILE",
         )
     notes.append(
-        "the layout's mesh is not there: a rectangle around the objects, "
-        f"{RELEASE_HEIGHT_M:g} m high as all rooms of the dataset, stands for the room"
+        "the layout's mesh is missing: a rectangle around the objects replaces it, "
+        f"{RELEASE_HEIGHT_M:g} m high as all rooms of the dataset"
     )
     return shell_around(np.concatenate(boxes), [hole.direction for hole in holes], holes)
 

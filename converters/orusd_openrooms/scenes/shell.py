@@ -86,7 +86,7 @@ def shell_of(triangles: Array, st: Array | None, place: str) -> Shell:
     if len(triangles) > _MOST_TRIANGLES:
         raise _no_floor(place, f"it has {len(triangles):,} triangles, where layouts have hundreds")
     if not np.isfinite(triangles).all() or (np.abs(triangles) > _FARTHEST_M).any():
-        raise _no_floor(place, "it has coordinates that are no lengths")
+        raise _no_floor(place, "it has coordinates that are not finite")
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = np.linalg.norm(normals, axis=1)
     triangles, normals = triangles[areas > 0.0], normals[areas > 0.0]
@@ -174,7 +174,7 @@ def _holes(edge: tuple[Array, Array], walls: Array, low: float, height: float) -
     left = wall.difference(faces.buffer(_STRAIGHT_M))
     for part in getattr(left, "geoms", [left]):
         x0, z0, x1, z1 = part.buffer(_STRAIGHT_M, join_style="mitre").bounds
-        # What is empty has bounds that are no numbers.
+        # Bounds of an empty mesh are not finite.
         if not min(x1 - x0, z1 - z0) >= _LEAST_HOLE_M:
             continue
         x0, x1 = max(x0, 0.0), min(x1, length)
@@ -199,5 +199,5 @@ def _no_floor(place: str, why: str) -> InputError:
     return InputError(
         f"no room can be read from this layout: {why}",
         place=place,
-        remedy="leave the layout out, and a rectangle around the objects is taken",
+        remedy="omit the layout to use a rectangle around the objects",
     )

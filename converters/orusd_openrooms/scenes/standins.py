@@ -75,7 +75,7 @@ def substance_of(name: str) -> str:
 
 
 def extent_of(label: str, scale: Array, origin_height: float, ceiling: float | None) -> Array:
-    """(2, 3) where a model's own box may lie that nobody has, in its own axes, Y up.
+    """(2, 3) the likely box of a missing model, in its own axes, Y up.
 
     Args:
         label: Its category.

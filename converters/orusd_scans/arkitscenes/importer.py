@@ -84,7 +84,7 @@ def read_path(path: Path) -> CameraPath:
     """Read ``lowres_wide.traj``: time, axis-angle and translation from the world to the camera.
 
     Raises:
-        InputError: A line is no pose.
+        InputError: A line is not a pose.
     """
     from scipy.spatial.transform import Rotation
 
@@ -134,7 +134,7 @@ def depth_frames(folder: Path, poses: CameraPath, every: int) -> Iterator[DepthF
     pictures = _timed(folder / "lowres_depth", "png")
     cameras = _timed(folder / "lowres_wide_intrinsics", "pincam")
     if not pictures or not cameras:
-        raise broken(folder, "no lowres_depth/*.png and lowres_wide_intrinsics/*.pincam are here")
+        raise broken(folder, "lowres_depth/*.png and lowres_wide_intrinsics/*.pincam are missing")
     times = np.array([time for time, _ in cameras])
     for time, path in pictures[::every]:
         nearest = int(np.argmin(np.abs(times - time)))
@@ -153,7 +153,7 @@ def depth_frames(folder: Path, poses: CameraPath, every: int) -> Iterator[DepthF
 def _confidence(path: Path, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     levels = read_picture(path, "uint8")
     if levels.shape[:2] != shape:
-        raise broken(path, "this is no picture of the size of its depth")
+        raise broken(path, "this picture does not have the size of its depth")
     return np.asarray(levels[:, :, 0] >= _MIN_CONFIDENCE)
 
 
@@ -267,7 +267,7 @@ def read_boxes(path: Path) -> tuple[CapturedBox, ...]:
     for node in read_json(path).items("data"):
         box = _box(node)
         if box.id in found:
-            raise node.error(f"the uid {box.id!r} is there already", "mend the annotation")
+            raise node.error(f"the uid {box.id!r} exists already", "correct the annotation")
         found[box.id] = box
     return tuple(found.values())
 
@@ -277,9 +277,9 @@ def _box(node: Node) -> CapturedBox:
     lengths = drawn.need("axesLengths").numbers(3, _MAX_SIZE_M)
     axes = drawn.need("normalizedAxes").numbers(9, 1.0 + _RIGHT_ANGLE_TOLERANCE).reshape(3, 3)
     if not (lengths > 0.0).all():
-        raise drawn.error("a side of the box is not above zero", "mend the annotation")
+        raise drawn.error("a side of the box is not positive", "correct the annotation")
     if np.abs(axes @ axes.T - np.eye(3)).max() > _RIGHT_ANGLE_TOLERANCE:
-        raise drawn.error("the axes of the box are not at right angles", "mend the annotation")
+        raise drawn.error("the axes of the box are not at right angles", "correct the annotation")
     rotation, size = _upright(axes, lengths)
     return CapturedBox(
         id=text(node.need("uid")),

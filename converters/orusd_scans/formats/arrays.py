@@ -30,7 +30,7 @@ def read_npz(path: Path) -> Scanned:
     ``sensor_origins`` (V, 3), or ``eyes``, may say where the points were seen from.
 
     Raises:
-        InputError: It is no NPZ file, holds objects, or its arrays do not fit each other.
+        InputError: It is not an NPZ file, holds objects, or its arrays do not fit each other.
     """
     found = read_arrays(path, (*_TRIPLES, *_SINGLES, *_ORIGINS), "points")
     given = {name: found.pop(name) for name in _ORIGINS if name in found}

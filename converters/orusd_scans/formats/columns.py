@@ -100,7 +100,7 @@ def heading_of(lines: Sequence[str], layout: Layout, width: int, path: Path) -> 
             raise broken(
                 path,
                 f"{len(last.names)} columns are named, but lines have {width}",
-                "mend its line of names",
+                "correct its line of names",
             )
         extra = range(len(last.names) + 1, width + 1)
         more = () if last.more else tuple(f"column {number}" for number in extra)
@@ -108,7 +108,9 @@ def heading_of(lines: Sequence[str], layout: Layout, width: int, path: Path) -> 
     words = layout.fields(lines[-1]) if lines else []
     if len(words) == width and not lines[-1].lstrip().startswith(COMMENTS):
         named = ", ".join(words)[:200]
-        raise broken(path, f"its columns are called {named}: none are x, y and z", "name these so")
+        raise broken(
+            path, f"its columns are named {named}: x, y and z are missing", "name these so"
+        )
     return None
 
 
@@ -183,8 +185,8 @@ def guessed(values: Array, notes: list[str], *, intensity_first: bool) -> Headin
         if _fit(names, sound[:, 3:]):
             if width not in (3, 6):
                 notes.append(
-                    f"the columns have no names: they are taken for x, y, z, {', '.join(names)}"
-                    " (a first line of names would say so)"
+                    f"the columns have no names: they are read as x, y, z, {', '.join(names)} "
+                    "(add a first line of names to change that)"
                 )
             return Heading((*_PLACE, *names))
     return Heading((*_PLACE, *(f"column {number}" for number in range(4, width + 1))))

@@ -21,7 +21,7 @@ def read_sixteen_bits(path: Path) -> NDArray[np.uint16]:
     """(H, W) the numbers of a picture with one channel of 16 bits.
 
     Raises:
-        InputError: It cannot be read, or is no such picture.
+        InputError: It cannot be read, or is not such a picture.
     """
     with _opened(path) as source:
         spec = source.spec()
@@ -88,7 +88,7 @@ def _opened(path: Path) -> Iterator[Any]:
             source.close()
     # Its messages quote the file, in whatever bytes.
     except UnicodeDecodeError as error:
-        raise _unreadable("its header is no text", path) from error
+        raise _unreadable("its header is not text", path) from error
 
 
 def _unreadable(reason: str, path: Path) -> InputError:

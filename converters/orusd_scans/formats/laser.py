@@ -36,7 +36,7 @@ def read_las(path: Path) -> Scanned:
     """Read a LAS or LAZ file; its classes are those of maps, and left out.
 
     Raises:
-        InputError: It is no such file, is cut off, or holds no points.
+        InputError: It is not such a file, is truncated, or holds no points.
         MissingPackageError: laspy, or lazrs for LAZ, is not installed.
     """
     laspy = _package("laspy")
@@ -94,7 +94,7 @@ def _check_chunks(stream: BinaryIO, start: int, path: Path) -> None:
     stream.seek(table)
     _, chunks = struct.unpack("<II", stream.read(8))
     if chunks > size - start:
-        raise broken(path, f"it announces {chunks:,} chunks, which cannot be in it")
+        raise broken(path, f"it announces {chunks:,} chunks, more than the file can hold")
 
 
 def _check_chunk_size(stream: BinaryIO, start: int, records: int, path: Path) -> None:
@@ -114,7 +114,7 @@ def read_e57(path: Path) -> Scanned:
     """Read all scans of an E57 file, in its common frame; where each stood is a sensor.
 
     Raises:
-        InputError: It is no such file, is cut off, or holds no points.
+        InputError: It is not such a file, is truncated, or holds no points.
         MissingPackageError: pye57 is not installed.
     """
     pye57 = _package("pye57")
@@ -150,7 +150,7 @@ def _check_e57(stream: BinaryIO, path: Path) -> None:
     """
     head = stream.read(_E57_HEAD.size)
     if len(head) < _E57_HEAD.size or not head.startswith(b"ASTM-E57"):
-        raise broken(path, "this is no E57 file")
+        raise broken(path, "this is not an E57 file")
     _, _, _, _, offset, length, page = _E57_HEAD.unpack(head)
     if page != _E57_PAGE or offset + length > size_of(stream) or length > _MOST_XML:
         raise broken(path, "it ends too early, or its header is damaged")
@@ -159,7 +159,7 @@ def _check_e57(stream: BinaryIO, path: Path) -> None:
     text = b"".join(pages[i : i + page - 4] for i in range(0, len(pages), page))
     text = text[offset % page :][:length]
     if not text.lstrip(b"\xef\xbb\xbf").startswith(b"<?xml") or _ENTITIES.search(text):
-        raise broken(path, "its description is no XML, or declares entities")
+        raise broken(path, "its description is not XML, or declares entities")
 
 
 def _joined(scans: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
@@ -185,6 +185,6 @@ def _blamed(path: Path, kind: str) -> Iterator[None]:
         yield
     except (OrusdError, KeyboardInterrupt, SystemExit):
         raise
-    except BaseException as error:  # a library in Rust raises what is no Exception
+    except BaseException as error:  # a library in Rust raises a BaseException
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         raise broken(path, f"not a readable {kind} file: {reason[:200]}") from error

@@ -1,4 +1,4 @@
-"""Unpacks LAZ files that nobody vouches for, in a process that may crash (see `isolation`).
+"""Unpacks untrusted LAZ files, in a process that may crash (see `isolation`).
 
 The library that unpacks them ends the whole process where a chunk claims more than there is memory.
 """

@@ -49,7 +49,7 @@ def read_obj(path: Path) -> Scanned:
     rows = read_rows(vertices, len(_NAMES) if colored else 3, path, more=True)
     notes = [*said, *rows.told]
     if unknown:
-        notes.append(f"{len(unknown):,} lines are none of OBJ: the first is {unknown[0]}")
+        notes.append(f"{len(unknown):,} lines are not OBJ: the first is {unknown[0]}")
     cloud = cloud_of(dict(zip(_NAMES, rows.values.T, strict=False)), path, notes)
     found = _triangles(faces, np.array(before), path, notes)
     return Scanned(cloud, sound_faces(found, count, path, notes), notes=tuple(notes))
@@ -78,7 +78,7 @@ def _triangles(
 
 
 def _corners(face: str) -> list[float]:
-    """The numbers of a face's vertices; none where one is no number."""
+    """The numbers of a face's vertices; none if one is not a number."""
     try:
         # Underscores are numbers to Python alone.
         return [] if "_" in face else [float(word.partition("/")[0]) for word in face.split()]

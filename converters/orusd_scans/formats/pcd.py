@@ -96,7 +96,7 @@ def read_pcd(path: Path) -> Scanned:
     what writers put there.
 
     Raises:
-        InputError: It is no PCD file, is cut off, or holds nonsense.
+        InputError: It is not a PCD file, is truncated, or holds nonsense.
     """
     with opened(path) as stream:
         header = _header(stream, path)
@@ -123,12 +123,12 @@ def _header(stream: BinaryIO, path: Path) -> dict[str, list[str]]:
     while "DATA" not in found:
         line = stream.readline(LONGEST_HEADER)
         if not line.endswith(b"\n") or stream.tell() > LONGEST_HEADER:
-            raise broken(path, f"this is no PCD file: no DATA within {LONGEST_HEADER >> 10} KB")
+            raise broken(path, f"this is not a PCD file: no DATA within {LONGEST_HEADER >> 10} KB")
         key, *words = line.decode("latin-1").split() or ["#"]
         if key.startswith("#"):
             continue
         if key not in _KEYS:
-            raise broken(path, f"this is no PCD file: its header has a line {key[:20]!r}")
+            raise broken(path, f"this is not a PCD file: its header has a line {key[:20]!r}")
         found[key] = words
     if missing := [key for key in ("FIELDS", "SIZE", "TYPE") if key not in found]:
         raise broken(path, f"the header lacks {', '.join(missing)}")
@@ -176,7 +176,7 @@ def _viewpoint(header: Mapping[str, list[str]], path: Path) -> NDArray[np.float6
     except ValueError as error:
         raise broken(path, "the header's VIEWPOINT is not of numbers") from error
     if origin.shape != (3,) or not np.isfinite(origin).all():
-        raise broken(path, "the header's VIEWPOINT is no place")
+        raise broken(path, "the header's VIEWPOINT is not a position")
     return origin
 
 

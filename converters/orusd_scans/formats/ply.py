@@ -49,7 +49,7 @@ _TYPES: Final = {
 _CODES: Final = {"i1": "b", "u1": "B", "i2": "h", "u2": "H", "i4": "i", "u4": "I"}
 _ORDERS: Final = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS: Final = ("vertex_indices", "vertex_index")
-# Elements with lists of vertices that are no surfaces.
+# Elements with lists of vertices that are not surfaces.
 _NO_SURFACES: Final = ("vertex", "line", "edge", "curve", "point")
 # Lists up to this length may be read as parts of a row.
 _MOST_IN_ROW: Final = 1 << 16
@@ -87,7 +87,7 @@ def read_ply(path: Path) -> Scanned:
     """Read the points of a PLY file, and its triangles where it has faces, strips or lists of them.
 
     Raises:
-        InputError: It is no PLY file, is cut off, or holds nonsense.
+        InputError: It is not a PLY file, is truncated, or holds nonsense.
     """
     notes: list[str] = []
     with opened(path) as stream:
@@ -115,7 +115,7 @@ def read_ply(path: Path) -> Scanned:
 
 def _header(stream: BinaryIO, path: Path) -> tuple[str, list[_Element]]:
     if stream.readline(8).rstrip(b"\r\n") != b"ply":
-        raise broken(path, "this is no PLY file: it does not begin with 'ply'")
+        raise broken(path, "this is not a PLY file: it does not begin with 'ply'")
     order: str | None = None
     elements: list[_Element] = []
     while (line := _line(stream, path)) != "end_header":
@@ -131,7 +131,7 @@ def _header(stream: BinaryIO, path: Path) -> tuple[str, list[_Element]]:
             case ["property", kind, name] if kind in _TYPES:
                 _add(elements, _Property(name, _TYPES[kind]), path)
             case _:
-                raise broken(path, f"the header has a line that is none of PLY: {line[:60]!r}")
+                raise broken(path, f"the header has a line that is not PLY: {line[:60]!r}")
     if order is None:
         raise broken(path, "the header names no format")
     return order, elements
@@ -302,7 +302,7 @@ class _Ascii:
                 lost += 1
             for name, value in row.items():
                 found[name].append(value)
-        told = f"{lost:,} of {count:,} lines are no {element.name[:40]}"
+        told = f"{lost:,} of {count:,} lines are not a {element.name[:40]}"
         if lost and 2 * lost >= count:
             raise broken(self._path, f"{told}: {said}")
         if lost:
@@ -315,7 +315,7 @@ def _row(element: _Element, line: str) -> dict[str, Any]:
     """The values and lists of a line of text.
 
     Raises:
-        ValueError: A number is none, or a list is cut.
+        ValueError: A number is not valid, or a list is truncated.
         IndexError: The line is cut.
         OverflowError: A length is endless.
     """

@@ -30,18 +30,18 @@ _LAYOUTS: Final = (
     *(Layout(separator, decimal_comma=True) for separator in (";", "\t", "", ",")),
     Layout(ANY),
 )
-_REMEDY: Final = "give a table with x, y and z in each line, and best a first line of names"
+_REMEDY: Final = "give a table with x, y and z in each line, preferably with a first line of names"
 
 
 def read_text(path: Path) -> Scanned:
     """Read one point a line.
 
     A line of words, which may be a comment, names the columns and their unit. Without one, three
-    columns are x, y and z; what others are is told by their values. Lines of a single whole number
+    columns are x, y and z; the values show what the others are. Lines of a single whole number
     are counts of points, and passed over.
 
     Raises:
-        InputError: It is no such table; half of its lines are damaged, or more.
+        InputError: It is not such a table, or half of its lines are damaged, or more.
     """
     with opened(path) as stream:
         lines = _lines(stream)
@@ -111,7 +111,7 @@ def _seen(start: list[str], path: Path) -> tuple[Layout, int, int]:
         shown = next((line.strip()[:60] for _, line in lines), "")
         raise broken(path, f"no line is a row of three numbers or more; one is {shown!r}", _REMEDY)
     _, layout, first, width = best
-    # Before the first sound row there may be damaged ones, which have words that are no names.
+    # Before the first valid row there may be damaged ones, with words that are not names.
     for index, line in lines:
         fields = layout.fields(line)
         if index < first and len(fields) == width and not all(map(_is_name, fields)):

@@ -1,8 +1,8 @@
 """PTX files of laser scanners: stations one after the other, each with its own frame.
 
-A station has the numbers of its columns and rows, where the scanner stood and its axes, a matrix
-for row vectors that takes its points to the common frame, and a line for each direction that it
-looked in: x, y, z, an intensity and perhaps a colour, zeros where nothing came back.
+A station has the numbers of its columns and rows, the position and axes of the scanner, and a
+matrix for row vectors that takes its points to the common frame. Then it has a line for each
+direction: x, y, z, an intensity and perhaps a colour, zeros where nothing came back.
 """
 
 from collections.abc import Iterator
@@ -55,7 +55,7 @@ def read_stations(lines: Iterator[str], path: Path) -> Scanned:
         first = next(lines, "")
         width = min(len(first.split()), len(_NAMES))
         if width not in (4, len(_NAMES)):
-            raise broken(path, f"line {number} is no point: {first.strip()[:60]!r}")
+            raise broken(path, f"line {number} is not a point: {first.strip()[:60]!r}")
         station = [first, *islice(lines, count - 1)]
         if len(station) < count:
             raise broken(path, f"it ends too early: {count:,} points of a station are announced")

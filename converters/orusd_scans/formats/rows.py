@@ -16,12 +16,12 @@ from orusd_scans.scanned import broken
 
 # Lines that are read at once.
 _CHUNK: Final = 1 << 16
-# What writers print for what is no number: Microsoft's C library, spreadsheets, databases.
+# What writers print for NaN: Microsoft's C library, spreadsheets, databases.
 _NO_NUMBER: Final = re.compile(
     r"|[-+]?(1\.?#\w+|nan(\(\w*\))?)|null|none|n/?a|-+|#n/?a|#num!", re.IGNORECASE
 )
 COMMENTS: Final = ("#", "%", "//", "!")
-"""What begins a line that is none of the rows."""
+"""The start of a line that is not a row."""
 ANY: Final = ",;\t"
 """Separators of files that use several."""
 
@@ -193,7 +193,7 @@ def read_rows(
     if (bad := int(rows.lost.sum())) and 2 * bad >= len(rows.lost):
         raise broken(
             path,
-            f"{bad:,} of {len(rows.lost):,} lines are no row of {width} numbers: {said}",
+            f"{bad:,} of {len(rows.lost):,} lines are not a row of {width} numbers: {said}",
             "look at that line in a text editor: each line needs the same columns of numbers",
         )
     return rows

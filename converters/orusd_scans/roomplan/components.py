@@ -76,7 +76,7 @@ def component(
     if category == "floor" and shape.has_mesh:
         corners = floor_outline(shape.points, shape.faces)
         if corners is None:
-            raise InputError("the floor's mesh is no flat polygon", place=place, remedy=AGAIN)
+            raise InputError("the floor's mesh is not a flat polygon", place=place, remedy=AGAIN)
         size = np.ptp(corners, axis=0)
         floor = Record(identifier, category, size, shape.source_from_local, corners=corners)
         return Component(folder, floor)

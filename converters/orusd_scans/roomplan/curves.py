@@ -107,7 +107,7 @@ def read_curve(node: Node, notes: list[str]) -> Arc | None:
         The arc, or None when the wall is as good as straight, or nothing is known of the arc.
 
     Raises:
-        InputError: A number is none, or absurd.
+        InputError: A number is not valid, or absurd.
     """
     radius, start, end = (node.get(key) for key in ("radius", "startAngle", "endAngle"))
     if radius is None or start is None or end is None:

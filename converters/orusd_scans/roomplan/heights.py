@@ -29,7 +29,7 @@ _SAME_PLACE_M: Final = 0.05
 # beside the other.
 _MIN_PARALLEL_COS: Final = 0.9
 _MIN_BESIDE_SHARE: Final = 0.5
-# A ceiling is no lower than this, metres; floors with more corners have a level one.
+# Least height of a ceiling, metres; floors with more corners have a level one.
 _LOWEST_M: Final = 0.5
 _MOST_CORNERS: Final = 200
 # Corners that turn inwards by less are straight, radians.
@@ -40,7 +40,7 @@ class Ceiling(NamedTuple):
     """A ceiling.
 
     Attributes:
-        height: At its highest, above the floor, metres; None where nobody knows.
+        height: At its highest, above the floor, metres; None if unknown.
         line: (M, 3) where the walls meet it, around the floor; None where it is level.
     """
 
@@ -233,7 +233,7 @@ def _tell_level(tops: Sequence[tuple[str, Array]], height: float, notes: list[st
             others[f"{highest:.2f} m high"].append(name)
     if others:
         notes.append(
-            f"the ceiling is level at {height:.2f} m (`height` says otherwise), and all walls of"
+            f"the ceiling is level at {height:.2f} m (`height` changes it), and all walls of"
             f" the outline are built up to it as rectangles: {_listed(others)}"
         )
 

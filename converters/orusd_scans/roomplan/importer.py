@@ -59,8 +59,8 @@ class RoomPlanImporter:
             options: ``room``: which room of several is meant.
 
         Raises:
-            InputError: It is missing, is no such file, holds nonsense, or has no such room; names
-                the place.
+            InputError: It is missing, is not such a file, holds nonsense, or has no such room;
+                names the place.
         """
         notes: list[str] = []
         try:

@@ -23,7 +23,7 @@ _WELD_M: Final = 1e-5
 _FLAT_M: Final = 2e-3
 # How far the block that fills a corner reaches beyond a wall's end, in thicknesses of the wall.
 _MAX_BLOCK_DEPTHS: Final = 2.0
-# What is narrower than twice this is no hole, metres.
+# What is narrower than twice this is not a hole, metres.
 _SLIVER_M: Final = 0.01
 # Holes smaller than this are noise of the triangulation, square metres; passages are 1 or 2.
 _MIN_HOLE_M2: Final = 0.05
@@ -65,7 +65,7 @@ def floor_outline(points: Array, faces: Faces) -> Array | None:
         faces: Its faces.
 
     Returns:
-        (K, 3) the corners in order, or None when its upper face is no polygon.
+        (K, 3) the corners in order, or None when its upper face is not a polygon.
     """
     axis = int(np.argmin(np.ptp(points, axis=0)))
     corners = rim(points, faces, axis)
@@ -156,7 +156,7 @@ def span(points: Array) -> tuple[float, float]:
     """Where a wall begins and ends in its x, metres.
 
     The mesh export fills the corners of the room with blocks that are one with a wall and reach
-    beyond one of its ends, about as far as it is thick; the middle of the wall is at x = 0.
+    beyond one of its ends, about as far as it is thick. The middle of the wall is at x = 0.
     """
     left, right = float(points[:, 0].min()), float(points[:, 0].max())
     beyond, half = abs(left + right), min(-left, right)

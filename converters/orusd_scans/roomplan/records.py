@@ -107,7 +107,7 @@ def read_captured_rooms(path: Path, notes: list[str]) -> list[CapturedRoom]:
     rooms = root.items("rooms") if "rooms" in keys else []
     if not rooms and not {"walls", "floors"} & keys:
         raise root.error(
-            "this is JSON, but no RoomPlan export: it has neither walls nor floors",
+            "this is JSON, but not a RoomPlan export: it has neither walls nor floors",
             "give the CapturedRoom or CapturedStructure that the app exported as JSON",
         )
     # What a structure says of all rooms together is in its rooms, too.

@@ -158,7 +158,7 @@ def local(prim: Sdf.PrimSpec, place: str) -> Array:
             shift[:3, 3] = given
             matrix = matrix @ shift
         else:
-            text = f"{name} is no transform that RoomPlan writes"
+            text = f"{name} is not a transform that RoomPlan writes"
             raise InputError(text, place=place, remedy=AGAIN)
     return matrix
 
@@ -184,5 +184,5 @@ def _faces(mesh: Sdf.PrimSpec, count: int, place: str) -> Faces:
 def _array(prim: Sdf.PrimSpec, name: str, place: str) -> Array:
     values = np.array(value(prim, name, ()), dtype=np.float64)
     if not values.size or not np.isfinite(values).all() or np.abs(values).max() > _MAX_COORDINATE_M:
-        raise InputError(f"the mesh has no sound {name}", place=place, remedy=AGAIN)
+        raise InputError(f"the mesh has no valid {name}", place=place, remedy=AGAIN)
     return values

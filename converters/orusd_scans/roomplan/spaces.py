@@ -110,7 +110,7 @@ def chosen_space(rooms: Sequence[CapturedRoom], wanted: str | None, notes: list[
         why = (
             "as asked"
             if wanted is not None
-            else "the largest; the option room takes another, or all"
+            else "the largest; the option room selects another, or all"
         )
         rest = f"; left out with the others: {missing}" if missing else ""
         notes.append(f"the capture has {len(spaces)} rooms: {known}; {taken}, {why}{rest}")
@@ -317,9 +317,9 @@ def belonging(records: CapturedRoom, outline: Array, *, is_only: bool) -> Captur
     def near(rows: tuple[Record, ...]) -> tuple[Record, ...]:
         return tuple(row for row in rows if above(row) and around.contains(_point(row)))
 
-    # Without other floors, what is outside is told wall by wall.
+    # Without other floors, what is outside is reported wall by wall.
     walls = records.walls if is_only else near(records.walls)
-    # A parent that is told says more than a place near the wall between two rooms.
+    # A stated parent is better evidence than a place near the wall between two rooms.
     known = {wall.id for wall in records.walls}
     own = {wall.id for wall in walls}
 

@@ -73,7 +73,7 @@ def read_usdz(path: Path, notes: list[str]) -> CapturedRoom:
                 elif prim.nameParent and prim.nameParent.name == _SECTIONS:
                     sections.append(_sound(_section, prim, where))
     if not found:
-        said = "this is USD, but no export of RoomPlan: no prim has a category"
+        said = "this is USD, but not an export of RoomPlan: no prim has a category"
         said, at = ("neither a cube nor a mesh is in it", empty[0]) if empty else (said, str(path))
         raise InputError(said, place=at, remedy=AGAIN)
     notes += [
@@ -81,7 +81,7 @@ def read_usdz(path: Path, notes: list[str]) -> CapturedRoom:
     ]
     room = CapturedRoom(**_lists(found), sections=tuple(sections))
     if any("isOpen" not in door.details for door in room.doors):
-        notes.append("the USDZ does not say which doors stand open: they are closed")
+        notes.append("the USDZ does not record which doors are open: they are closed")
     return room
 
 

@@ -39,7 +39,7 @@ def read_scannet_frames(source: Path, notes: list[str]) -> tuple[CapturedFrame, 
         notes: Receives a sentence about frames without a pose.
 
     Raises:
-        InputError: It is none of these, or holds nonsense.
+        InputError: It is not one of these, or holds nonsense.
     """
     if source.suffix.lower() == ".json":
         return read_frames(source)
@@ -233,7 +233,7 @@ class Sens:
         """Number, pose and length of the depth of each frame; who takes it must pass the depth."""
         (count,) = self._unpack("<Q")
         if count > _MOST_FRAMES:
-            raise self._error(f"it says that it holds {count:,} frames")
+            raise self._error(f"it announces {count:,} frames")
         for number in range(count):
             pose = np.array(self._unpack("<16f"), dtype=np.float64).reshape(4, 4)
             _, _, color, depth = self._unpack("<4Q")

@@ -107,7 +107,8 @@ class ScanNetImporter:
         "fuse": "Fuse one in this many depth pictures of the .sens file, in place of the mesh.",
         "annotation": "full_annotations.json of Scan2CAD.",
         "models": "The folder of ShapeNetCore.v2.",
-        "official_centre": "yes: take the CADs' centres off, as the official scorer (default no).",
+        "official_centre": "yes: subtract the CADs' centres, as the official scorer does "
+        "(default no).",
     }
     paths = frozenset({"labels", "frames", "annotation", "models"})
 
@@ -162,7 +163,7 @@ def _scene(source: Path) -> _Scene:
         return _Scene(source.parent, source.name.removesuffix(ending), source)
     if not source.is_dir():
         raise InputError(
-            "this is no scene of ScanNet",
+            "this is not a scene of ScanNet",
             place=source,
             remedy=f"give its folder, or its mesh <scene>{_MESHES[0]}",
         )
@@ -184,7 +185,7 @@ def _aligned_frame(scene: _Scene, notes: list[str]) -> WorldFrame:
         if words:
             matrix = rigid(Node(_numbers(words, path), path, "axisAlignment"))
             return WorldFrame(matrix[:3, :3], -matrix[:3, :3].T @ matrix[:3, 3])
-    notes.append("the scene has no axisAlignment: its own axes are taken")
+    notes.append("the scene has no axisAlignment: its own axes are used")
     return WorldFrame(np.eye(3), np.zeros(3))
 
 
@@ -246,7 +247,7 @@ def _needed_sens(scene: _Scene, options: Mapping[str, str]) -> Path:
         raise InputError(
             "no .sens file is here, whose depth could be fused",
             place=scene.folder,
-            remedy="give it by --frames, or leave --fuse out",
+            remedy="give it by --frames, or omit --fuse",
         )
     return sens
 

@@ -112,15 +112,15 @@ def _labelled(
     label = scanned.cloud.label
     if label is None or len(label) != count:
         raise InputError(
-            "this is not the labelled mesh of the scene: its vertices are others",
+            "this is not the labelled mesh of the scene: its vertices differ",
             place=path,
-            remedy="take both meshes from one release",
+            remedy="use both meshes from one release",
         )
     others = label >= len(NYU40)
     if not others.any():
         return label
     if others.mean() <= _MOST_WRONG_SHARE:
-        notes.append(f"{others.sum():,} labels of {path.name} are no classes: left out")
+        notes.append(f"{others.sum():,} labels of {path.name} are not classes: left out")
         return np.where(others, 0, label).astype(np.int32)
     if not has_table:
         notes.append("the labelled mesh has the numbers of an old release: it was left out")
@@ -144,7 +144,7 @@ def _objects(path: Path) -> list[_Object]:
         number = node.get("objectId") or node.need("id")
         value = int(_whole_numbers(Node([number.value], path, number.path))[0]) + 1
         if value in numbers:
-            raise number.error("this object is there already", "mend the aggregation")
+            raise number.error("this object exists already", "correct the aggregation")
         numbers.add(value)
         name = " ".join(text(node.need("label")).lower().replace("_", " ").split())
         found.append(_Object(value, name, _whole_numbers(node.need("segments"))))

@@ -1,9 +1,9 @@
 """Scan2CAD: CAD models that were aligned to a ScanNet scan become a Capture.
 
-Each scan of ``full_annotations.json`` has a transform from the scan to the world in which people
-annotated (Y up), and each of its models one from the CAD to that world; a CAD's points are in the
-scan at inv(M_scan) M_cad. Both are T R S, with quaternions w, x, y, z. (Avetisyan et al.,
-"Scan2CAD: Learning CAD Model Alignment in RGB-D Scans", CVPR 2019.)
+Each scan of ``full_annotations.json`` has a transform from the scan to the world of the annotation
+(Y up), and each of its models one from the CAD to that world. A CAD's points are in the scan at
+inv(M_scan) M_cad. Both are T R S, with quaternions w, x, y, z. (Avetisyan et al., "Scan2CAD:
+Learning CAD Model Alignment in RGB-D Scans", CVPR 2019.)
 """
 
 import json
@@ -30,7 +30,7 @@ from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
 # Objects stand on the floor if their bases are this near to the lowest one's, metres.
 _STANDING_M: Final = 0.15
 _POLYGON: Final = (
-    "Scan2CAD knows no floor: draw it in the frame of the scan, and give it by --polygon FILE "
+    "Scan2CAD has no floor: draw it in the frame of the scan, and give it by --polygon FILE "
     '(JSON: {"floor": [[x, y], ...], "height": 2.5}, or CSV with the columns x and y)'
 )
 Symmetry = Literal["none", "2", "4", "inf"]
@@ -75,13 +75,13 @@ def entry_of(source: Path, scan: str | None) -> Node:
         scan: Which scan; None where the file holds one.
 
     Raises:
-        InputError: It is no such file, or lacks the scan.
+        InputError: It is not such a file, or lacks the scan.
     """
     root = read_json(source, "annotations")
     entries = Node({"": root.value}, source).items("") if isinstance(root.value, list) else []
     if not entries or not all(isinstance(e.value, dict) and "id_scan" in e.value for e in entries):
         raise root.error(
-            "this is JSON, but no Scan2CAD annotation: a list of scans with id_scan is expected",
+            "this is JSON, but not a Scan2CAD annotation: a list of scans with id_scan is expected",
             "give the full_annotations.json of Scan2CAD",
         )
     if scan is None and len(entries) == 1:
@@ -164,7 +164,7 @@ def _one(node: Node, before: Counter[str], annotation_from_scan: Array) -> Align
         )
     half = node.need("bbox").numbers(3, _MAX_SCALE)
     if (half <= 0.0).any():
-        raise node.need("bbox").error("a half extent is not above zero", "mend the annotation")
+        raise node.need("bbox").error("a half extent is not positive", "correct the annotation")
     symmetry = node.get("sym")
     # Instances have no identifiers: only those of one CAD are told apart by their order.
     before[cad] += 1
@@ -183,7 +183,9 @@ def identifier(node: Node) -> str:
     """An identifier that is the name of a file or folder, too."""
     found = text(node)
     if not found.replace("-", "").replace("_", "").isalnum() or not found.isascii():
-        raise node.error(f"{found[:40]!r} is no identifier of Scan2CAD", "mend the annotation")
+        raise node.error(
+            f"{found[:40]!r} is not an identifier of Scan2CAD", "correct the annotation"
+        )
     return found
 
 
@@ -193,7 +195,7 @@ def _trs(node: Node) -> Array:
     scale = node.need("scale").numbers(3, _MAX_SCALE)
     if (scale <= 0.0).any():
         what = "zero" if (scale >= 0.0).all() else "negative: it mirrors"
-        raise node.need("scale").error(f"a scale is {what}", "mend the annotation")
+        raise node.need("scale").error(f"a scale is {what}", "correct the annotation")
     quaternion = node.need("rotation")
     w, x, y, z = quaternion.numbers(4, 2.0)
     length = float(np.linalg.norm([w, x, y, z]))
@@ -229,7 +231,8 @@ class Scan2CadImporter:
         "models": "The folder of ShapeNetCore.v2; boxes take the place of CADs that it lacks.",
         "frames": "Poses of the photographs: ScanNet's exported folder, a .sens file or JSON.",
         "polygon": "The floor in the frame of the scan, in metres: JSON or CSV.",
-        "official_centre": "yes: take the CADs' centres off, as the official scorer (default no).",
+        "official_centre": "yes: subtract the CADs' centres, as the official scorer does "
+        "(default no).",
     }
     paths = frozenset({"models", "frames", "polygon"})
 
@@ -241,7 +244,7 @@ class Scan2CadImporter:
             options: See `options`.
 
         Raises:
-            InputError: It is missing, is no such file, or holds nonsense; names the place.
+            InputError: It is missing, is not such a file, or holds nonsense; names the place.
         """
         entry, notes = entry_of(source, options.get("scan")), list[str]()
         folder = Path(options["models"]) if "models" in options else None
@@ -339,8 +342,8 @@ def _annotation(entry: Node) -> bytes:
     try:
         return _json([entry.value])
     except ValueError as error:
-        # Also where nobody reads it: JSON has no infinities.
-        raise entry.error("a number is out of range", "mend the annotation") from error
+        # Also where it is not used: JSON has no infinities.
+        raise entry.error("a number is out of range", "correct the annotation") from error
 
 
 def _json(data: Any) -> bytes:

@@ -112,7 +112,7 @@ def read_boxes(path: Path, frame: str) -> tuple[CapturedBox, ...]:
     """The boxes of VoteNet's ``label/N.txt``: half sizes across the front, along it, and up.
 
     Raises:
-        InputError: A line is none of a box.
+        InputError: A line is not a box.
     """
     found = []
     for i, line in enumerate(_lines(path)):
@@ -180,11 +180,11 @@ def read_index(path: Path) -> list[Entry]:
     """The frames of MMDetection3D's pickled index; nothing in it is executed.
 
     Raises:
-        InputError: It is no such index, or holds something else than plain data.
+        InputError: It is not such an index, or holds something else than plain data.
     """
     root = Node(read_pickled(path), path)
     if not isinstance(root.value, dict) or not isinstance(root.value.get("data_list"), list):
-        raise root.error("this is no index of MMDetection3D", "give one that has a data_list")
+        raise root.error("this is not an index of MMDetection3D", "give one that has a data_list")
     names = _class_names(root)
     return [_entry(node, names) for node in root.items("data_list")]
 
@@ -235,12 +235,12 @@ def camera_of_projection(projection: Array, node: Node) -> tuple[Array, Array]:
         node: Where it stands, for messages.
 
     Raises:
-        InputError: It is no such product.
+        InputError: It is not such a product.
     """
     from scipy.linalg import rq
 
     if abs(float(np.linalg.det(projection))) < 1e-6:
-        raise node.error("depth2img is no projection", "make the index again")
+        raise node.error("depth2img is not a projection", "make the index again")
     K, turn = (np.asarray(part, dtype=np.float64) for part in rq(projection))
     # The RQ decomposition leaves signs undetermined: focal lengths are positive.
     signs = np.sign(np.diag(K))

@@ -6,8 +6,8 @@ pickled index of MMDetection3D with the ``.bin`` files beside it, and the folder
 y forward, z up, the camera in the origin. (Song, Lichtenberg and Xiao, "SUN RGB-D: A RGB-D Scene
 Understanding Benchmark Suite", CVPR 2015; Qi et al., "Deep Hough Voting", ICCV 2019.)
 
-As ``readframeSUNRGBD.m`` of the dataset's toolbox reads them: a box is the polygon of its base in
-the coordinates X and Z of upright depth (x right, y forward), from -Ymax to -Ymin; its front is the
+As ``readframeSUNRGBD.m`` of the dataset's toolbox reads them. A box is the polygon of its base in
+the coordinates X and Z of upright depth (x right, y forward), from -Ymax to -Ymin. Its front is the
 side between the first two corners.
 """
 
@@ -84,7 +84,7 @@ class SunRgbdImporter:
             options: See `options`.
 
         Raises:
-            InputError: It is none of these, lacks files, or holds nonsense.
+            InputError: It is not one of these, lacks files, or holds nonsense.
         """
         notes: list[str] = []
         asked = options.get("frame")
@@ -97,7 +97,7 @@ class SunRgbdImporter:
             cloud, frame, boxes = _raw(source, notes)
         else:
             raise InputError(
-                "this is no frame of SUN RGB-D",
+                "this is not a frame of SUN RGB-D",
                 place=source,
                 remedy="give a folder with depth/, calib/ and label/, a raw frame with "
                 "intrinsics.txt, or an index that ends in .pkl",
@@ -149,7 +149,7 @@ def _indexed(entry: Entry, source: Path, notes: list[str]) -> _Read:
     """A frame of MMDetection3D's index."""
     points = next((p for p in _beside(source, entry.points) if p.is_file()), None)
     if points is None:
-        raise broken(source, f"the points {entry.points!r} are not there", "put them beside it")
+        raise broken(source, f"the points {entry.points!r} are missing", "put them beside it")
     K, turn = camera_of_projection(entry.projection, Node(None, source, entry.id))
     frame = _frame(entry.id, turn, K - _HALF, entry.size, entry.picture)
     boxes = tuple(
@@ -235,7 +235,7 @@ def _named(picture: Path) -> str | None:
 def _size(picture: Path, K: Array, notes: list[str]) -> tuple[int, int]:
     if picture.is_file():
         return picture_size(picture)
-    notes.append("the frame's picture is not there: its size is guessed from the principal point")
+    notes.append("the frame's picture is missing: its size is guessed from the principal point")
     return max(round(2.0 * float(K[0, 2])), 1), max(round(2.0 * float(K[1, 2])), 1)
 
 
@@ -280,7 +280,7 @@ def _box(identifier: str, name: str, node: Node) -> CapturedBox:
     across, along = corners[1] - corners[0], corners[2] - corners[1]
     size = np.array([np.linalg.norm(along), np.linalg.norm(across), abs(high - low)])
     if not (size > 0.0).all():
-        raise node.error("a side of the box is not above zero", "mend the annotation")
+        raise node.error("a side of the box is not positive", "correct the annotation")
     middle = 0.5 * (corners[0] + corners[2])
     front = 0.5 * (corners[0] + corners[1]) - middle
     center = np.array([*middle, 0.5 * (high + low)])

@@ -62,7 +62,7 @@ _CONVENTIONS: Final = {
     "mesh's winding faces, about its shading normals: what is diffuse of the picture is "
     "base colour (1 - metallic) / pi times it",
     "st1": "the place in the atlas is primvars:st1 of a mesh, times (scale s, scale t), plus "
-    "(offset s, offset t), by scaleOffset of the mesh or of its instance; t = 0 is the "
+    "(offset s, offset t), by scaleOffset of the mesh or of its instance. t = 0 is the "
     "lower edge of the picture, whose rows begin at the top",
     "sum": "irradiance is the sum of lights, texel by texel",
 }

@@ -43,8 +43,8 @@ CONVENTIONS: Final = {
     "estimated_error": "of what the samples of a frame and its history say, before denoising: the "
     "relative mean squared error, estimated from two separate halves",
     "flicker": "of the video, by base colour: root mean square of the change of luminance where "
-    "a frame and the one before it see the same, over sqrt(m^2 + 0.01 M^2) and "
-    "sqrt(2); m is its mean there and M that of the picture",
+    "a frame and the one before it see the same, over sqrt(m^2 + 0.01 M^2) and sqrt(2). m is its "
+    "mean there and M that of the picture",
     "new": "the part of the pixels that the frame before did not see",
     "exposure": "what radiance in nits is multiplied by in the video, the same for all frames",
     "shows": "how light is shown in the video, the same for all frames",

@@ -196,8 +196,8 @@ def light_of(numbers: NDArray[np.int64], noise: Noise) -> Pixels:
     return ((numbers - readout.black) / scale).astype(np.float32)
 
 
-# D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8), 1971; the order
-# and the signs are those of OpenCV's ``calib3d``: with x, y the coordinates at depth 1 and r
+# D. C. Brown, Close-range camera calibration, Photogrammetric Engineering 37(8), 1971. The order
+# and the signs are those of OpenCV's ``calib3d``. With x, y the coordinates at depth 1 and r
 # their length,
 #     x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2)
 #     y' = y (1 + k1 r^2 + k2 r^4 + k3 r^6) + p1 (r^2 + 2 y^2) + 2 p2 x y

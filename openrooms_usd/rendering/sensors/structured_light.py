@@ -1,9 +1,9 @@
 """A depth camera that projects a pattern of infrared dots, such as the first Kinect.
 
 Its noise is that which was measured: C. V. Nguyen, S. Izadi, D. Lovell, Modeling Kinect sensor
-noise for improved 3D reconstruction and tracking, 3DIMPVT 2012, with z the depth in metres and t
-the angle between the surface's normal and the line of sight in radians (it was measured in the
-picture's middle, where that is the optical axis),
+noise for improved 3D reconstruction and tracking, 3DIMPVT 2012. z is the depth in metres, and t the
+angle between the surface's normal and the line of sight in radians (measured in the picture's
+centre, where that is the optical axis):
 
     axial    s_z = 0.0012 + 0.0019 (z - 0.4)^2 + 0.0001 / sqrt(z) (t / (pi / 2 - t))^2   metres
     lateral  s_l = 0.8 + 0.035 t / (pi / 2 - t)                          pixels of 640 x 480

@@ -17,7 +17,7 @@ from openrooms_usd.scan.placement.bodies import Body, greatest, least
 # Chords of solids: intervals of parallel lines inside, by which penetration is measured.
 #
 # The chords of two bodies on the same lines show whether the bodies overlap, for all shifts along
-# these lines at once: chords [a0, a1] and [b0, b1] overlap at shift t if b0 - a1 < t < b1 - a0.
+# these lines at once. Chords [a0, a1] and [b0, b1] overlap at shift t if b0 - a1 < t < b1 - a0.
 # Bodies need not be convex: a chair may stand under a table.
 
 Numbers = NDArray[np.int64]

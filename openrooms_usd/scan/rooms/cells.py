@@ -2,8 +2,8 @@
 
 Cells are nodes; the line segment between two cells is an edge whose capacity is its length without
 a wall. The minimum cut is then a closed outline along the walls that bridges gaps in the scan at
-least cost (Boykov and Kolmogorov's graph cuts, on a graph of cells as in Oesau et al., "Indoor
-scene reconstruction using feature sensitive primitive extraction and graph-cut", 2014).
+least cost. The cuts are Boykov and Kolmogorov's. The graph of cells is that of Oesau et al.,
+"Indoor scene reconstruction using feature sensitive primitive extraction and graph-cut", 2014.
 """
 
 from dataclasses import dataclass

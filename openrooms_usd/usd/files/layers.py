@@ -48,7 +48,7 @@ def open_stage(path: Path) -> Usd.Stage:
     if path.suffix.lower() == ".usdz" and path.is_file() and not zipfile.is_zipfile(path):
         # USD reads the first files of an archive that is cut off, and misses the others.
         raise InputError(
-            "the USDZ archive is incomplete", place=path, remedy="copy it again, or export it again"
+            "not a complete USDZ archive", place=path, remedy="copy it again, or export it again"
         )
     # USD caches layers by name as long as they are referenced: they are read once.
     held = preflight.check_stage_file(path, is_whole=True)

@@ -149,7 +149,7 @@ class PreviewSurface:
             a UsdPreviewSurface.
         pane: What the glass of a thin clear pane lets through at normal incidence, by primary; ours
             (`names.MATERIAL_PANE`). Given, the surface is that pane, of ``ior``; its base colour
-            and opacity, below 1, show it elsewhere. None: it is none.
+            and opacity, below 1, show it elsewhere. None if there is none.
         painted: (field, primvar) of those inputs that each mesh has in a primvar: ``base_color``
             of colours, others of numbers. What stands in the field is for meshes without it.
     """
