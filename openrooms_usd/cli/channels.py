@@ -6,7 +6,7 @@ from openrooms_usd.cli.console import echo, json_option, print_json
 
 
 @click.command()
-@click.option("--markdown", is_flag=True, help="Print the page docs/channels.md.")
+@click.option("--markdown", is_flag=True, help="Print the page docs/reference/channels.md.")
 @json_option
 def channels(markdown: bool, as_json: bool) -> None:
     """Print the table of ground-truth channels: what every number in a render means."""

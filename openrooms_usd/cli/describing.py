@@ -69,8 +69,8 @@ def _print_table(title: str, rows: dict[str, str]) -> None:
 def completion(context: click.Context, shell: str) -> None:
     """Print what completes commands and options in a shell.
 
-    For bash, ~/.bashrc has a line: eval "$(orusd completion bash)". docs/installing.md has those of
-    other shells.
+    For bash, ~/.bashrc has a line: eval "$(orusd completion bash)". docs/howto/installing.md
+    has those of other shells.
     """
     from click.shell_completion import get_completion_class
 

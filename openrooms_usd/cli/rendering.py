@@ -72,7 +72,7 @@ _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name no
     "--path",
     "spec",
     metavar="PATH",
-    help="Write a video instead: walk, a camera that moves, or a file of keys (docs/paths.md).",
+    help="Write a video: walk, a camera that moves, or a file of keys (docs/howto/paths.md).",
 )
 @click.option("--duration", type=float, help="Seconds of the video; 10 for a walk.")
 @click.option("--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default.")

@@ -277,7 +277,8 @@ class Dataset(CheckedModel):
     """What a real camera would make of each view, written beside the truth; by default nothing."""
     storage: StorageName = COMPACT
     """How the files of views hold channels: ``compact`` is some seven times smaller, each
-    number of light within a stated share of itself, all else without loss (docs/storage.md)."""
+    number of light within a stated share of itself, all else without loss
+    (docs/reference/storage.md)."""
     outputs: tuple[Output, ...] = ()
     """Forms in which finished rooms are written besides EXR and manifest."""
     splits: Shares = Field(default_factory=Shares)

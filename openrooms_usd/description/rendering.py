@@ -141,7 +141,7 @@ class RenderSettings(Budget, Rendering):
     """Fixes every random number."""
     storage: StorageName = COMPLETE
     """How files hold channels: compact is some seven times smaller, each number of light within a
-    stated share of itself (docs/storage.md)."""
+    stated share of itself (docs/reference/storage.md)."""
     time_code: Annotated[Number, Field(ge=-1e12, le=1e12)] | None = None
     """When a stage that moves is seen, in its time codes; by default at the first sample of
     everything."""

@@ -73,7 +73,7 @@ def opinions_in(layer: Path) -> set[str]:
 
 @pytest.fixture(scope="module")
 def trip(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """The commands of docs/blender.md, and what the stage said before, between and after."""
+    """The commands of docs/howto/blender.md, and what the stage said before, between and after."""
     folder = tmp_path_factory.mktemp("trip")
     described, out = write_starter(folder)[0], folder / "out"
     scene, file = out / "scene.usda", folder / "from_blender.usda"

@@ -88,7 +88,7 @@ def test_the_table_for_people_and_programs():
 
 
 def test_the_page_is_fresh():
-    assert (ROOT / "docs" / "channels.md").read_text("utf-8") == markdown_page()
+    assert (ROOT / "docs/reference/channels.md").read_text("utf-8") == markdown_page()
     assert output_of("channels", "--markdown") == markdown_page()
 
 

@@ -24,7 +24,7 @@ from openrooms_usd.description.schema import (
     schema_text,
 )
 
-TEXT = (Path(__file__).parents[2] / "docs" / "description.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs/reference/description.md").read_text(encoding="utf-8")
 SNIPPETS = re.findall(r"^```yaml\n(.*?)^```$", TEXT, flags=re.MULTILINE | re.DOTALL)
 ROOT = Path(__file__).parents[2]
 VALIDATOR = Draft202012Validator(room_schema())
