@@ -51,8 +51,8 @@ RULES: Final = (
     Rule(
         "units",
         stage_rules.referenced_units,
-        "USD converts no units: orusd edits fit OUT writes the operations that are missing; give a "
-        "file that does not say its units metersPerUnit and upAxis first",
+        "USD converts no units: orusd edit fix-units OUT writes the operations that are missing; "
+        "give a file that does not say its units metersPerUnit and upAxis first",
         advice=True,
     ),
     Rule(

@@ -6,16 +6,22 @@ from typing import Final
 
 import click
 
-from openrooms_usd.cli.console import echo, gathered, json_option, named, print_json
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.console import echo, gathered, named, print_result
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 
 _FLAGS: Final = {"true": True, "false": False}
 
 
-@click.command()
+@click.command(
+    cls=Command, example="orusd convert out/scene.usda room.glb", former={"--to": "--format"}
+)
 @click.argument("stage", type=click.Path(path_type=Path))
 @click.argument("out", type=click.Path(path_type=Path))
-@click.option("--to", metavar="KIND", help="The exporter; by default what OUT's ending says.")
+@click.option(
+    "--format", "to", metavar="KIND", help="The exporter; by default what OUT's ending says."
+)
 @click.option(
     "--option",
     "options",
@@ -32,7 +38,6 @@ _FLAGS: Final = {"true": True, "false": False}
 )
 @click.option("--include-outside", is_flag=True, help="Copy pictures outside STAGE's folder too.")
 @report_option
-@json_option
 def convert(
     stage: Path,
     out: Path,
@@ -42,7 +47,6 @@ def convert(
     include_outside: bool,
     time_code: float | None,
     report_file: Path | None,
-    as_json: bool,
 ) -> None:
     """Write a USD stage in a foreign form to OUT, a file or a folder.
 
@@ -57,14 +61,12 @@ def convert(
     check_report(report_file, stage, out)
     to = to or exporter_of(out)
     asked = _given(options) | ({"profile": profile} if profile else {})
-    with quiet():
+    with quiet(), progress_bar("converting"):
         report = convert_stage(
             stage, out, to=to, options=asked, include_outside=include_outside, time_code=time_code
         )
     write_report(report_file, report)
-    if as_json:
-        print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
-        return
+    print_result({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
     for (outcome, reason), prims in gathered(
         ((outcome, reason), prim) for prim, outcome, reason in report.losses()
     ):

@@ -1,18 +1,23 @@
 """The command ``generate``: the room.yaml of a room from nothing."""
 
 from pathlib import Path
-from typing import Final, get_args
+from typing import TYPE_CHECKING, Final, get_args
 
 import click
 
-from openrooms_usd.cli.console import Choice, command_line, echo, json_option, print_json
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.console import Choice, command_line, echo, print_result
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.styles import InteriorStyle
+
+if TYPE_CHECKING:
+    from openrooms_usd.generation.folders import GeneratedFile
 
 _MOST: Final = 100_000
 
 
-@click.command()
+@click.command(cls=Command, example="orusd generate --type bedroom --seed 1 -o bedroom")
 @click.option(
     "--type",
     "room_type",
@@ -47,7 +52,6 @@ _MOST: Final = 100_000
     show_default=True,
     help="How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.",
 )
-@json_option
 def generate(
     room_type: str,
     seed: int,
@@ -56,7 +60,6 @@ def generate(
     area: float | None,
     style: InteriorStyle | None,
     clutter: int,
-    as_json: bool,
 ) -> None:
     """Make a room from nothing: walls, openings, furniture, lamps and cameras in OUT/room.yaml.
 
@@ -65,13 +68,14 @@ def generate(
     """
     from openrooms_usd.generation.folders import generate_rooms
 
-    made = generate_rooms(
-        room_type, seed, out, count=count, area=area, style=style, clutter=clutter
-    )
-    rooms = list(made)
-    if as_json:
-        print_json({"rooms": [room.as_dict() for room in rooms]})
-        return
+    rooms: list[GeneratedFile] = []
+    with progress_bar("generating") as progress:
+        for room in generate_rooms(
+            room_type, seed, out, count=count, area=area, style=style, clutter=clutter
+        ):
+            rooms.append(room)
+            progress(room.file.parent.name, len(rooms) / (count or 1))
+    print_result({"rooms": [room.as_dict() for room in rooms]})
     for room in rooms:
         echo(f"wrote {room.file}: {room.made.shell.area:.1f} m2, {room.objects} objects")
     echo(f"next: {command_line('orusd', 'compose', rooms[0].file, '-o', 'OUT')}")

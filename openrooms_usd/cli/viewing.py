@@ -5,6 +5,7 @@ from typing import Any, Final
 
 import click
 
+from openrooms_usd.cli.command import Command
 from openrooms_usd.cli.pages import page_options, show
 from openrooms_usd.errors import InputError
 from openrooms_usd.view.app import App
@@ -12,10 +13,15 @@ from openrooms_usd.view.app import App
 _STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    example="orusd view out/scene.usda --export room.html",
+    former={"--light": "--lightmaps"},
+)
 @click.argument("what", type=click.Path(path_type=Path), metavar="STAGE|RENDER|SCAN")
 @click.option(
-    "--light",
+    "--lightmaps",
+    "light",
     type=click.Path(path_type=Path),
     metavar="LIT",
     multiple=True,

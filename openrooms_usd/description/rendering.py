@@ -77,9 +77,11 @@ class Budget(CheckedModel):
 
     samples: Annotated[Whole, Field(ge=1, le=2**20), Option("--spp")] | None = None
     """Samples a pixel; 64 where neither an error nor a time is given."""
-    error: Annotated[Number, Field(ge=1e-9, le=1e3)] | None = None
+    error: Annotated[Number, Field(ge=1e-9, le=1e3), Option("--target-error")] | None = None
     """Stop at this estimated robust error of the radiance."""
-    seconds: Annotated[Number, Field(ge=1e-3, le=1e7), Option("--time", "seconds")] | None = None
+    seconds: (
+        Annotated[Number, Field(ge=1e-3, le=1e7), Option("--max-seconds", "seconds")] | None
+    ) = None
     """Stop each view after about this time; how much is done in it no two runs have alike."""
 
     @classmethod

@@ -112,8 +112,9 @@ def refuse_foreign(scene: Path) -> None:
         raise StageError(
             f"another program has saved into this file, which compose writes: {foreign}",
             place=scene,
-            remedy=f"orusd edits adopt {scene} moves it into {names.LAYERS}/{names.EDITS}.usda; "
-            "or remove the file, and compose writes it as it was",
+            remedy=f"orusd edit import-changes {scene} moves it into "
+            f"{names.LAYERS}/{names.EDITS}.usda; or remove the file, and compose writes it as it "
+            "was",
         )
 
 

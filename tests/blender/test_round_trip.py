@@ -80,7 +80,7 @@ def trip(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> dict[str
     output_of("compose", described, "-o", out)
     before = said_by(scene)
     blender("visited", scene, paint=PAINT, lux=LUX, degrees=DEGREES, file=str(file))
-    output_of("edits", "adopt", scene, "--from", file)
+    output_of("edit", "import-changes", scene, "--from", file)
     adopted, edits = said_by(scene), (out / "layers/edits.usda").read_bytes()
     output_of("compose", described, "-o", out)
     composed = said_by(scene)
