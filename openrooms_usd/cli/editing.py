@@ -64,7 +64,9 @@ def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:
     """Correct the walls, doors, windows and height of a room over the points of its scan."""
     from openrooms_usd.view.plan.session import Session, room_file
 
-    show(Session(room_file(source, out, importer)).app(), **where)
+    with progress_bar("reading"):
+        page = Session(room_file(source, out, importer)).app()
+    show(page, **where)
 
 
 @edit.command(example="orusd edit materials out/scene.usda")
@@ -77,7 +79,9 @@ def materials(room: Path, description: Path | None, out: Path | None, **where: A
     from openrooms_usd.view.corrections import corrections
     from openrooms_usd.view.materials import materials_app
 
-    show(materials_app(corrections(room, description, out)), **where)
+    with progress_bar("reading"):
+        page = materials_app(corrections(room, description, out))
+    show(page, **where)
 
 
 @edit.command(example="orusd edit objects out/scene.usda")
@@ -90,7 +94,9 @@ def objects(room: Path, description: Path | None, out: Path | None, **where: Any
     from openrooms_usd.view.corrections import corrections
     from openrooms_usd.view.objects import objects_app
 
-    show(objects_app(corrections(room, description, out)), **where)
+    with progress_bar("reading"):
+        page = objects_app(corrections(room, description, out))
+    show(page, **where)
 
 
 @edit.command("import-changes", example="orusd edit import-changes out/scene.usda --dry-run")

@@ -10,6 +10,7 @@ from openrooms_usd.cli.command import Command
 from openrooms_usd.cli.console import Choice, command_line, echo, print_result
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.styles import InteriorStyle
+from openrooms_usd.progress import Counted
 
 if TYPE_CHECKING:
     from openrooms_usd.generation.folders import GeneratedFile
@@ -74,7 +75,8 @@ def generate(
             room_type, seed, out, count=count, area=area, style=style, clutter=clutter
         ):
             rooms.append(room)
-            progress(room.file.parent.name, len(rooms) / (count or 1))
+            what = Counted(room.file.parent.name, len(rooms), count or 1)
+            progress(what, what.number / what.total)
     print_result({"rooms": [room.as_dict() for room in rooms]})
     for room in rooms:
         echo(f"wrote {room.file}: {room.made.shell.area:.1f} m2, {room.objects} objects")

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 import click
 
+from openrooms_usd.cli.bar import progress_bar
 from openrooms_usd.cli.command import Command
 from openrooms_usd.cli.pages import page_options, show
 from openrooms_usd.errors import InputError
@@ -64,7 +65,9 @@ def view(
     reads.
     """
     more = {"light": light, "include_outside": include_outside, "photographs": photographs}
-    show(_page(what, render, importer, **more), **where)
+    with progress_bar("reading"):
+        page = _page(what, render, importer, **more)
+    show(page, **where)
 
 
 def _page(what: Path, render: Path | None = None, importer: str = "scan", **more: Any) -> App:
