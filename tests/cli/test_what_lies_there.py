@@ -3,6 +3,7 @@
 A new command without a case fails, since the commands are asked for what they take.
 """
 
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -276,6 +277,18 @@ def check(case: Case, stock: Path, tmp_path: Path, tried: Callable[[list[str]], 
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.slow])
 def test_only_what_is_ours_and_unchanged_gives_way(name: str, stock: Path, tmp_path: Path) -> None:
     check(CASES[name], stock, tmp_path, lambda names: names[:1])
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.slow])
+def test_they_are_quiet_or_print_json_alone(name: str, stock: Path, tmp_path: Path) -> None:
+    (tmp_path / "here").mkdir()
+    command = words(CASES[name].words, stock, tmp_path / "here")
+    assert output_of(*command, "--quiet") == ""
+    done = run(*command, "--json")
+    assert done.exit_code == 0 and isinstance(json.loads(done.stdout), dict)
+    shown = run(*command, "--verbose")
+    assert shown.stdout and (" s  " in shown.stderr or name in ("init", "dataset plan"))
 
 
 @pytest.mark.slow
