@@ -12,34 +12,48 @@ from openrooms_usd.cli.console import print_json
 from openrooms_usd.errors import OrusdError
 from openrooms_usd.version import __version__
 
-# command: (module, attribute, one line of help). The help stands here, because listing the
-# commands must not import them.
-_COMMANDS: Final = {
-    "demo": ("composing", "demo", "Compose and render the bundled example."),
-    "init": ("describing", "init", "Write a small room.yaml to start from."),
-    "doctor": ("describing", "doctor", "Say what this machine can do, and what it lacks."),
-    "schema": ("describing", "schema", "Print the JSON Schema of room.yaml or dataset.yaml."),
-    "completion": ("describing", "completion", "Print what completes commands in a shell."),
-    "channels": ("channels", "channels", "Print the table of ground-truth channels."),
-    "import": ("importing", "import_", "Turn a capture into a room.yaml."),
-    "generate": ("generating", "generate", "Write the room.yaml of a room from nothing."),
-    "compose": ("composing", "compose", "Run the stages and stack their layers."),
-    "edit": ("editing", "edit", "Correct a room in the browser; keep changes of other programs."),
-    "validate": ("validating", "validate", "Check a USD stage."),
-    "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
-    "compare": ("comparing", "compare", "Put renders beside the photographs of a capture."),
-    "view": ("viewing", "view", "Look at a room in the browser."),
-    "simulate": ("simulating", "simulate", "Let a room settle under gravity."),
-    "dataset": ("datasets", "dataset", "Make datasets: many rooms by one file, or of renders."),
-    "relight": ("lighting", "relight", "Turn the lights of a finished render."),
-    "probe": ("lighting", "probe", "Make light probes: panoramas and spherical harmonics."),
-    "bake": ("baking", "bake", "Write the light as lightmaps, for real-time engines."),
-    "labels": ("labelling", "labels", "Write what a render shows as COCO or boxes."),
-    "library": ("libraries", "library", "Furniture: a list of it, or a picture."),
-    "materials": ("materials", "materials", "Procedural materials: a list, or pictures."),
-    "convert": ("converting", "convert", "Write a USD stage in a foreign form."),
+# section: command: (module, attribute, one line of help). The help stands here, because listing
+# the commands must not import them.
+_SECTIONS: Final = {
+    "Getting started": {
+        "demo": ("composing", "demo", "Compose and render the bundled example."),
+        "init": ("describing", "init", "Write a small room.yaml to start from."),
+        "doctor": ("describing", "doctor", "Say what this machine can do, and what it lacks."),
+        "completion": ("describing", "completion", "Print what completes commands in a shell."),
+    },
+    "Rooms": {
+        "import": ("importing", "import_", "Turn a capture into a room.yaml."),
+        "generate": ("generating", "generate", "Write the room.yaml of a room from nothing."),
+        "compose": ("composing", "compose", "Run the stages and stack their layers."),
+        "edit": (
+            "editing",
+            "edit",
+            "Correct a room in the browser; keep changes of other programs.",
+        ),
+        "simulate": ("simulating", "simulate", "Let a room settle under gravity."),
+        "validate": ("validating", "validate", "Check a USD stage."),
+    },
+    "Rendering and light": {
+        "render": ("rendering", "render", "Render the cameras of a USD stage with ground truth."),
+        "relight": ("lighting", "relight", "Turn the lights of a finished render."),
+        "probe": ("lighting", "probe", "Make light probes: panoramas and spherical harmonics."),
+        "bake": ("baking", "bake", "Write the light as lightmaps, for real-time engines."),
+        "compare": ("comparing", "compare", "Put renders beside the photographs of a capture."),
+    },
+    "Viewing and export": {
+        "view": ("viewing", "view", "Look at a room in the browser."),
+        "labels": ("labelling", "labels", "Write what a render shows as COCO or boxes."),
+        "dataset": ("datasets", "dataset", "Make datasets: many rooms by one file, or of renders."),
+        "convert": ("converting", "convert", "Write a USD stage in a foreign form."),
+    },
+    "Libraries and formats": {
+        "library": ("libraries", "library", "Furniture: a list of it, or a picture."),
+        "materials": ("materials", "materials", "Procedural materials: a list, or pictures."),
+        "channels": ("channels", "channels", "Print the table of ground-truth channels."),
+        "schema": ("describing", "schema", "Print the JSON Schema of room.yaml or dataset.yaml."),
+    },
 }
-
+_COMMANDS: Final = {name: row for rows in _SECTIONS.values() for name, row in rows.items()}
 
 # Commands that had other names, and those of `edit` that `annotate` had.
 _FORMER: Final = {"annotate": "edit", "edits": "edit"}
@@ -89,8 +103,9 @@ class LazyGroup(Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands from the table alone."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, row[2]) for name, row in _COMMANDS.items()])
+        for title, rows in _SECTIONS.items():
+            with formatter.section(title):
+                formatter.write_dl([(name, row[2]) for name, row in rows.items()])
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the options and the example, then the exit codes."""

@@ -15,10 +15,11 @@ _FLAGS: Final = {"true": True, "false": False}
 
 
 @click.command(
-    cls=Command, example="orusd convert out/scene.usda room.glb", former={"--to": "--format"}
+    cls=Command, example="orusd convert out/scene.usda -o room.glb", former={"--to": "--format"}
 )
-@click.argument("stage", type=click.Path(path_type=Path))
-@click.argument("out", type=click.Path(path_type=Path))
+@click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
+@click.argument("place", type=click.Path(path_type=Path), metavar="[OUT]", required=False)
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="A file or a folder.")
 @click.option(
     "--format", "to", metavar="KIND", help="The exporter; by default what OUT's ending says."
 )
@@ -40,7 +41,8 @@ _FLAGS: Final = {"true": True, "false": False}
 @report_option
 def convert(
     stage: Path,
-    out: Path,
+    place: Path | None,
+    out: Path | None,
     to: str | None,
     options: tuple[str, ...],
     profile: str | None,
@@ -48,8 +50,9 @@ def convert(
     time_code: float | None,
     report_file: Path | None,
 ) -> None:
-    """Write a USD stage in a foreign form to OUT, a file or a folder.
+    """Write a USD stage in a foreign form.
 
+    OUT is a file or a folder, given by -o or as the second argument.
     KIND is mitsuba, gltf, usdz, urdf, mjcf, usdphysics, openrooms-xml, or what another installed
     exporter is called; without it .glb is gltf, .usdz usdz, .xml and folders mitsuba. --profile is
     short for --option profile=NAME. What could not be translated whole is listed with the reason;
@@ -58,6 +61,10 @@ def convert(
     from openrooms_usd.exporters import convert_stage, exporter_of
     from openrooms_usd.usd.files.diagnostics import quiet
 
+    given = [path for path in (out, place) if path]
+    if len(given) != 1:
+        raise click.UsageError("give one file or folder to write: -o OUT")
+    (out,) = given
     check_report(report_file, stage, out)
     to = to or exporter_of(out)
     asked = _given(options) | ({"profile": profile} if profile else {})

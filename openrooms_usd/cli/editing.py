@@ -99,8 +99,8 @@ def objects(room: Path, description: Path | None, out: Path | None, **where: Any
     show(page, **where)
 
 
-@edit.command("import-changes", example="orusd edit import-changes out/scene.usda --dry-run")
-@click.argument("scene", type=click.Path(path_type=Path), metavar="OUT/scene.usda")
+@edit.command("import-changes", example="orusd edit import-changes out --dry-run")
+@click.argument("scene", type=click.Path(path_type=Path), metavar="OUT")
 @click.option(
     "--from",
     "saved",
@@ -117,7 +117,8 @@ def import_changes(scene: Path, saved: Path | None, dry_run: bool) -> None:
     from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar("comparing"):
-        adoption = move(scene, saved, dry_run=dry_run)
+        file = scene / names.SCENE if scene.is_dir() else scene
+        adoption = move(file, saved, dry_run=dry_run)
     print_result(adoption.as_dict())
     _print(adoption, dry_run)
 

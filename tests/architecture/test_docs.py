@@ -87,6 +87,7 @@ def test_the_commands_of_a_document_run_in_order(document: Path, tmp_path: Path)
             check=False,
         )
         assert done.returncode == 0, f"$ {command}\n{done.stdout}{done.stderr}"
+        assert "` is called `" not in done.stderr, f"a former name: {command}\n{done.stderr}"
 
 
 @pytest.mark.slow

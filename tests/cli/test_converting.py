@@ -176,3 +176,12 @@ def test_losses_that_say_the_same_are_one_line(tmp_path: Path) -> None:
     (line,) = (line for line in said if "shadows are sharp" in line)
     named = "/World/Sun_0, /World/Sun_1, /World/Sun_2 and 2 more"
     assert line.startswith(f"approximated 5 x: {named}: its angle")
+
+
+def test_the_file_is_named_by_an_option_or_as_second(stage: Path, tmp_path: Path) -> None:
+    for words in (("-o", tmp_path / "a.glb"), (tmp_path / "b.glb",)):
+        output_of("convert", stage, *words)
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
+    for words in ((), ("-o", tmp_path / "c.glb", tmp_path / "d.glb")):
+        done = run("convert", stage, *words)
+        assert done.exit_code == 2 and "one file or folder to write: -o OUT" in done.output

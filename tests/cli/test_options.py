@@ -67,6 +67,8 @@ def test_every_command_takes_the_three_options(path: tuple[str, ...]) -> None:
     assert all(flag in shared for names in SHARED.values() for flag in names)
     assert set(re.findall(r"^(\w[\w ']*):$", said, re.M)) <= {
         *("Commands", "Options", "Global options", "Example", "Exit codes"),
+        *("Getting started", "Rooms", "Rendering and light"),
+        *("Viewing and export", "Libraries and formats"),
         *("Light", "Quality", "Camera", "Renderer", "Video", "OpenRooms' files", "Page"),
     }
 

@@ -84,9 +84,8 @@ def test_a_stage_of_others_cannot_colour_its_report(tmp_path: Path) -> None:
 
 
 def test_every_importer_says_what_it_reads() -> None:
-    listed = (
-        run("import", "--help").output.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()
-    )
+    shown = run("import", "--help").output.partition("Commands:\n")[2]
+    listed = shown.partition("\n\n")[0].splitlines()
     said = [
         line.split(maxsplit=1)[1] for line in listed if line.startswith("  ") and line[2] != " "
     ]

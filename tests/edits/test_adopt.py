@@ -187,7 +187,7 @@ def test_what_is_no_usd_is_refused(place: Any, name: str) -> None:
 def test_the_command_tells_what_it_does(place: Any) -> None:
     save_over(place)
     before = place.tree()
-    call = ["edit", "import-changes", str(place.scene)]
+    call = ["edit", "import-changes", str(place.out)]
     tried = run(*call, "--dry-run").output
     assert f"changed  {SOFA}: xformOp:translate, variantSelection\n" in tried
     assert "would move what is said about 5 prims" in tried
