@@ -7,7 +7,7 @@ import click
 
 from openrooms_usd.cli.bar import progress_bar
 from openrooms_usd.cli.command import Command
-from openrooms_usd.cli.console import asked, echo, print_result
+from openrooms_usd.cli.console import asked, echo, print_result, warn
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings
 
@@ -91,7 +91,7 @@ def _print(found: "Comparison") -> None:
     if found.missing:
         count, first = len(found.missing), found.missing[0]
         said = f"{count} photographs were not found, such as {first}: name their folder by"
-        echo(f"{said} --photographs DIR", err=True)
+        warn(f"{said} --photographs DIR")
     echo(f"wrote {found.out / 'contact_sheet.png'} and comparison.json")
 
 
