@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.command import Command, folder_option
 from openrooms_usd.cli.console import echo, print_result
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings
@@ -13,7 +13,7 @@ from openrooms_usd.description.rendering import RenderSettings
 
 @click.command(cls=Command, example="orusd bake out/scene.usda -o lit --spp 16")
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--texel",
     type=float,

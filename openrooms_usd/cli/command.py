@@ -1,6 +1,7 @@
 """What all commands share: three options, help in sections with an example, and former names."""
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import click
@@ -23,6 +24,17 @@ _GLOBAL_FLAGS: Final = {
     ("-v", "--verbose"): "Print every note and name in full, and the time of each step.",
     ("--json",): "Print the result as one JSON document, and nothing else on standard output.",
 }
+
+
+folder_option: Final = click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="DIR",
+    help="Output folder.",
+)
+"""Where a command writes several files."""
 
 
 def section(title: str, *options: Callable[[Any], Any]) -> Callable[[Function], Function]:

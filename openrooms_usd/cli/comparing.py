@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.command import Command, folder_option
 from openrooms_usd.cli.console import asked, echo, print_result, warn
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     former={"--room": "--description"},
 )
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--description",
     type=click.Path(path_type=Path),
@@ -35,9 +35,23 @@ if TYPE_CHECKING:
     metavar="DIR",
     help="Where the pictures lie; by default where the capture does.",
 )
-@click.option("--frame", "frames", multiple=True, metavar="ID", help="Repeatable.")
-@click.option("--count", type=int, default=8, show_default=True, help="Frames, evenly spread.")
-@click.option("--width", type=int, default=480, show_default=True, help="Of pictures, pixels.")
+@click.option(
+    "--frame",
+    "frames",
+    multiple=True,
+    metavar="ID",
+    help="A photograph to compare with. Repeatable.",
+)
+@click.option(
+    "--count",
+    type=int,
+    default=8,
+    show_default=True,
+    help="Photographs to compare with, evenly spread.",
+)
+@click.option(
+    "--width", type=int, default=480, show_default=True, help="Width of pictures, pixels."
+)
 @settings_options(
     "samples",
     "seed",

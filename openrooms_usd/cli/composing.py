@@ -8,7 +8,7 @@ import click
 
 from openrooms_usd import names
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.command import Command, folder_option
 from openrooms_usd.cli.console import (
     Choice,
     command_line,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @click.command(cls=Command, example="orusd compose my_room/room.yaml -o out")
 @click.argument("description", type=click.Path(path_type=Path), metavar="ROOM.yaml")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option("--only", type=Choice(names.STAGES), help="Run this stage alone.")
 @click.option("--flatten", is_flag=True, help="Also write scene.usdc, one layer.")
 @click.option("--usdz", is_flag=True, help="Also write scene.usdz, one file.")

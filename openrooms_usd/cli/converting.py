@@ -28,7 +28,7 @@ _FLAGS: Final = {"true": True, "false": False}
     "options",
     multiple=True,
     metavar="NAME=VALUE",
-    help="What to ask of the exporter; may be repeated.",
+    help="An option of the exporter. Repeatable.",
 )
 @click.option("--profile", metavar="NAME", help="Of a USDZ file: default, exchange or arkit.")
 @click.option(

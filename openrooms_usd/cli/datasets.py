@@ -125,7 +125,7 @@ def plan(file: Path, out: Path | None) -> None:
     multiple=True,
     callback=pairs_of,
     metavar="NAME=VALUE",
-    help="Something that this executor can be asked for. Repeatable.",
+    help="An option of the executor. Repeatable.",
 )
 def run(
     file: Path,
@@ -289,7 +289,13 @@ def _number(value: float) -> str:
     help="What a render is, once for each: main_xml, mainDiffMat_xml, "
     "mainDiffLight_xml, or these with xml1.",
 )
-@click.option("--subset", type=Choice(["train", "val", "test"]), default="train", show_default=True)
+@click.option(
+    "--subset",
+    type=Choice(["train", "val", "test"]),
+    default="train",
+    show_default=True,
+    help="Which part of the dataset the scene belongs to.",
+)
 @click.option(
     "--layout",
     type=Choice(["split", "merged"]),

@@ -57,7 +57,8 @@ def edit() -> None:
     "--importer",
     default="scan",
     show_default=True,
-    help="What reads the SCAN: a kind of `orusd import`.",
+    metavar="KIND",
+    help="What reads SCAN: a kind of `orusd import`.",
 )
 @page_options
 def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:

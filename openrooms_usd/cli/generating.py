@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final, get_args
 import click
 
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.command import Command, folder_option
 from openrooms_usd.cli.console import Choice, command_line, echo, print_result
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.styles import InteriorStyle
@@ -34,7 +34,7 @@ _MOST: Final = 100_000
     show_default=True,
     help="Fixes everything that is drawn.",
 )
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--count",
     type=click.IntRange(1, _MOST),

@@ -9,7 +9,7 @@ import click
 from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.capture import Importer, option_paths
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command, Group
+from openrooms_usd.cli.command import Command, Group, folder_option
 from openrooms_usd.cli.console import command_line, echo, echo_notes, print_result
 
 if TYPE_CHECKING:
@@ -50,9 +50,7 @@ def _command(kind: str) -> click.Command:
         },
     )
     @click.argument("source", type=click.Path(path_type=Path))
-    @click.option(
-        "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder to write to."
-    )
+    @folder_option
     def command(source: Path, out: Path, **options: str | None) -> None:
         """Check that SOURCE reads, copy it into a folder and describe the room in room.yaml."""
         from openrooms_usd.importing import import_capture

@@ -18,8 +18,22 @@ from openrooms_usd.cli.console import Choice, echo, print_result
 @click.argument(
     "renders", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RENDER..."
 )
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="A JSON file.")
-@click.option("--format", "form", type=Choice(["coco", "boxes"]), default="coco", show_default=True)
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    required=True,
+    metavar="FILE.json",
+    help="The file to write.",
+)
+@click.option(
+    "--format",
+    "form",
+    type=Choice(["coco", "boxes"]),
+    default="coco",
+    show_default=True,
+    help="What to write; boxes are of one RENDER.",
+)
 @click.option(
     "--taxonomy",
     "taxonomy",

@@ -52,9 +52,21 @@ def list_() -> None:
     metavar="FILE.png",
     help="The picture to write.",
 )
-@click.option("--category", "categories", multiple=True, metavar="NAME", help="Repeatable.")
+@click.option(
+    "--category",
+    "categories",
+    multiple=True,
+    metavar="NAME",
+    help="What to draw; all by default. Repeatable.",
+)
 @click.option("--all", "every_style", is_flag=True, help="Every style, not one a category.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="Fixes every random number.",
+)
 @click.option(
     "--size",
     type=click.IntRange(16, 2048),

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.command import Command, folder_option
 from openrooms_usd.cli.console import echo, print_result
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings
@@ -49,7 +49,7 @@ def _positions(
     cls=Command, example="orusd relight renders/overview -o evening --light window_0=off"
 )
 @click.argument("view", type=click.Path(path_type=Path), metavar="VIEW")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--light",
     "scales",
@@ -85,7 +85,7 @@ def relight(view: Path, out: Path, scales: dict[str, float], kelvin: dict[str, f
 
 @click.command(cls=Command, example="orusd probe out/scene.usda -o probes --at 1.0,2.0,1.5")
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--at",
     multiple=True,

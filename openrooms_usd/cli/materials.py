@@ -55,9 +55,19 @@ def list_() -> None:
     help="Folder for the pictures, one a substance.",
 )
 @click.option(
-    "--substance", "substances", multiple=True, type=_SUBSTANCES, help="Repeatable; all by default."
+    "--substance",
+    "substances",
+    multiple=True,
+    type=_SUBSTANCES,
+    help="What to draw; all by default. Repeatable.",
 )
-@click.option("--number", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--number",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="Which material of each family.",
+)
 @click.option(
     "--size",
     type=click.IntRange(16, 2048),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import click
 
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command, section
+from openrooms_usd.cli.command import Command, folder_option, section
 from openrooms_usd.cli.console import Choice, asked, echo, gathered, most, named, print_result, warn
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.cli.settings import RENDERER, settings_options
@@ -57,8 +57,14 @@ _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name no
     former={"--error": "--target-error", "--time": "--max-seconds"},
 )
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--camera", "cameras", multiple=True, metavar="NAME_OR_PATH", help="Repeatable.")
+@folder_option
+@click.option(
+    "--camera",
+    "cameras",
+    multiple=True,
+    metavar="NAME_OR_PATH",
+    help="A camera to render; all by default. Repeatable.",
+)
 @settings_options(
     *_SETTINGS,
     shorthands={

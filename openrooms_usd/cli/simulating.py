@@ -30,6 +30,7 @@ _WARNED_FROM_MM = 10.0
     "-o",
     "--out",
     type=click.Path(path_type=Path),
+    metavar="LAYER",
     help="The layer to write; of a composed room by default layers/settled.usda.",
 )
 @click.option("--engine", default="mujoco", show_default=True, help="mujoco or pybullet.")

@@ -42,7 +42,11 @@ _STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
     help="Where the photographs of STAGE's capture lie.",
 )
 @click.option(
-    "--importer", default="scan", show_default=True, metavar="KIND", help="What reads SCAN."
+    "--importer",
+    default="scan",
+    show_default=True,
+    metavar="KIND",
+    help="What reads SCAN: a kind of `orusd import`.",
 )
 @click.option(
     "--include-outside",

@@ -74,6 +74,13 @@ def test_every_command_takes_the_three_options(path: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize("path", LEAVES, ids=" ".join)
+def test_every_option_says_what_it_is(path: tuple[str, ...]) -> None:
+    for option in LEAVES[path].params:
+        if isinstance(option, click.Option):
+            assert len((option.help or "").removesuffix("Repeatable.").split()) > 1, option.opts
+
+
+@pytest.mark.parametrize("path", LEAVES, ids=" ".join)
 def test_every_command_has_an_example_that_is_one_of_it(path: tuple[str, ...]) -> None:
     example = LEAVES[path].example
     assert example and f"Example:\n  {example}\n" in output_of(*path, "--help")
