@@ -1,5 +1,6 @@
 """The commands of ``edit``: pages that correct a room, and the layer of what people changed."""
 
+import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -118,7 +119,8 @@ def import_changes(scene: Path, saved: Path | None, dry_run: bool) -> None:
     from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet(), progress_bar("comparing"):
-        file = scene / names.SCENE if scene.is_dir() else scene
+        inside = scene / names.SCENE
+        file = inside if os.path.lexists(inside) else scene
         adoption = move(file, saved, dry_run=dry_run)
     print_result(adoption.as_dict())
     _print(adoption, dry_run)
