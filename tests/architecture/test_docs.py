@@ -14,7 +14,7 @@ from typing import NamedTuple
 import pytest
 import yaml
 
-from docs import api
+from docs import api, reference_pages
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [
@@ -176,3 +176,9 @@ def test_the_architecture_names_every_chapter() -> None:
 
 def test_the_reference_of_python_says_what_the_docstrings_say() -> None:
     assert api.PAGE.read_text(encoding="utf-8") == api.page(), "run: python -m docs.api"
+
+
+@pytest.mark.parametrize("name", reference_pages.PAGES)
+def test_the_reference_says_what_commands_models_and_errors_say(name: str) -> None:
+    shown = (reference_pages.FOLDER / name).read_text(encoding="utf-8")
+    assert shown == reference_pages.PAGES[name](), "run: python -m docs.reference_pages"

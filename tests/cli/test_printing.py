@@ -113,7 +113,7 @@ def test_notes_and_findings_that_say_the_same_are_one_line(
 
 
 def test_the_documented_exit_codes_are_those_that_there_are() -> None:
-    text = (ROOT / "docs/howto/installing.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/reference/errors.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (\d+) \| (.*) \|$", text, flags=re.MULTILINE)
     assert {int(code): meaning for code, meaning in rows} == EXIT_CODES
     kinds = [OrusdError]
