@@ -249,4 +249,4 @@ PHYSX_RULES: Final = (
     Rule("joint-limits", joint_limits, "put the joint's zero into the middle of its way"),
     Rule("joint-drive", drives, "units are N m/degree and degrees, or N/m and metres"),
 )
-"""In the order of docs/howto/robots.md."""
+"""In the order of docs/reference/physics.md."""
