@@ -7,7 +7,8 @@ from types import UnionType
 from typing import Annotated, Any, Final, Literal, NamedTuple, Union, get_args, get_origin
 
 from pydantic import BeforeValidator
-from pydantic.fields import FieldInfo, PydanticUndefined
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
 
 from openrooms_usd.description import moments, units
 from openrooms_usd.description.categories import LibraryCategory
@@ -204,7 +205,9 @@ def _type(annotation: Any, titles: dict[type[Model], str], metadata: Sequence[An
     if annotation is str and any(getattr(one, "pattern", None) for one in metadata):
         return "prim name"
     if origin is Annotated:
-        return _type(parts[0], titles, parts[1:])
+        said = [one.description for one in parts[1:] if isinstance(one, FieldInfo)]
+        kind = _type(parts[0], titles, parts[1:])
+        return f"{kind} ({said[0]})" if any(said) else kind
     if origin is Literal:
         return _LISTED.get(parts) or ", ".join(_choices(annotation))
     if origin in (Union, UnionType):
