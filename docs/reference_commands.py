@@ -40,6 +40,8 @@ def _command(command: click.Command, context: click.Context) -> Iterator[str]:
     yield f"{'#' * (len(words) + 1)} orusd {' '.join(words)}\n"
     yield f"```text\n{_usage(command, context)}\n```\n"
     yield from (f"{_prose(text)}\n" for text in _paragraphs(command))
+    if example := getattr(command, "example", None):
+        yield f"Example: `{example}`\n"
     options = [one for one in command.params if isinstance(one, click.Option) and not one.hidden]
     if options:
         yield "| option | default | meaning |\n|---|---|---|"
