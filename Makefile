@@ -13,7 +13,7 @@ export PIP_ROOT_USER_ACTION := ignore
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test slow long scalar venv lint types unit check benchmarks fuzz pictures clean
+.PHONY: help demo test slow long scalar venv lint types unit check benchmarks fuzz docs pictures clean
 
 help:
 	@echo "make demo        compose and render the bundled example into out/demo"
@@ -25,6 +25,7 @@ help:
 	@echo "make check       ruff and mypy"
 	@echo "make benchmarks  print the tables of the README and write them to out/benchmarks"
 	@echo "make fuzz        give broken and hostile input of every kind to every command, and 2,000 stages"
+	@echo "make docs        build the documentation into out/site"
 	@echo "make pictures    draw the pictures of the documentation"
 	@echo "make venv        set up .venv with the tools for development"
 	@echo "make clean       remove .venv and those of the tests, out and caches"
@@ -72,11 +73,15 @@ fuzz: .venv/installed-dev
 	ORUSD_STAGES=2000 $(PYTEST) tests/anystage
 	$(BIN)/python -m tests.fuzz --cases 20000 --keep out/fuzz/bad --json out/fuzz/tally.json
 
+docs: .venv-docs/installed
+	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/mkdocs build --quiet
+	@echo "out/site/index.html"
+
 pictures: .venv/installed-dev
 	$(BIN)/python -m docs.pictures
 
 clean:
-	rm -rf .venv .venv-blender .venv-newton .venv-torch .venv-physx .venv-mujoco-usd .venv-colmap .venv-usdchecker .node-gltf out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-blender .venv-newton .venv-torch .venv-physx .venv-mujoco-usd .venv-colmap .venv-docs .venv-usdchecker .node-gltf out dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 .venv/installed: pyproject.toml
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer is needed and none was found:" \
@@ -88,6 +93,13 @@ clean:
 	@$(BIN)/python -m pip install --quiet --editable ".[denoise]" || { echo "without the denoiser:" \
 		"pictures stay noisy"; $(BIN)/python -m pip install --quiet --editable .; }
 	@$(BIN)/orusd doctor > .venv/doctor.txt || { cat .venv/doctor.txt; exit 1; }
+	@touch $@
+
+# The site needs none of what the toolkit needs.
+.venv-docs/installed: pyproject.toml
+	@test -x .venv-docs/bin/pip || $(PYTHON) -m venv .venv-docs
+	.venv-docs/bin/python -m pip install --quiet --upgrade "pip>=25.1"
+	.venv-docs/bin/python -m pip install --quiet --group docs
 	@touch $@
 
 # pip reads dependency groups since 25.1.

@@ -107,9 +107,9 @@ CASES: Final[Mapping[str, Case]] = {
     "compose, physics": Case((_COMPOSE,), _COMPOSE_PHYSICS),
     "render, new": Case((_COMPOSE,), _RENDER),
     "render, again": Case((_COMPOSE, (*_RENDER, "--seed", "7")), (*_RENDER, "--camera", "right")),
-    "simulate": Case((_COMPOSE_PHYSICS,), ("simulate", "{}/out/scene.usda", "--seconds", "0.2")),
+    "simulate": Case((_COMPOSE_PHYSICS,), ("simulate", "{}/out/scene.usda", "--duration", "0.2")),
     "dataset": Case((), (*_DATASET, "--workers", "2")),
-    "adopt": Case((_COMPOSE,), ("edits", "adopt", "{}/out/scene.usda"), _save_over),
+    "adopt": Case((_COMPOSE,), ("edit", "import-changes", "{}/out/scene.usda"), _save_over),
 }
 
 

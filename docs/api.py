@@ -1,4 +1,4 @@
-"""Writes docs/api.md from the docstrings of the public names: ``python -m docs.api``."""
+"""Writes docs/reference/api.md from the docstrings of the public names: ``python -m docs.api``."""
 
 import ast
 import inspect
@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import openrooms_usd as ou
 
-PAGE: Final = Path(__file__).with_name("api.md")
+PAGE: Final = Path(__file__).with_name("reference") / "api.md"
 
 # What public functions give, by the module that defines it: no names of `ou`.
 _GIVEN: Final = {
@@ -23,10 +23,10 @@ _INNER: Final = ("disagreements", "located", "model_post_init")
 _HEAD: Final = """\
 # Reference of the Python interface
 
-Made from the docstrings (`python -m docs.api`). [From Python](python.md) shows how the functions
-belong together. Every error is an `ou.OrusdError`. Paths may be `str` or `Path`; a `Scene`, a
-`Render` and a `View` stand for their files. Poses are (4, 4) matrices for column vectors, from the
-named frame to the world: Z up, metres.
+Made from the docstrings (`python -m docs.api`). [From Python](../tutorials/python.md) shows how the
+functions belong together. Every error is an `ou.OrusdError`. Paths may be `str` or `Path`; a
+`Scene`, a `Render` and a `View` stand for their files. Poses are (4, 4) matrices for column
+vectors, from the named frame to the world: Z up, metres.
 """
 _SECTION: Final = re.compile(
     r"^(Args|Attributes|Returns|Yields|Raises):\n((?:    .*\n|\n(?=    ))+)", re.MULTILINE

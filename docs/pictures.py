@@ -149,7 +149,7 @@ def main() -> None:
     else:
         quality += ("--camera", "view_0")
         # So wide, the tracked file stays below 2 MB.
-        orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise", "--width", "1300")
+        orusd("library", "sheet", "-o", "docs/catalogue.png", "--denoise", "--max-width", "1300")
         light(options.folder, options.spp)
         robot(options.folder)
         report_picture.draw(options.folder / "report", Path("docs/report.png"))

@@ -1,4 +1,4 @@
-"""Writes docs/settings.md from the record of settings: ``python -m docs.render_settings``."""
+"""Writes docs/reference/settings.md from `RenderSettings`: ``python -m docs.render_settings``."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +13,7 @@ from openrooms_usd.description.rendering import (
     option_of,
 )
 
-PAGE: Final = Path(__file__).with_name("settings.md")
+PAGE: Final = Path(__file__).with_name("reference") / "settings.md"
 
 _INTRODUCTION: Final = """\
 # Settings of a render
@@ -22,7 +22,7 @@ Every setting has one name: it is a keyword argument of `ou.render`, `ou.open_re
 like, a field of `ou.RenderSettings`, and an option of `orusd render`. Commands and functions that \
 make something else of a stage take those that make a difference there: `probe`, `bake`, \
 `compare`, `render --path`; `--help` lists them. In a dataset.yaml some stand under `budget`, some \
-under `rendering` ([datasets](datasets.md)). This page is written by `python -m \
+under `rendering` ([datasets](../howto/datasets.md)). This page is written by `python -m \
 docs.render_settings`.
 
 | name | option | type | default | limits | in dataset.yaml | what |

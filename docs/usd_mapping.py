@@ -1,4 +1,4 @@
-"""Writes docs/usd-mapping.md from the table of the package: ``python -m docs.usd_mapping``."""
+"""Writes docs/reference/usd-mapping.md from the package's table: ``python -m docs.usd_mapping``."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Final
 from openrooms_usd.usd import mapping
 from openrooms_usd.usd.mapping import Row
 
-PAGE: Final = Path(__file__).with_name("usd-mapping.md")
+PAGE: Final = Path(__file__).with_name("reference") / "usd-mapping.md"
 
 _INTRODUCTION: Final = """\
 # From USD to pictures

@@ -105,7 +105,8 @@ CHANNELS: Final[dict[str, Channel]] = {
                "the lights, the rest was looked up in the light cache; 1 where there is no "
                "indirect light, and everywhere with --method reference", parts=_ONE),
         _light("environment", "nit", "radiance that arrives at the first hit, the mean over each "
-               "cell's solid angle; tiles of 16 elevations x 32 azimuths (docs/light.md)",
+               "cell's solid angle; tiles of 16 elevations x 32 azimuths "
+               "(docs/explanation/light.md)",
                scope="grid", frame="surface"),
         _light("environment_direct", "nit", "the part of environment that comes straight from "
                "lights", scope="grid", frame="surface"),
@@ -141,9 +142,9 @@ CHANNELS: Final[dict[str, Channel]] = {
                 "1 where the pixel's centre sees a surface, else 0"),
         Channel("friction", _ONE, "half", "1", "", "derived",
                 "static Coulomb coefficient of the first hit, dry, by the substance of its "
-                "material refined by base_color and roughness (docs/friction.md); a material with "
-                "only UsdPhysicsMaterialAPI has that value, one without any the mean of all "
-                "substances; 0 without surface"),
+                "material refined by base_color and roughness (docs/explanation/friction.md); a "
+                "material with only UsdPhysicsMaterialAPI has that value, one without any the "
+                "mean of all substances; 0 without surface"),
         Channel("flow", ("X", "Y"), "float", "px", "image", "derived",
                 "only of a path's frames: how far what the pixel's centre sees is to the right and "
                 "down in the next frame; of the surroundings as if infinitely far; 0 where it is "
@@ -209,7 +210,7 @@ def each(names: Iterable[str], lights: int) -> tuple[str, ...]:
 
 
 def markdown_page() -> str:
-    """The table as the documentation page ``docs/channels.md``."""
+    """The table as the documentation page ``docs/reference/channels.md``."""
     head = (
         "# Channels\n\n"
         "What every number in a render means. `orusd channels` prints this table, "
@@ -218,8 +219,8 @@ def markdown_page() -> str:
         "what there is of every light is in `lights.exr`, with the light's number for `i`; grids "
         "of hemispheres have files of their own. Channels marked `+` must be asked for. Of an "
         "orthographic camera `depth` and `distance` are both measured along the pixel's own ray "
-        "from the plane in which the camera stands (docs/usd.md).\n"
-        "This page is made by `orusd channels --markdown > docs/channels.md`.\n\n"
+        "from the plane in which the camera stands (docs/reference/usd.md).\n"
+        "This page is made by `orusd channels --markdown > docs/reference/channels.md`.\n\n"
         "| channel | parts | stored as | unit | frame | meaning |\n"
         "|---|---|---|---|---|---|\n"
     )

@@ -128,7 +128,7 @@ def compose_room(
         *_about_settled(out, summaries),
         *runner.notes_of(out / names.SCENE),
         *_about_strangers(out, draft),
-        *(f"{misfit}: see orusd edits fit" for misfit in misfits),
+        *(f"{misfit}: see orusd edit fix-units" for misfit in misfits),
     )
     return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans, notes)
 

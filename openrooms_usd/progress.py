@@ -1,9 +1,28 @@
 """How what takes long says how far it is: one shape for all of it."""
 
 from collections.abc import Callable
+from typing import Self
 
 Progress = Callable[[str, float], None]
 """Called with what is being worked on and the finished fraction of the whole, from 0 to 1."""
+
+
+class Counted(str):
+    """The name of what is being worked on, with its number among how many there are."""
+
+    number: int
+    total: int
+
+    def __new__(cls, what: str, number: int, total: int) -> Self:
+        """Name one of several."""
+        named = super().__new__(cls, what)
+        named.number, named.total = number, total
+        return named
+
+    @property
+    def told(self) -> str:
+        """The name and the number, for people."""
+        return f"{self} ({self.number} of {self.total})" if self.total > 1 else str(self)
 
 
 def silent(what: str, fraction: float) -> None:
@@ -22,7 +41,8 @@ def part(progress: Progress, what: str, index: int, count: int) -> Callable[[flo
     Returns:
         Called with the finished fraction of the part.
     """
-    return lambda fraction: progress(what, (index + min(max(fraction, 0.0), 1.0)) / count)
+    named = Counted(what, index + 1, count)
+    return lambda fraction: progress(named, (index + min(max(fraction, 0.0), 1.0)) / count)
 
 
 def nested(progress: Progress, what: str, begin: float, end: float) -> Progress:

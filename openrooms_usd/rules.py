@@ -51,7 +51,7 @@ RULES: Final = (
     Rule(
         "units",
         stage_rules.referenced_units,
-        "USD does not convert units: orusd edits fit OUT writes the missing operations; first "
+        "USD does not convert units: orusd edit fix-units OUT writes the missing operations; first "
         "author metersPerUnit and upAxis in files without units",
         advice=True,
     ),

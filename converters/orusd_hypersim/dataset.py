@@ -25,7 +25,7 @@ _MOST_ROOMS: Final = 100 * _ROOMS
 
 
 class HypersimDataset:
-    """Scenes in the layout of Hypersim (docs/hypersim.md)."""
+    """Scenes in the layout of Hypersim (docs/howto/hypersim.md)."""
 
     takes: Final = "rooms"
     needs: Mapping[str, str] = MappingProxyType({"h5py": "hypersim"})

@@ -144,7 +144,7 @@ class HypersimSource:
 
 
 class HypersimForm:
-    """Hypersim's layout (docs/hypersim.md)."""
+    """Hypersim's layout (docs/howto/hypersim.md)."""
 
     options: Mapping[str, str] = {}
 

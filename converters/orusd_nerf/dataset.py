@@ -136,7 +136,7 @@ def sightings(camera: Camera, depth: Pixels, points: Points) -> Sightings:
 
 
 class NerfDataset:
-    """``transforms.json``, a COLMAP model and plain matrices of the same views (docs/nerf.md)."""
+    """``transforms.json``, a COLMAP model and plain matrices of one render (docs/howto/nerf.md)."""
 
     takes: Final = "render"
     needs: Mapping[str, str] = MappingProxyType({})

@@ -34,7 +34,7 @@ _SCENE: Final = re.compile(r"scene\w{1,60}", re.ASCII)
 
 
 class OpenRoomsDataset:
-    """The files of OpenRooms as released (docs/openrooms.md)."""
+    """The files of OpenRooms as released (docs/howto/openrooms.md)."""
 
     takes: Final = "variants"
     needs: Mapping[str, str] = MappingProxyType({})

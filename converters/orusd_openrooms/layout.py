@@ -36,7 +36,8 @@ class Kind(NamedTuple):
     variants: frozenset[str]
 
 
-# Of a frame: ``<name>_<number><suffix>``. What is not of the release says so in docs/openrooms.md.
+# Of a frame: ``<name>_<number><suffix>``. docs/reference/openrooms-files.md names what the release
+# has not.
 FRAME: Final[dict[str, Kind]] = {
     "im": Kind("Image", ".hdr", _ALL),
     "imbaseColor": Kind("Material", ".png", _MATERIAL),

@@ -221,7 +221,7 @@ class OpenRoomsSource:
 
 
 class OpenRoomsForm:
-    """OpenRooms' files (docs/openrooms.md)."""
+    """OpenRooms' files (docs/howto/openrooms.md)."""
 
     options: Mapping[str, str] = {"order": "of environment maps' channels: legacy, or rgb"}
 

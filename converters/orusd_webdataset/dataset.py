@@ -114,7 +114,7 @@ def _known(view: RenderedView) -> set[str]:
 
 
 class WebDataset:
-    """Shards of each split, and ``shards.json``, which lists them (docs/webdataset.md)."""
+    """Shards of each split, and ``shards.json``, which lists them (docs/howto/webdataset.md)."""
 
     takes: Final = "rooms"
     needs: Mapping[str, str] = MappingProxyType({})

@@ -32,7 +32,7 @@ def render_path(
         scene: A composed room or any USD file.
         out: The folder to write; by default ``paths`` beside the scene.
         path: ``walk`` finds a way past the scene's cameras; else the name of a camera that has
-            time samples, or a file of keys (docs/paths.md).
+            time samples, or a file of keys (docs/howto/paths.md).
         duration: Seconds; by default as long as the path is, 10 for a walk.
         fps: Frames a second; 24 by default.
         frames: Whether to write every frame too, with its ground truth.

@@ -162,7 +162,8 @@ class OpenRenderer:
 
         Args:
             camera: A name among `cameras`, a prim path, one of `Scene.cameras`, or any camera.
-            channels: Names (docs/channels.md); by default those that the scene was opened for.
+            channels: Names (docs/reference/channels.md); by default those that the scene was opened
+                for.
             **fields: Other settings than those that the scene was opened with, by name:
 
         Returns:

@@ -56,7 +56,7 @@ def render(
     wanted = settings_of(settings, fields)
     with quiet():
         for misfit in find_misfits(open_stage(file)):
-            _LOG.warning("%s: see orusd edits fit", misfit)
+            _LOG.warning("%s: see orusd edit fix-units", misfit)
         names = [cameras] if isinstance(cameras, str) else list(cameras)
         summary = render_stage(file, folder, wanted, cameras=names, progress=progress)
     for path in summary.stay:

@@ -1,7 +1,7 @@
 """Robots in composed rooms: worlds, engines, robots, their cameras and what they do.
 
 A *world* is what a scene's physics says, `load_world`; robots are put into it (`with_robot`). An
-*engine* opens it as a simulation. `RobotCameras` render what is seen of it (docs/robots.md).
+*engine* opens it as a simulation. `RobotCameras` render what is seen of it (docs/howto/robots.md).
 """
 
 from typing import TYPE_CHECKING

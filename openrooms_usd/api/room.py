@@ -75,7 +75,7 @@ class Room(description.Room):
                 to the room's folder.
             on: What carries it: ``floor``, ``ceiling``, ``wall`` or another object's name.
             relative_to: Another object's name: ``at`` and ``yaw`` are in its frame.
-            **fields: Further fields of an object (docs/description.md), such as ``tilt``.
+            **fields: Further fields of an object (docs/reference/description.md), such as ``tilt``.
 
         Returns:
             Its name.
@@ -195,7 +195,7 @@ class Room(description.Room):
         return called
 
     def select_cameras(self, count: int = 3, **fields: Any) -> None:
-        """Let that many good views be found when the room is composed (docs/description.md)."""
+        """Find that many good views when the room is composed (docs/reference/description.md)."""
         data = self.as_dict()
         self._rows(data, "cameras", "views").append(
             given_of(**{"from": "select"}, count=count, **fields)
@@ -231,7 +231,7 @@ class Room(description.Room):
         Args:
             **fields: A panorama (``file``), a sky (``latitude``, ``longitude``, ``date``,
                 ``time``), houses and gardens under one (``scene``), or the same light from
-                everywhere (``illuminance``, ``color``): docs/description.md has all fields.
+                everywhere (``illuminance``, ``color``): docs/reference/description.md has all.
         """
         data = self.as_dict()
         data.setdefault("lights", {})["environment"] = given_of(**fields)

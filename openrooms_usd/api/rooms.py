@@ -127,7 +127,7 @@ def import_capture(
     Args:
         source: The captured file or folder.
         out: The folder to write; made when it is missing.
-        kind: The importer, such as ``roomplan`` or ``scan``: docs/captures.md lists them.
+        kind: The importer, such as ``roomplan`` or ``scan``: docs/howto/captures.md lists them.
         options: What is asked of the importer, as `orusd import KIND --help` lists it.
 
     Returns:

@@ -4,14 +4,16 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command, folder_option
+from openrooms_usd.cli.console import echo, print_result
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings
 
 
-@click.command()
+@click.command(cls=Command, example="orusd bake out/scene.usda -o lit --spp 16")
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--texel",
     type=float,
@@ -47,15 +49,8 @@ from openrooms_usd.description.rendering import RenderSettings
     defaults={"samples": 256},
     helps={"samples": "Paths for each texel."},
 )
-@json_option
 def bake(
-    stage: Path,
-    out: Path,
-    texel: float,
-    max_texels: int,
-    side: int,
-    settings: RenderSettings,
-    as_json: bool,
+    stage: Path, out: Path, texel: float, max_texels: int, side: int, settings: RenderSettings
 ) -> None:
     """Write the light of a USD stage as lightmaps, for real-time engines.
 
@@ -66,11 +61,9 @@ def bake(
     from openrooms_usd.usd.files.diagnostics import quiet
 
     layout = AtlasLayout(texel, side, max_texels)
-    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+    with quiet(), progress_bar("translating") as progress:
         found = bake_stage(stage, out, settings, layout, progress=progress)
-    if as_json:
-        print_json(found)
-        return
+    print_result(found)
     side_m, asked_m = found["texel"]["side_m"], found["texel"]["asked_m"]
     grown = "" if side_m == asked_m else f", not {100 * asked_m:g} cm: there would be too many"
     for number, atlas in enumerate(found["atlases"]):

@@ -2,27 +2,25 @@
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json
+from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.console import answer, print_result, print_table
 
 
-@click.command()
-@click.option("--markdown", is_flag=True, help="Print the page docs/channels.md.")
-@json_option
-def channels(markdown: bool, as_json: bool) -> None:
+@click.command(cls=Command, example="orusd channels")
+@click.option("--markdown", is_flag=True, help="Print the page docs/reference/channels.md.")
+def channels(markdown: bool) -> None:
     """Print the table of ground-truth channels: what every number in a render means."""
     from openrooms_usd.channels import CHANNELS, markdown_page
 
-    if as_json:
-        print_json([channel.as_dict() for channel in CHANNELS.values()])
-    elif markdown:
-        echo(markdown_page(), nl=False)
+    print_result([channel.as_dict() for channel in CHANNELS.values()])
+    if markdown:
+        answer(markdown_page(), nl=False)
     else:
         _print_table()
 
 
 def _print_table() -> None:
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     from openrooms_usd.channels import CHANNELS
@@ -35,4 +33,4 @@ def _print_table() -> None:
         parts = f"{' '.join(row.components)} {row.storage}"
         unit = ", ".join(filter(None, (row.unit, row.frame)))
         table.add_row(row.name, parts, unit, row.meaning)
-    Console().print(table)
+    print_table(table)

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command, folder_option
+from openrooms_usd.cli.console import asked, echo, print_result, warn
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings
 
@@ -13,12 +15,15 @@ if TYPE_CHECKING:
     from openrooms_usd.comparison.driver import ComparedFrame, Comparison
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    example="orusd compare captured/out/scene.usda -o comparison --count 4",
+    former={"--room": "--description"},
+)
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
-    "--room",
-    "description",
+    "--description",
     type=click.Path(path_type=Path),
     metavar="ROOM.yaml",
     help="What the stage was composed from; by default beside its folder.",
@@ -30,9 +35,23 @@ if TYPE_CHECKING:
     metavar="DIR",
     help="Where the pictures lie; by default where the capture does.",
 )
-@click.option("--frame", "frames", multiple=True, metavar="ID", help="Repeatable.")
-@click.option("--count", type=int, default=8, show_default=True, help="Frames, evenly spread.")
-@click.option("--width", type=int, default=480, show_default=True, help="Of pictures, pixels.")
+@click.option(
+    "--frame",
+    "frames",
+    multiple=True,
+    metavar="ID",
+    help="A photograph to compare with. Repeatable.",
+)
+@click.option(
+    "--count",
+    type=int,
+    default=8,
+    show_default=True,
+    help="Photographs to compare with, evenly spread.",
+)
+@click.option(
+    "--width", type=int, default=480, show_default=True, help="Width of pictures, pixels."
+)
 @settings_options(
     "samples",
     "seed",
@@ -44,7 +63,6 @@ if TYPE_CHECKING:
     defaults={"samples": 32, "method": "reference"},
     helps={"samples": "Samples a pixel.", "method": "How light is computed, as by render."},
 )
-@json_option
 def compare(
     stage: Path,
     out: Path,
@@ -54,7 +72,6 @@ def compare(
     count: int,
     width: int,
     settings: RenderSettings,
-    as_json: bool,
 ) -> None:
     """Render a room from the cameras of its photographs, and put all side by side.
 
@@ -65,7 +82,7 @@ def compare(
     from openrooms_usd.comparison.driver import compare_stage
     from openrooms_usd.usd.files.diagnostics import quiet
 
-    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+    with quiet(), progress_bar("translating") as progress:
         found = compare_stage(
             stage,
             out,
@@ -77,9 +94,8 @@ def compare(
             width=width,
             progress=progress,
         )
-    if as_json:
-        print_json(found.as_dict())
-    else:
+    print_result(found.as_dict())
+    if not asked().json:
         _print(found)
 
 
@@ -89,7 +105,7 @@ def _print(found: "Comparison") -> None:
     if found.missing:
         count, first = len(found.missing), found.missing[0]
         said = f"{count} photographs were not found, such as {first}: name their folder by"
-        echo(f"{said} --photographs DIR", err=True)
+        warn(f"{said} --photographs DIR")
     echo(f"wrote {found.out / 'contact_sheet.png'} and comparison.json")
 
 

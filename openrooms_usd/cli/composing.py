@@ -1,31 +1,31 @@
 """The commands ``compose`` and ``demo``."""
 
-import sys
 import time
-from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import click
 
 from openrooms_usd import names
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command, folder_option
 from openrooms_usd.cli.console import (
     Choice,
     command_line,
     echo,
     echo_notes,
-    json_option,
-    print_json,
-    progress_bar,
+    most,
+    print_result,
+    told_aside,
 )
 
 if TYPE_CHECKING:
     from openrooms_usd.composing import ComposeSummary
 
 
-@click.command()
-@click.argument("description", type=click.Path(path_type=Path), metavar="ROOM.YAML")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@click.command(cls=Command, example="orusd compose my_room/room.yaml -o out")
+@click.argument("description", type=click.Path(path_type=Path), metavar="ROOM.yaml")
+@folder_option
 @click.option("--only", type=Choice(names.STAGES), help="Run this stage alone.")
 @click.option("--flatten", is_flag=True, help="Also write scene.usdc, one layer.")
 @click.option("--usdz", is_flag=True, help="Also write scene.usdz, one file.")
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     "--include-outside", is_flag=True, help="Let files outside OUT go into scene.usdc, scene.usdz."
 )
 @click.option("--workers", type=click.IntRange(1, 256), help="Threads; all cores by default.")
-@json_option
 def compose(
     description: Path,
     out: Path,
@@ -42,7 +41,6 @@ def compose(
     usdz: bool,
     include_outside: bool,
     workers: int | None,
-    as_json: bool,
 ) -> None:
     """Run the stages of a room and stack their layers into OUT/scene.usda.
 
@@ -53,7 +51,7 @@ def compose(
     from openrooms_usd.usd.files.diagnostics import quiet
 
     started = time.perf_counter()
-    with quiet(), progress_bar(hidden=as_json, first="reading") as progress:
+    with quiet(), progress_bar("reading") as progress:
         summary = compose_room(
             description,
             out,
@@ -64,17 +62,15 @@ def compose(
             workers=workers,
             progress=progress,
         )
-    if as_json:
-        print_json(summary.as_dict())
-        return
+    print_result(summary.as_dict())
     for row in summary.stages:
         echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
         echo_notes(row.notes, indent=" " * 11)
     echo_notes(summary.notes)
-    for orphan in summary.orphans[:_SHOWN]:
+    for orphan in summary.orphans[: most(_SHOWN)]:
         echo(f"edits: {orphan}")
-    if len(summary.orphans) > _SHOWN:
-        echo(f"edits: {len(summary.orphans) - _SHOWN} more; orusd edits orphans {out}")
+    if len(summary.orphans) > most(_SHOWN):
+        echo(f"edits: {len(summary.orphans) - _SHOWN} more; orusd edit orphans {out}")
     seconds = time.perf_counter() - started
     echo(f"{_done(summary)}: {summary.scene} ({seconds:.2f} s)")
     for path in summary.files:
@@ -96,7 +92,7 @@ def _done(summary: "ComposeSummary") -> str:
     return "nothing to do, everything is up to date"
 
 
-@click.command()
+@click.command(cls=Command, example="orusd demo")
 @click.option(
     "-o",
     "--out",
@@ -112,9 +108,8 @@ def _done(summary: "ComposeSummary") -> str:
     show_default=True,
     help="Samples a pixel.",
 )
-@json_option
 @click.pass_context
-def demo(ctx: click.Context, out: Path, spp: int, as_json: bool) -> None:
+def demo(ctx: click.Context, out: Path, spp: int) -> None:
     """Compose and render the bundled example, and say what to do next.
 
     Where the denoiser is installed, the pictures stand beside denoised ones.
@@ -124,16 +119,13 @@ def demo(ctx: click.Context, out: Path, spp: int, as_json: bool) -> None:
     from openrooms_usd.rendering.denoise import is_usable
 
     room, clean = copy_example(out / "source"), is_usable()
-    # With --json the story of the two commands is told beside the document.
-    with redirect_stdout(sys.stderr) if as_json else nullcontext():
+    with told_aside():
         ctx.invoke(compose, description=room, out=out, usdz=True)
         ctx.invoke(
             render, stage=out / names.SCENE, out=out / "render", samples=spp, denoise=clean or None
         )
-    if as_json:
-        paths = {"description": room, "scene": out / names.SCENE, "render": out / "render"}
-        print_json({name: str(path) for name, path in paths.items()})
-        return
+    paths = {"description": room, "scene": out / names.SCENE, "render": out / "render"}
+    print_result({name: str(path) for name, path in paths.items()})
     told = {"out": out, "typed": command_line(out), "picture": "denoised" if clean else "radiance"}
     echo(_DEMO_TOLD.format(**told))
     if not clean:

@@ -1,26 +1,71 @@
-"""What the commands share: ``--json``, how text and a result are printed, a bar of progress."""
+"""What the commands print: what was asked for, what was done, warnings, and JSON."""
 
 import json
 import shlex
 import sys
-import threading
 from collections import Counter
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Hashable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, redirect_stdout
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 
 import click
 
 from openrooms_usd.errors import printable
-from openrooms_usd.progress import Progress, silent
 from openrooms_usd.spelling import did_you_mean, listed
 
-Command = TypeVar("Command", bound=Callable[..., Any])
+if TYPE_CHECKING:
+    from rich.table import Table
+
 Said = TypeVar("Said", bound=Hashable)
-_LINE_SECONDS: Final = 10.0
 # How many of those are named of which the same is said.
 _NAMED: Final = 3
+# Where click keeps what was asked for, from one command to the next below it.
+_KEY: Final = "openrooms_usd.output"
+
+
+class Output(NamedTuple):
+    """How much is printed, and in which form."""
+
+    quiet: bool = False
+    verbose: bool = False
+    json: bool = False
+
+
+def asked(context: click.Context | None = None) -> Output:
+    """What the command that runs was asked for.
+
+    Args:
+        context: Of the command; the one that runs by default.
+    """
+    context = context or click.get_current_context(silent=True)
+    found = context.meta.get(_KEY) if context else None
+    return found if isinstance(found, Output) else Output()
+
+
+def remember(context: click.Context, name: str) -> None:
+    """Note that one of the options of `Output` was given.
+
+    Raises:
+        UsageError: It contradicts another one.
+    """
+    output = asked(context)._replace(**{name: True})
+    if output.quiet and output.verbose:
+        raise click.UsageError("--quiet and --verbose exclude each other", context)
+    context.meta[_KEY] = output
+
+
+@contextmanager
+def told_aside() -> Iterator[None]:
+    """Run other commands: with ``--json``, what they print goes to standard error, as text."""
+    context = click.get_current_context()
+    before = asked(context)
+    context.meta[_KEY] = before._replace(json=False)
+    try:
+        with redirect_stdout(sys.stderr) if before.json else nullcontext():
+            yield
+    finally:
+        context.meta[_KEY] = before
 
 
 if TYPE_CHECKING:
@@ -39,42 +84,36 @@ class Choice(_Choice):
         return f"{said.removesuffix('.')}{did_you_mean(value, map(str, self.choices))}."
 
 
-class Group(click.Group):
-    """A group of commands; one that it does not have is answered with the nearest."""
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command.
-
-        Raises:
-            UsageError: There is none of that name.
-        """
-        try:
-            return super().resolve_command(ctx, args)
-        except click.UsageError as error:
-            if args[0].startswith("-"):
-                raise
-            hint = did_you_mean(args[0], self.list_commands(ctx))
-            raise click.UsageError(f"No such command {args[0]!r}{hint}.", ctx) from error
-
-
-def json_option(command: Command) -> Command:
-    """Add ``--json``: print one JSON document and nothing else on standard output."""
-    return click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")(
-        command
-    )
-
-
 def echo(text: object = "", *, err: bool = False, nl: bool = True) -> None:
-    """Print for people: names from files cannot move the cursor or forge what stands there."""
-    click.echo(printable(text), err=err, nl=nl)
+    """Print what was done: not with ``--quiet``, nor with ``--json`` on standard output.
+
+    Names from files cannot move the cursor or forge other lines.
+    """
+    output = asked()
+    if not output.quiet and (err or not output.json):
+        click.echo(printable(text), err=err, nl=nl)
 
 
-def echo_notes(notes: Iterable[str], indent: str = "") -> None:
+def answer(text: object, *, nl: bool = True) -> None:
+    """Print what was asked for, such as a list: with ``--quiet`` too."""
+    if not asked().json:
+        click.echo(printable(text), nl=nl)
+
+
+def warn(text: object) -> None:
+    """Print a warning on standard error, always."""
+    click.echo(f"warning: {printable(text)}", err=True)
+
+
+def echo_notes(notes: Iterable[str], indent: str = "", *, err: bool = False) -> None:
     """Print notes, each once."""
     for note, count in Counter(notes).items():
-        echo(f"{indent}note: {note}{f' ({count} times)' if count > 1 else ''}")
+        echo(f"{indent}note: {note}{f' ({count} times)' if count > 1 else ''}", err=err)
+
+
+def most(rows: int) -> int:
+    """How many rows of a list are printed: all with ``--verbose``."""
+    return sys.maxsize if asked().verbose else rows
 
 
 def gathered(rows: Iterable[tuple[Said, str]]) -> Iterator[tuple[Said, list[str]]]:
@@ -93,7 +132,7 @@ def named(names: Sequence[str]) -> str:
     """A name, or the first of several and how many there are."""
     if len(names) == 1:
         return names[0]
-    return f"{len(names)} x: {listed(names, _NAMED)}"
+    return f"{len(names)} x: {listed(names, most(_NAMED))}"
 
 
 def command_line(*words: str | Path) -> str:
@@ -101,54 +140,20 @@ def command_line(*words: str | Path) -> str:
     return shlex.join(str(word) for word in words)
 
 
+def print_result(data: object) -> None:
+    """Print data as JSON in one stable form, where ``--json`` is given."""
+    if asked().json:
+        print_json(data)
+
+
 def print_json(data: object) -> None:
     """Print data as JSON, in one stable form."""
     click.echo(json.dumps(data, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False))
 
 
-@contextmanager
-def progress_bar(*, hidden: bool, first: str = "") -> Iterator[Progress]:
-    """A bar on standard error where that is a terminal, else a plain line every some seconds.
-
-    Args:
-        hidden: Whether there shall be none.
-        first: What is worked on at first.
-    """
-    if hidden:
-        yield silent
-        return
-    if not sys.stderr.isatty():
-        with _lines(first) as told:
-            yield told
-        return
+def print_table(table: "Table") -> None:
+    """Print a table that was asked for."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TimeRemainingColumn
 
-    columns = ("[progress.description]{task.description}", BarColumn(), TaskProgressColumn())
-    with Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True)) as bar:
-        task = bar.add_task(first, total=1.0)
-        yield lambda text, fraction: bar.update(task, description=text, completed=fraction)
-
-
-@contextmanager
-def _lines(first: str) -> Iterator[Progress]:
-    """Progress as lines, for logs: the latest, where there is something new to say."""
-    latest, ended = [(first, 0.0)], threading.Event()
-
-    def tell() -> None:
-        said: tuple[str, float] | None = None
-        while not ended.wait(_LINE_SECONDS):
-            if latest[0] != said:
-                said = latest[0]
-                echo(f"{said[1]:4.0%} {said[0]}", err=True)
-
-    def take(what: str, fraction: float) -> None:
-        latest[0] = what, fraction
-
-    thread = threading.Thread(target=tell, daemon=True)
-    thread.start()
-    try:
-        yield take
-    finally:
-        ended.set()
-        thread.join()
+    if not asked().json:
+        Console().print(table)

@@ -6,22 +6,29 @@ from typing import Final
 
 import click
 
-from openrooms_usd.cli.console import echo, gathered, json_option, named, print_json
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command
+from openrooms_usd.cli.console import echo, gathered, named, print_result
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 
 _FLAGS: Final = {"true": True, "false": False}
 
 
-@click.command()
-@click.argument("stage", type=click.Path(path_type=Path))
-@click.argument("out", type=click.Path(path_type=Path))
-@click.option("--to", metavar="KIND", help="The exporter; by default what OUT's ending says.")
+@click.command(
+    cls=Command, example="orusd convert out/scene.usda -o room.glb", former={"--to": "--format"}
+)
+@click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
+@click.argument("place", type=click.Path(path_type=Path), metavar="[OUT]", required=False)
+@click.option("-o", "--out", type=click.Path(path_type=Path), help="A file or a folder.")
+@click.option(
+    "--format", "to", metavar="KIND", help="The exporter; by default what OUT's ending says."
+)
 @click.option(
     "--option",
     "options",
     multiple=True,
     metavar="NAME=VALUE",
-    help="What to ask of the exporter; may be repeated.",
+    help="An option of the exporter. Repeatable.",
 )
 @click.option("--profile", metavar="NAME", help="Of a USDZ file: default, exchange or arkit.")
 @click.option(
@@ -32,20 +39,20 @@ _FLAGS: Final = {"true": True, "false": False}
 )
 @click.option("--include-outside", is_flag=True, help="Copy pictures outside STAGE's folder too.")
 @report_option
-@json_option
 def convert(
     stage: Path,
-    out: Path,
+    place: Path | None,
+    out: Path | None,
     to: str | None,
     options: tuple[str, ...],
     profile: str | None,
     include_outside: bool,
     time_code: float | None,
     report_file: Path | None,
-    as_json: bool,
 ) -> None:
-    """Write a USD stage in a foreign form to OUT, a file or a folder.
+    """Write a USD stage in a foreign form.
 
+    OUT is a file or a folder, given by -o or as the second argument.
     KIND is mitsuba, gltf, usdz, urdf, mjcf, usdphysics, openrooms-xml, or what another installed
     exporter is called; without it .glb is gltf, .usdz usdz, .xml and folders mitsuba. --profile is
     short for --option profile=NAME. What could not be translated whole is listed with the reason;
@@ -54,17 +61,19 @@ def convert(
     from openrooms_usd.exporters import convert_stage, exporter_of
     from openrooms_usd.usd.files.diagnostics import quiet
 
+    given = [path for path in (out, place) if path]
+    if len(given) != 1:
+        raise click.UsageError("give one file or folder to write: -o OUT")
+    (out,) = given
     check_report(report_file, stage, out)
     to = to or exporter_of(out)
     asked = _given(options) | ({"profile": profile} if profile else {})
-    with quiet():
+    with quiet(), progress_bar("converting"):
         report = convert_stage(
             stage, out, to=to, options=asked, include_outside=include_outside, time_code=time_code
         )
     write_report(report_file, report)
-    if as_json:
-        print_json({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
-        return
+    print_result({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})
     for (outcome, reason), prims in gathered(
         ((outcome, reason), prim) for prim, outcome, reason in report.losses()
     ):

@@ -1,20 +1,23 @@
 """The commands of ``dataset``: make one, look at it, and write renders as others store them."""
 
+import json
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
 import click
 
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Group
 from openrooms_usd.cli.console import (
     Choice,
-    Group,
+    answer,
+    asked,
     command_line,
     echo,
     echo_notes,
-    json_option,
-    print_json,
-    progress_bar,
+    most,
+    print_result,
 )
 from openrooms_usd.cli.settings import pairs_of
 
@@ -22,7 +25,7 @@ if TYPE_CHECKING:
     from openrooms_usd.dataset.scratch import Root
     from openrooms_usd.rendering.datasets import DatasetSummary
 
-# A person mends these first; the rest is in --json.
+# A person mends these first; the rest is in --verbose.
 _MOST_SHOWN: Final = 20
 
 _FILE: Final = click.argument("file", type=click.Path(path_type=Path), metavar="DATASET.yaml")
@@ -57,7 +60,7 @@ def dataset() -> None:
     """Make datasets: many rooms by one file, or finished renders as others store them."""
 
 
-@dataset.command()
+@dataset.command(example="orusd dataset plan dataset.yaml -o plan.jsonl")
 @_FILE
 @click.option(
     "-o",
@@ -77,13 +80,17 @@ def plan(file: Path, out: Path | None) -> None:
     rows = lines(plan_jobs(load_dataset(file)))
     if out is not None:
         with claims.output(out):
-            echo(f"wrote {out}: {write_lines(out, rows)} views")
-        return
-    for row in rows:
-        echo(row)
+            count = write_lines(out, rows)
+        print_result({"file": str(out), "views": count})
+        echo(f"wrote {out}: {count} views")
+    elif asked().json:
+        print_result({"views": [json.loads(row) for row in rows]})
+    else:
+        for row in rows:
+            answer(row)
 
 
-@dataset.command()
+@dataset.command(example="orusd dataset run dataset.yaml -o data --workers 2")
 @_FILE
 @click.option(
     "-o",
@@ -118,9 +125,8 @@ def plan(file: Path, out: Path | None) -> None:
     multiple=True,
     callback=pairs_of,
     metavar="NAME=VALUE",
-    help="Something that this executor can be asked for. Repeatable.",
+    help="An option of the executor. Repeatable.",
 )
-@json_option
 def run(
     file: Path,
     out: "Root",
@@ -128,7 +134,6 @@ def run(
     executor: str,
     address: str | None,
     pairs: tuple[tuple[str, str], ...],
-    as_json: bool,
 ) -> None:
     """Make a dataset, or what is left of it: what is finished stays.
 
@@ -137,95 +142,86 @@ def run(
     from openrooms_usd.dataset.run import run_dataset
 
     options = ({} if address is None else {"address": address}) | dict(pairs)
-    with progress_bar(hidden=as_json, first="planning") as progress:
+    with progress_bar("planning") as progress:
         done = run_dataset(
             file, out, workers=workers, executor=executor, options=options, progress=progress
         )
-    if as_json:
-        print_json(done.as_dict())
-    else:
-        echo_notes(done.notes)
-        for unit, reason in list(done.failed.items())[:_MOST_SHOWN]:
-            echo(f"failed: {unit}: {reason}")
-        echo(f"wrote {out}: {done.made} views, {done.kept} were there, {len(done.failed)} failed")
-        if done.failed:
-            echo(f"next:  {command_line('orusd', 'dataset', 'status', out)}")
+    print_result(done.as_dict())
+    echo_notes(done.notes)
+    for unit, reason in list(done.failed.items())[: most(_MOST_SHOWN)]:
+        answer(f"failed: {unit}: {reason}")
+    echo(f"wrote {out}: {done.made} views, {done.kept} were there, {len(done.failed)} failed")
+    if done.failed:
+        echo(f"next:  {command_line('orusd', 'dataset', 'status', out)}")
     sys.exit(1 if done.failed else 0)
 
 
-@dataset.command()
+@dataset.command(example="orusd dataset status data")
 @_FOLDER
-@json_option
-def status(folder: "Root", as_json: bool) -> None:
+def status(folder: "Root") -> None:
     """Say how far a dataset is: what is finished, what has failed and why."""
     from openrooms_usd.dataset.status import status_of
 
-    found = status_of(folder)
-    if as_json:
-        print_json(found.as_dict())
-        return
+    with progress_bar("reading"):
+        found = status_of(folder)
+    print_result(found.as_dict())
     failed = len(found.failures)
-    echo(
+    answer(
         f"{found.finished} of {found.units} views are finished, {failed} failed, {found.left} left"
     )
     for fault, count in found.faults.items():
-        echo(f"{count} views: {fault}")
-    for room, reason in list(found.left_out.items())[:_MOST_SHOWN]:
-        echo(f"left out: {room}: {reason}")
-    for row in found.rejected[:_MOST_SHOWN]:
-        echo(f"replaced: {row['camera']} of {row['unit']}: {', '.join(row['faults'])}")
-    for failure in found.failures[:_MOST_SHOWN]:
-        echo(f"failed: {failure.unit} ({failure.attempts} times): {failure.reason}")
-    if failed > _MOST_SHOWN:
-        echo(f"and {failed - _MOST_SHOWN} more: --json lists them")
+        answer(f"{count} views: {fault}")
+    for room, reason in list(found.left_out.items())[: most(_MOST_SHOWN)]:
+        answer(f"left out: {room}: {reason}")
+    for row in found.rejected[: most(_MOST_SHOWN)]:
+        answer(f"replaced: {row['camera']} of {row['unit']}: {', '.join(row['faults'])}")
+    for failure in found.failures[: most(_MOST_SHOWN)]:
+        answer(f"failed: {failure.unit} ({failure.attempts} times): {failure.reason}")
+    if failed > most(_MOST_SHOWN):
+        answer(f"and {failed - _MOST_SHOWN} more: --verbose lists them")
 
 
-@dataset.command()
+@dataset.command(example="orusd dataset verify data")
 @_FOLDER
-@json_option
-def verify(folder: "Root", as_json: bool) -> None:
+def verify(folder: "Root") -> None:
     """Compare every file of a dataset with its checksum.
 
     Leaves with code 1 when a file is missing or changed.
     """
     from openrooms_usd.dataset.status import verify as compare
 
-    with progress_bar(hidden=as_json, first="reading") as progress:
+    with progress_bar("reading") as progress:
         found = compare(folder, progress)
-    if as_json:
-        print_json(found.as_dict())
-    else:
-        for damage in found.damages:
-            echo(f"{damage.file}: {damage.what}")
-        echo(f"{found.files} files of {found.views} views, {len(found.damages)} damaged")
-        if found.unfinished:
-            echo(f"{found.unfinished} views are not finished")
+    print_result(found.as_dict())
+    for damage in found.damages:
+        answer(f"{damage.file}: {damage.what}")
+    echo(f"{found.files} files of {found.views} views, {len(found.damages)} damaged")
+    if found.unfinished:
+        echo(f"{found.unfinished} views are not finished")
     sys.exit(1 if found.damages else 0)
 
 
-@dataset.command()
+@dataset.command(example="orusd dataset stats data")
 @_FOLDER
-@json_option
-def stats(folder: "Root", as_json: bool) -> None:
+def stats(folder: "Root") -> None:
     """Count what a dataset holds: rooms, objects, pixels, materials, lights, seconds, errors."""
     from openrooms_usd.dataset.stats import stats_of
 
-    found = stats_of(folder).as_dict()
-    if as_json:
-        print_json(found)
-        return
+    with progress_bar("reading"):
+        found = stats_of(folder).as_dict()
+    print_result(found)
     for title, rows in found.items():
         if not isinstance(rows, dict):
-            echo(f"{title}: {_number(rows)}")
+            answer(f"{title}: {_number(rows)}")
             continue
-        echo(f"{title}:")
-        for name, value in list(rows.items())[:_MOST_SHOWN]:
-            echo(f"  {name:<24} {_number(value):>14}")
-        if len(rows) > _MOST_SHOWN:
-            echo(f"  and {len(rows) - _MOST_SHOWN} more: --json lists them")
+        answer(f"{title}:")
+        for name, value in list(rows.items())[: most(_MOST_SHOWN)]:
+            answer(f"  {name:<24} {_number(value):>14}")
+        if len(rows) > most(_MOST_SHOWN):
+            answer(f"  and {len(rows) - _MOST_SHOWN} more: --verbose lists them")
 
 
-@dataset.command()
+@dataset.command(example="orusd dataset report data -o report.html")
 @_FOLDER
 @click.option(
     "-o",
@@ -247,10 +243,7 @@ def stats(folder: "Root", as_json: bool) -> None:
     metavar="MONEY",
     help="What an hour of a core costs: the page says what 1,000 views do.",
 )
-@json_option
-def report(
-    folder: "Root", out: Path | None, pictures: int, price: float | None, as_json: bool
-) -> None:
+def report(folder: "Root", out: Path | None, pictures: int, price: float | None) -> None:
     """Write a page for browsers: views, what they show, errors, cost, failures, licences.
 
     It is one file that loads nothing else.
@@ -258,10 +251,9 @@ def report(
     from openrooms_usd.dataset.report.page import write_report
 
     page = out or (folder if isinstance(folder, Path) else Path()) / "report.html"
-    done = write_report(folder, page, pictures=pictures, price=price)
-    if as_json:
-        print_json(done.as_dict())
-        return
+    with progress_bar("reading"):
+        done = write_report(folder, page, pictures=pictures, price=price)
+    print_result(done.as_dict())
     echo(f"wrote {done.path}: {done.views} views, {done.pictures} shown, {done.bytes / 1e6:.2f} MB")
 
 
@@ -269,7 +261,9 @@ def _number(value: float) -> str:
     return f"{value:,.4g}" if isinstance(value, float) else f"{value:,}"
 
 
-@dataset.command()
+@dataset.command(
+    example="orusd dataset write renders -o data --format nerf", former={"--as": "--format"}
+)
 @click.argument(
     "renders", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RENDER..."
 )
@@ -277,7 +271,7 @@ def _number(value: float) -> str:
     "-o", "--out", type=click.Path(path_type=Path), required=True, help="The dataset's folder."
 )
 @click.option(
-    "--as",
+    "--format",
     "kind",
     default="openrooms",
     show_default=True,
@@ -295,7 +289,13 @@ def _number(value: float) -> str:
     help="What a render is, once for each: main_xml, mainDiffMat_xml, "
     "mainDiffLight_xml, or these with xml1.",
 )
-@click.option("--subset", type=Choice(["train", "val", "test"]), default="train", show_default=True)
+@click.option(
+    "--subset",
+    type=Choice(["train", "val", "test"]),
+    default="train",
+    show_default=True,
+    help="Which part of the dataset the scene belongs to.",
+)
 @click.option(
     "--layout",
     type=Choice(["split", "merged"]),
@@ -329,7 +329,6 @@ def _number(value: float) -> str:
     help="The composed stage of each RENDER, in their order: its meshes, materials and "
     "main.xml go beside the pictures.",
 )
-@json_option
 def write(
     renders: tuple[Path, ...],
     out: Path,
@@ -342,7 +341,6 @@ def write(
     crowded: Literal["leave-out", "drop", "keep"],
     first: int,
     stages: tuple[Path, ...],
-    as_json: bool,
 ) -> None:
     """Write finished RENDERs as the files of a published dataset.
 
@@ -351,12 +349,10 @@ def write(
     from openrooms_usd.rendering.datasets import DatasetOptions, write_dataset
 
     options = DatasetOptions(scene, splits, subset, layout, order, first, crowded, stages)
-    with progress_bar(hidden=as_json, first="reading") as progress:
+    with progress_bar("reading") as progress:
         summary = write_dataset(renders, out, kind=kind, options=options, progress=progress)
-    if as_json:
-        print_json(summary.as_dict())
-    else:
-        print_dataset(summary)
+    print_result(summary.as_dict())
+    print_dataset(summary)
 
 
 def print_dataset(summary: "DatasetSummary") -> None:

@@ -1,31 +1,108 @@
-"""The commands ``edits adopt``, ``edits fit`` and ``edits orphans``."""
+"""The commands of ``edit``: pages that correct a room, and the layer of what people changed."""
 
+import os
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from openrooms_usd import names
-from openrooms_usd.cli.console import Group, echo, json_option, print_json
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Group
+from openrooms_usd.cli.console import answer, echo, most, print_result
+from openrooms_usd.cli.pages import page_options, show
 from openrooms_usd.spelling import listed
 
 if TYPE_CHECKING:
     from openrooms_usd.edits.adopting import Adoption
 
-# Rows beyond these are counted; --json lists all.
+# Rows beyond these are counted; --verbose lists all.
 _ROWS: Final = 20
 # How many names of one row.
 _NAMES: Final = 4
 
 
-@click.group(cls=Group)
-def edits() -> None:
-    """Keep what people changed in a composed room: OUT/layers/edits.usda."""
+_ROOM: Final = click.argument("room", type=click.Path(path_type=Path), metavar="STAGE|room.yaml")
+_DESCRIPTION: Final = click.option(
+    "--description",
+    type=click.Path(path_type=Path),
+    metavar="ROOM.yaml",
+    help="What STAGE is composed from: the page can then compose it again.",
+)
+_COMPOSED: Final = click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Where a room.yaml is composed to.  [default: composed, beside it]",
+)
 
 
-@edits.command()
-@click.argument("scene", type=click.Path(path_type=Path), metavar="OUT/SCENE.USDA")
+@click.group(cls=Group, former={"adopt": "import-changes", "fit": "fix-units"})
+def edit() -> None:
+    """Correct a room in the browser, or keep what other programs changed in it.
+
+    What is changed of a composed room is in OUT/layers/edits.usda, which compose never overwrites.
+    """
+
+
+@edit.command(example="orusd edit layout lounge.ply -o lounge")
+@click.argument("source", type=click.Path(path_type=Path), metavar="SCAN|room.yaml")
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Where a SCAN is imported to; a room.yaml needs none.",
+)
+@click.option(
+    "--importer",
+    default="scan",
+    show_default=True,
+    metavar="KIND",
+    help="What reads SCAN: a kind of `orusd import`.",
+)
+@page_options
+def layout(source: Path, out: Path | None, importer: str, **where: Any) -> None:
+    """Correct the walls, doors, windows and height of a room over the points of its scan."""
+    from openrooms_usd.view.plan.session import Session, room_file
+
+    with progress_bar("reading"):
+        page = Session(room_file(source, out, importer)).app()
+    show(page, **where)
+
+
+@edit.command(example="orusd edit materials out/scene.usda")
+@_ROOM
+@_DESCRIPTION
+@_COMPOSED
+@page_options
+def materials(room: Path, description: Path | None, out: Path | None, **where: Any) -> None:
+    """Say what the parts of a room are made of: in the edits of STAGE, or in room.yaml."""
+    from openrooms_usd.view.corrections import corrections
+    from openrooms_usd.view.materials import materials_app
+
+    with progress_bar("reading"):
+        page = materials_app(corrections(room, description, out))
+    show(page, **where)
+
+
+@edit.command(example="orusd edit objects out/scene.usda")
+@_ROOM
+@_DESCRIPTION
+@_COMPOSED
+@page_options
+def objects(room: Path, description: Path | None, out: Path | None, **where: Any) -> None:
+    """Move, rename, exchange, copy and remove furniture: in the edits of STAGE, or in room.yaml."""
+    from openrooms_usd.view.corrections import corrections
+    from openrooms_usd.view.objects import objects_app
+
+    with progress_bar("reading"):
+        page = objects_app(corrections(room, description, out))
+    show(page, **where)
+
+
+@edit.command("import-changes", example="orusd edit import-changes out --dry-run")
+@click.argument("scene", type=click.Path(path_type=Path), metavar="OUT")
 @click.option(
     "--from",
     "saved",
@@ -33,8 +110,7 @@ def edits() -> None:
     help="What the other program saved, where it is not SCENE itself.",
 )
 @click.option("--dry-run", is_flag=True, help="Say what would be moved, and write nothing.")
-@json_option
-def adopt(scene: Path, saved: Path | None, dry_run: bool, as_json: bool) -> None:
+def import_changes(scene: Path, saved: Path | None, dry_run: bool) -> None:
     """Move what another program saved over scene.usda into layers/edits.usda.
 
     scene.usda is then as compose writes it. Of a file that was flattened, what differs is moved.
@@ -42,21 +118,21 @@ def adopt(scene: Path, saved: Path | None, dry_run: bool, as_json: bool) -> None
     from openrooms_usd.edits.adopting import adopt as move
     from openrooms_usd.usd.files.diagnostics import quiet
 
-    with quiet():
-        adoption = move(scene, saved, dry_run=dry_run)
-    if as_json:
-        print_json(adoption.as_dict())
-        return
+    with quiet(), progress_bar("comparing"):
+        inside = scene / names.SCENE
+        file = inside if os.path.lexists(inside) else scene
+        adoption = move(file, saved, dry_run=dry_run)
+    print_result(adoption.as_dict())
     _print(adoption, dry_run)
 
 
 def _print(adoption: "Adoption", dry_run: bool) -> None:
-    for change in adoption.changes[:_ROWS]:
-        said = listed(change.fields, _NAMES)
+    for change in adoption.changes[: most(_ROWS)]:
+        said = listed(change.fields, most(_NAMES))
         echo(f"{'new' if change.new else 'changed':<8} {change.path}: {said}")
-    if len(adoption.changes) > _ROWS:
-        echo(f"{len(adoption.changes) - _ROWS} more; --json lists all")
-    for sentence in adoption.left[:_ROWS]:
+    if len(adoption.changes) > most(_ROWS):
+        echo(f"{len(adoption.changes) - _ROWS} more; --verbose lists all")
+    for sentence in adoption.left[: most(_ROWS)]:
         echo(f"note: {sentence}")
     if adoption.compared:
         echo(f"compared {adoption.compared} values of a flattened file")
@@ -66,14 +142,13 @@ def _print(adoption: "Adoption", dry_run: bool) -> None:
     elif dry_run and adoption.changes:
         echo(f"would move what is said about {count} to {adoption.edits}")
     else:
-        echo("nothing to adopt")
+        echo("no changes to import")
 
 
-@edits.command()
+@edit.command("fix-units", example="orusd edit fix-units out --dry-run")
 @click.argument("out", type=click.Path(path_type=Path), metavar="OUT")
 @click.option("--dry-run", is_flag=True, help="Say what would be corrected, and write nothing.")
-@json_option
-def fit(out: Path, dry_run: bool, as_json: bool) -> None:
+def fix_units(out: Path, dry_run: bool) -> None:
     """Correct the units and axes of files that OUT/layers/edits.usda refers to.
 
     A file in centimetres or with Y up gets the scale and the turn that it lacks, as operations of
@@ -82,11 +157,9 @@ def fit(out: Path, dry_run: bool, as_json: bool) -> None:
     from openrooms_usd.edits.fitting import fit as correct
     from openrooms_usd.usd.files.diagnostics import quiet
 
-    with quiet():
+    with quiet(), progress_bar("reading"):
         fitting = correct(out, dry_run=dry_run)
-    if as_json:
-        print_json(fitting.as_dict())
-        return
+    print_result(fitting.as_dict())
     for misfit in (*fitting.fitted, *fitting.left):
         echo(str(misfit))
     if fitting.left:
@@ -96,20 +169,17 @@ def fit(out: Path, dry_run: bool, as_json: bool) -> None:
     echo(f"{done} {count} in {fitting.edits}" if count else "nothing to correct")
 
 
-@edits.command()
+@edit.command(example="orusd edit orphans out")
 @click.argument("out", type=click.Path(path_type=Path), metavar="OUT")
-@json_option
-def orphans(out: Path, as_json: bool) -> None:
+def orphans(out: Path) -> None:
     """List the opinions of OUT/layers/edits.usda that do nothing."""
     from openrooms_usd.edits.orphans import orphans_of
     from openrooms_usd.usd.files.diagnostics import quiet
 
     with quiet():
         found = orphans_of(out)
-    if as_json:
-        print_json({"orphans": [{**asdict(row), "remedy": row.remedy} for row in found]})
-        return
+    print_result({"orphans": [{**asdict(row), "remedy": row.remedy} for row in found]})
     for row in found:
-        echo(f"{row}\n  remedy: {row.remedy}")
+        answer(f"{row}\n  remedy: {row.remedy}")
     count = len(found)
     echo(f"{out / names.LAYERS / names.EDITS}.usda: {count or 'no'} orphans")

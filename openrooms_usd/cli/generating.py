@@ -1,18 +1,24 @@
 """The command ``generate``: the room.yaml of a room from nothing."""
 
 from pathlib import Path
-from typing import Final, get_args
+from typing import TYPE_CHECKING, Final, get_args
 
 import click
 
-from openrooms_usd.cli.console import Choice, command_line, echo, json_option, print_json
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command, folder_option
+from openrooms_usd.cli.console import Choice, command_line, echo, print_result
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.styles import InteriorStyle
+from openrooms_usd.progress import Counted
+
+if TYPE_CHECKING:
+    from openrooms_usd.generation.folders import GeneratedFile
 
 _MOST: Final = 100_000
 
 
-@click.command()
+@click.command(cls=Command, example="orusd generate --type bedroom --seed 1 -o bedroom")
 @click.option(
     "--type",
     "room_type",
@@ -28,7 +34,7 @@ _MOST: Final = 100_000
     show_default=True,
     help="Fixes everything that is drawn.",
 )
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--count",
     type=click.IntRange(1, _MOST),
@@ -47,7 +53,6 @@ _MOST: Final = 100_000
     show_default=True,
     help="How much lies about: 0 nothing, 1 tidy, 2 lived in, 3 messy.",
 )
-@json_option
 def generate(
     room_type: str,
     seed: int,
@@ -56,7 +61,6 @@ def generate(
     area: float | None,
     style: InteriorStyle | None,
     clutter: int,
-    as_json: bool,
 ) -> None:
     """Make a room from nothing: walls, openings, furniture, lamps and cameras in OUT/room.yaml.
 
@@ -65,13 +69,15 @@ def generate(
     """
     from openrooms_usd.generation.folders import generate_rooms
 
-    made = generate_rooms(
-        room_type, seed, out, count=count, area=area, style=style, clutter=clutter
-    )
-    rooms = list(made)
-    if as_json:
-        print_json({"rooms": [room.as_dict() for room in rooms]})
-        return
+    rooms: list[GeneratedFile] = []
+    with progress_bar("generating") as progress:
+        for room in generate_rooms(
+            room_type, seed, out, count=count, area=area, style=style, clutter=clutter
+        ):
+            rooms.append(room)
+            what = Counted(room.file.parent.name, len(rooms), count or 1)
+            progress(what, what.number / what.total)
+    print_result({"rooms": [room.as_dict() for room in rooms]})
     for room in rooms:
         echo(f"wrote {room.file}: {room.made.shell.area:.1f} m2, {room.objects} objects")
     echo(f"next: {command_line('orusd', 'compose', rooms[0].file, '-o', 'OUT')}")

@@ -8,13 +8,15 @@ import click
 
 from openrooms_usd.adapters import IMPORTERS, available, find, load
 from openrooms_usd.capture import Importer, option_paths
-from openrooms_usd.cli.console import command_line, echo, echo_notes, json_option, print_json
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command, Group, folder_option
+from openrooms_usd.cli.console import command_line, echo, echo_notes, print_result
 
 if TYPE_CHECKING:
     from openrooms_usd.importing import ImportedRoom
 
 
-class ImporterGroup(click.Group):
+class ImporterGroup(Group):
     """A group with one command for each importer that is installed."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -38,21 +40,25 @@ def import_() -> None:
 def _command(kind: str) -> click.Command:
     importer: Importer = load(IMPORTERS, kind)
 
-    @click.command(name=kind, short_help=_about(importer) or kind)
-    @click.argument("source", type=click.Path(path_type=Path))
-    @click.option(
-        "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder to write to."
+    @click.command(
+        name=kind,
+        cls=Command,
+        short_help=_about(importer) or kind,
+        example=f"orusd import {kind} CAPTURE -o my_room",
+        former={
+            f"--{name}": _flag(name) for name in importer.options if f"--{name}" != _flag(name)
+        },
     )
-    @json_option
-    def command(source: Path, out: Path, as_json: bool, **options: str | None) -> None:
+    @click.argument("source", type=click.Path(path_type=Path))
+    @folder_option
+    def command(source: Path, out: Path, **options: str | None) -> None:
         """Check that SOURCE reads, copy it into a folder and describe the room in room.yaml."""
         from openrooms_usd.importing import import_capture
 
         given = {name: options[_field(name)] for name in importer.options}
-        imported = import_capture(kind, source, out, {n: v for n, v in given.items() if v})
-        if as_json:
-            print_json(imported.as_dict())
-            return
+        with progress_bar("reading"):
+            imported = import_capture(kind, source, out, {n: v for n, v in given.items() if v})
+        print_result(imported.as_dict())
         for line in _shown(imported):
             echo(line)
         echo_notes(imported.notes)
@@ -63,7 +69,7 @@ def _command(kind: str) -> click.Command:
 
     for name, text in importer.options.items():
         metavar = "PATH" if name in option_paths(importer) else "TEXT"
-        flag = click.Option([f"--{name}", _field(name)], metavar=metavar, help=text)
+        flag = click.Option([_flag(name), _field(name)], metavar=metavar, help=text)
         command.params.append(flag)
     return command
 
@@ -91,6 +97,10 @@ def _about(importer: Importer) -> str:
     """What an importer reads, in its own words."""
     sentence = (type(importer).__doc__ or "").strip().partition("\n")[0].replace("``", "")
     return sentence.replace("Reads ", "Read ", 1)
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
 
 
 def _field(name: str) -> str:

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import Group, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Group
+from openrooms_usd.cli.console import answer, echo, print_result
 from openrooms_usd.cli.settings import renderer_options
 
 
@@ -14,9 +16,8 @@ def library() -> None:
     """The parametric furniture: a list, or a picture of it."""
 
 
-@library.command("list")
-@json_option
-def list_(as_json: bool) -> None:
+@library.command("list", example="orusd library list")
+def list_() -> None:
     """Print every category with its styles, usual size and support."""
     from openrooms_usd.furniture import CATEGORIES
 
@@ -33,16 +34,16 @@ def list_(as_json: bool) -> None:
         }
         for name, spec in sorted(CATEGORIES.items())
     }
-    if as_json:
-        print_json(rows)
-        return
+    print_result(rows)
     for name, spec in sorted(CATEGORIES.items()):
         width, depth, height = spec.size
         size = f"{width:g} x {depth:g} x {height:g} m"
-        echo(f"{name:<16} {size:<22} {spec.support:<8} {', '.join(spec.styles)}")
+        answer(f"{name:<16} {size:<22} {spec.support:<8} {', '.join(spec.styles)}")
 
 
-@library.command()
+@library.command(
+    example="orusd library sheet -o chairs.png --category chair", former={"--width": "--max-width"}
+)
 @click.option(
     "-o",
     "--out",
@@ -51,9 +52,21 @@ def list_(as_json: bool) -> None:
     metavar="FILE.png",
     help="The picture to write.",
 )
-@click.option("--category", "categories", multiple=True, metavar="NAME", help="Repeatable.")
+@click.option(
+    "--category",
+    "categories",
+    multiple=True,
+    metavar="NAME",
+    help="What to draw; all by default. Repeatable.",
+)
 @click.option("--all", "every_style", is_flag=True, help="Every style, not one a category.")
-@click.option("--seed", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="Fixes every random number.",
+)
 @click.option(
     "--size",
     type=click.IntRange(16, 2048),
@@ -65,14 +78,14 @@ def list_(as_json: bool) -> None:
     "--spp", type=click.IntRange(1, 65536), default=64, show_default=True, help="Samples a pixel."
 )
 @click.option(
-    "--width",
+    "--max-width",
+    "width",
     type=click.IntRange(64, 65536),
     metavar="PIXELS",
     help="Reduce a sheet that is wider.",
 )
 @renderer_options
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (needs the extra 'denoise').")
-@json_option
 def sheet(
     out: Path,
     categories: tuple[str, ...],
@@ -84,7 +97,6 @@ def sheet(
     renderer: str,
     options: dict[str, str],
     denoise: bool,
-    as_json: bool,
 ) -> None:
     """Draw the catalogue: every object in a studio, with its name, style and size."""
     from openrooms_usd.showroom import draw_sheet, exhibits
@@ -92,7 +104,7 @@ def sheet(
 
     started = time.perf_counter()
     shown = exhibits(categories, every_style=every_style)
-    with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
+    with quiet(), progress_bar("composing") as progress:
         draw_sheet(
             out,
             shown,
@@ -105,7 +117,5 @@ def sheet(
             widest=width,
             progress=progress,
         )
-    if as_json:
-        print_json({"file": str(out), "shown": [[item.category, item.style] for item in shown]})
-        return
+    print_result({"file": str(out), "shown": [[item.category, item.style] for item in shown]})
     echo(f"wrote {out}: {len(shown)} objects ({time.perf_counter() - started:.1f} s)")

@@ -5,7 +5,9 @@ from pathlib import Path
 
 import click
 
-from openrooms_usd.cli.console import echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command, folder_option
+from openrooms_usd.cli.console import echo, print_result
 from openrooms_usd.cli.settings import settings_options
 from openrooms_usd.description.rendering import RenderSettings
 
@@ -43,9 +45,11 @@ def _positions(
     return tuple(found)
 
 
-@click.command()
+@click.command(
+    cls=Command, example="orusd relight renders/overview -o evening --light window_0=off"
+)
 @click.argument("view", type=click.Path(path_type=Path), metavar="VIEW")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--light",
     "scales",
@@ -62,10 +66,7 @@ def _positions(
     metavar="NAME=KELVIN",
     help="A lamp's new colour temperature. Repeatable.",
 )
-@json_option
-def relight(
-    view: Path, out: Path, scales: dict[str, float], kelvin: dict[str, float], as_json: bool
-) -> None:
+def relight(view: Path, out: Path, scales: dict[str, float], kelvin: dict[str, float]) -> None:
     """Turn the lights of a rendered VIEW, without rendering again.
 
     VIEW is the folder of a view that was rendered with --channels radiance_i. OUT receives
@@ -75,18 +76,16 @@ def relight(
     from openrooms_usd.rendering.relight import relight as turn
 
     manifest = turn(view, out, Relighting(scales, kelvin))
-    if as_json:
-        print_json(manifest)
-        return
+    print_result(manifest)
     for light in manifest["lights"]:
         factor = " ".join(f"{value:.3g}" for value in light["factor"])
         echo(f"{light['name']:<16} x {factor}")
     echo(f"wrote {out / 'radiance.exr'} and radiance.png")
 
 
-@click.command()
+@click.command(cls=Command, example="orusd probe out/scene.usda -o probes --at 1.0,2.0,1.5")
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
+@folder_option
 @click.option(
     "--at",
     multiple=True,
@@ -106,14 +105,8 @@ def relight(
     defaults={"resolution": (256, 128)},
     helps={"resolution": "Of the panoramas.", "samples": "Paths for each pixel; 64 by default."},
 )
-@json_option
 def probe(
-    stage: Path,
-    out: Path,
-    at: tuple[Position, ...],
-    openings: bool,
-    settings: RenderSettings,
-    as_json: bool,
+    stage: Path, out: Path, at: tuple[Position, ...], openings: bool, settings: RenderSettings
 ) -> None:
     """Make light probes in a USD stage, for real-time engines.
 
@@ -123,11 +116,9 @@ def probe(
     from openrooms_usd.rendering.probes import probe_stage
     from openrooms_usd.usd.files.diagnostics import quiet
 
-    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+    with quiet(), progress_bar("translating") as progress:
         found = probe_stage(stage, out, settings, at=at, at_openings=openings, progress=progress)
-    if as_json:
-        print_json(found)
-        return
+    print_result(found)
     for entry in found["probes"]:
         error = entry["estimated_robust_error"]
         measured = "" if error is None else f"  estimated error {error:.2g}"

@@ -6,7 +6,9 @@ from typing import get_args
 
 import click
 
-from openrooms_usd.cli.console import Choice, Group, echo, json_option, print_json, progress_bar
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Group
+from openrooms_usd.cli.console import Choice, answer, echo, print_result
 from openrooms_usd.cli.settings import renderer_options
 from openrooms_usd.description.substances import Substance
 
@@ -18,35 +20,32 @@ def materials() -> None:
     """The procedural materials: a list, or pictures of them."""
 
 
-@materials.command("list")
-@json_option
-def list_(as_json: bool) -> None:
+@materials.command("list", example="orusd materials list")
+def list_() -> None:
     """Print every family by substance, with its usual size and where it is used."""
     from openrooms_usd.library.textures import FAMILIES
 
-    if as_json:
-        print_json(
-            {
-                kind: {
-                    name: {
-                        "size": family.size,
-                        "uses": sorted(family.uses),
-                        "grain": family.grain,
-                        "metallic": family.metallic,
-                    }
-                    for name, family in families.items()
+    print_result(
+        {
+            kind: {
+                name: {
+                    "size": family.size,
+                    "uses": sorted(family.uses),
+                    "grain": family.grain,
+                    "metallic": family.metallic,
                 }
-                for kind, families in FAMILIES.items()
+                for name, family in families.items()
             }
-        )
-        return
+            for kind, families in FAMILIES.items()
+        }
+    )
     for kind, families in FAMILIES.items():
-        echo(f"{kind} ({len(families)})")
+        answer(f"{kind} ({len(families)})")
         for name, family in families.items():
-            echo(f"  {name:<26} {family.size:>5g} m  {', '.join(sorted(family.uses))}")
+            answer(f"  {name:<26} {family.size:>5g} m  {', '.join(sorted(family.uses))}")
 
 
-@materials.command()
+@materials.command(example="orusd materials sheet -o woods --substance wood")
 @click.option(
     "-o",
     "--out",
@@ -56,9 +55,19 @@ def list_(as_json: bool) -> None:
     help="Folder for the pictures, one a substance.",
 )
 @click.option(
-    "--substance", "substances", multiple=True, type=_SUBSTANCES, help="Repeatable; all by default."
+    "--substance",
+    "substances",
+    multiple=True,
+    type=_SUBSTANCES,
+    help="What to draw; all by default. Repeatable.",
 )
-@click.option("--number", type=click.IntRange(0), default=0, show_default=True)
+@click.option(
+    "--number",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="Which material of each family.",
+)
 @click.option(
     "--size",
     type=click.IntRange(16, 2048),
@@ -71,7 +80,6 @@ def list_(as_json: bool) -> None:
 )
 @click.option("--denoise", is_flag=True, help="Denoise the pictures (extra denoise).")
 @renderer_options
-@json_option
 def sheet(
     out: Path,
     substances: tuple[Substance, ...],
@@ -81,14 +89,13 @@ def sheet(
     denoise: bool,
     renderer: str,
     options: dict[str, str],
-    as_json: bool,
 ) -> None:
     """Draw every family on a lit ball and on a floor."""
     from openrooms_usd.showroom import draw_material_sheets
     from openrooms_usd.usd.files.diagnostics import quiet
 
     started = time.perf_counter()
-    with quiet(), progress_bar(hidden=as_json, first="composing") as progress:
+    with quiet(), progress_bar("composing") as progress:
         files = draw_material_sheets(
             out,
             substances,
@@ -100,7 +107,5 @@ def sheet(
             denoise=denoise,
             progress=progress,
         )
-    if as_json:
-        print_json({"files": [str(file) for file in files]})
-        return
+    print_result({"files": [str(file) for file in files]})
     echo(f"wrote {len(files)} pictures to {out} ({time.perf_counter() - started:.1f} s)")

@@ -7,15 +7,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import click
 
-from openrooms_usd.cli.console import (
-    Choice,
-    echo,
-    gathered,
-    json_option,
-    named,
-    print_json,
-    progress_bar,
-)
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command, folder_option, section
+from openrooms_usd.cli.console import Choice, asked, echo, gathered, most, named, print_result, warn
 from openrooms_usd.cli.reports import check_report, report_option, write_report
 from openrooms_usd.cli.settings import RENDERER, settings_options
 from openrooms_usd.description.rendering import RenderSettings, flag_of
@@ -57,10 +51,20 @@ _FILM: Final = (
 _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name not in RENDERER)
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    example="orusd render out/scene.usda -o renders --camera overview --spp 16",
+    former={"--error": "--target-error", "--time": "--max-seconds"},
+)
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
-@click.option("-o", "--out", type=click.Path(path_type=Path), required=True, help="Output folder.")
-@click.option("--camera", "cameras", multiple=True, metavar="NAME_OR_PATH", help="Repeatable.")
+@folder_option
+@click.option(
+    "--camera",
+    "cameras",
+    multiple=True,
+    metavar="NAME_OR_PATH",
+    help="A camera to render; all by default. Repeatable.",
+)
 @settings_options(
     *_SETTINGS,
     shorthands={
@@ -68,40 +72,47 @@ _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name no
         "bsdf": "How surfaces reflect: auto, openrooms or preview.",
     },
 )
-@click.option(
-    "--path",
-    "spec",
-    metavar="PATH",
-    help="Write a video instead: walk, a camera that moves, or a file of keys (docs/paths.md).",
+@section(
+    "Video",
+    click.option(
+        "--path",
+        "spec",
+        metavar="PATH",
+        help="Write a video: walk, a camera that moves, or a file of keys (docs/howto/paths.md).",
+    ),
+    click.option("--duration", type=float, help="Seconds of the video; 10 for a walk."),
+    click.option(
+        "--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default."
+    ),
+    click.option(
+        "--frames",
+        is_flag=False,
+        flag_value=_EVERY,
+        metavar="[A:B:STEP]",
+        help="Render a stage that moves at these time codes, into a folder for each; alone, with "
+        "--path: write every frame of the video too.",
+    ),
 )
-@click.option("--duration", type=float, help="Seconds of the video; 10 for a walk.")
-@click.option("--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default.")
-@click.option(
-    "--frames",
-    is_flag=False,
-    flag_value=_EVERY,
-    metavar="[A:B:STEP]",
-    help="Render a stage that moves at these time codes, into a folder for each; alone, with "
-    "--path: write every frame of the video too.",
-)
-@click.option(
-    "--dataset",
-    "root",
-    type=click.Path(path_type=Path),
-    metavar="ROOT",
-    help="Also write OpenRooms' files there, as `orusd dataset write` does.",
-)
-@click.option(
-    "--dataset-layout",
-    "layout",
-    type=Choice(["split", "merged"]),
-    default="split",
-    show_default=True,
-    help="With --dataset: a tree for each channel as released, or one folder, which is what the "
-    "published loaders read.",
+@section(
+    "OpenRooms' files",
+    click.option(
+        "--dataset",
+        "root",
+        type=click.Path(path_type=Path),
+        metavar="ROOT",
+        help="Also write OpenRooms' files there, as `orusd dataset write` does.",
+    ),
+    click.option(
+        "--dataset-layout",
+        "layout",
+        type=Choice(["split", "merged"]),
+        default="split",
+        show_default=True,
+        help="With --dataset: a tree for each channel as released, or one folder, which is what "
+        "the published loaders read.",
+    ),
 )
 @report_option
-@json_option
 def render(
     stage: Path,
     out: Path,
@@ -114,7 +125,6 @@ def render(
     root: Path | None,
     layout: Literal["split", "merged"],
     report_file: Path | None,
-    as_json: bool,
 ) -> None:
     """Render the cameras of a USD stage with their ground truth, or a camera path as a video.
 
@@ -138,7 +148,6 @@ def render(
             out,
             spec,
             settings,
-            as_json,
             seconds=duration,
             rate=DEFAULT_RATE if fps is None else fps,
             keep_frames=frames is not None,
@@ -157,20 +166,20 @@ def render(
     summaries: list[RenderSummary] = []
     for folder, when in renders.items():
         wanted = settings if when is None else settings.replace(time_code=when)
-        with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+        with quiet(), progress_bar("translating") as progress:
             summary = render_stage(stage, folder, wanted, cameras=cameras, progress=progress)
-        if not as_json:
+        if not asked().json:  # The document has the warnings too.
             _print_summary(summary)
         summaries.append(summary)
     write_report(report_file, summaries[0].report)
     written = None
     if writer and root:
         written = writer.write([read_render(out)], root, DatasetOptions(layout=layout))
-    if as_json and frames:
-        print_json({"frames": [summary.as_dict() for summary in summaries]})
-    elif as_json:
-        print_json(summaries[0].as_dict() | ({"dataset": written.as_dict()} if written else {}))
-    elif written:
+    if frames:
+        print_result({"frames": [summary.as_dict() for summary in summaries]})
+    else:
+        print_result(summaries[0].as_dict() | ({"dataset": written.as_dict()} if written else {}))
+    if written:
         print_dataset(written)
 
 
@@ -223,7 +232,7 @@ def _warn_of_units(stage: Path) -> "Usd.Stage":
         opened = open_stage(stage)
         found = find_misfits(opened)
     for misfit in found:
-        echo(f"warning: {misfit}: see orusd edits fit", err=True)
+        warn(f"{misfit}: see orusd edit fix-units")
     return opened
 
 
@@ -246,11 +255,11 @@ def _print_summary(summary: "RenderSummary") -> None:
             f"{name:<16} {width}x{height}  {_quality(view)}{took['render'] + took['output']:.1f} s"
         )
         for warning in _warnings(view, summary.manifest["stop"].get("error")):
-            echo(f"    warning: {warning}", err=True)
+            warn(f"{name}: {warning}")
     if losses := _losses(summary.manifest["report"]):
         echo(f"{losses}: see the report in {summary.out / 'manifest.json'}")
         for alarm in _alarms(summary.manifest["report"]):
-            echo(f"warning: {alarm}", err=True)
+            warn(alarm)
     echo(f"rendered with {summary.manifest['renderer']['backend']}")
     if summary.spares:
         spares = named([path.rpartition("/")[2] for path in summary.spares])
@@ -279,9 +288,9 @@ def _alarms(report: Mapping[str, Any]) -> Iterator[str]:
         for sentence in filter(is_alarming, row["reason"].split("; "))
     )
     found = list(gathered(said))
-    for sentence, prims in found[:_MOST_ALARMS]:
+    for sentence, prims in found[: most(_MOST_ALARMS)]:
         yield f"{named(prims)}: {sentence}"
-    if len(found) > _MOST_ALARMS:
+    if len(found) > most(_MOST_ALARMS):
         yield f"{len(found) - _MOST_ALARMS} more of this kind are in the report"
 
 
@@ -321,9 +330,7 @@ def _is_biased(channel: Mapping[str, Any]) -> bool:
     return abs(bias["total"]) - _SURE_STANDARD_ERRORS * bias["total_error"] > _BIAS_WORTH_A_WARNING
 
 
-def film(
-    stage: Path, out: Path, spec: str, settings: RenderSettings, as_json: bool, **how: Any
-) -> None:
+def film(stage: Path, out: Path, spec: str, settings: RenderSettings, **how: Any) -> None:
     """Render a path and say what came of it.
 
     Args:
@@ -331,17 +338,14 @@ def film(
         out: The folder.
         spec: The path, as `openrooms_usd.rendering.paths.rendering.render_path` takes it.
         settings: What is asked for.
-        as_json: Whether to print JSON.
         how: What else it takes.
     """
     from openrooms_usd.rendering.paths.rendering import render_path
     from openrooms_usd.usd.files.diagnostics import quiet
 
-    with quiet(), progress_bar(hidden=as_json, first="translating") as progress:
+    with quiet(), progress_bar("translating") as progress:
         summary = render_path(stage, out, spec, settings, progress=progress, **how)
-    if as_json:
-        print_json(summary.as_dict())
-        return
+    print_result(summary.as_dict())
     told, spent = summary.manifest, sum(summary.timing.values())
     width, height = told["resolution"]
     echo(f"{len(told['frames'])} frames of {width}x{height}, {spent:.2f} s each")

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
 import click
 
+from openrooms_usd.cli.command import USUAL, section
 from openrooms_usd.cli.console import Choice
 from openrooms_usd.description.rendering import RenderSettings, flag_of, option_of
 
@@ -14,6 +15,14 @@ Command = Callable[..., Any]
 
 RENDERER: Final = ("renderer", "options")
 """The settings that say what renders."""
+
+_SECTIONS: Final = {
+    "Quality": ("samples", "error", "seconds", "denoise", "denoise_light", "error_maps"),
+    "Light": ("method", "bounces", "grid", "default_light"),
+    "Camera": ("resolution", "field_of_view", "f_stop", "tone", "time_code"),
+    "Renderer": (*RENDERER, "texture_side"),
+}
+"""Where ``--help`` lists an option; others are among the usual ones."""
 
 _SIZE: Final = re.compile(r"(\d{1,9})[x×](\d{1,9})")
 _VARIANT: Final = {"variant": "The backend: auto, cuda, llvm or scalar."}
@@ -46,10 +55,9 @@ def settings_options(
             return command(*args, settings=RenderSettings(**asked), **given)
 
         found: Command = with_settings
-        for option in reversed(_of_renderer(shorthands)):
-            found = option(found)
+        found = _of_renderer(shorthands)(found)
         for name in reversed(names):
-            found = _option(name, usual.get(name), said.get(name))(found)
+            found = section(_section(name), _option(name, usual.get(name), said.get(name)))(found)
         return found
 
     return decorate
@@ -64,10 +72,7 @@ def renderer_options(command: Command) -> Command:
         given["renderer"] = given["renderer"] or RenderSettings.model_fields["renderer"].default
         return command(*args, options=options, **given)
 
-    found: Command = with_renderer
-    for option in reversed(_of_renderer(_VARIANT)):
-        found = option(found)
-    return found
+    return _of_renderer(_VARIANT)(with_renderer)
 
 
 def _renderer_options(given: dict[str, Any], shorthands: Mapping[str, str]) -> dict[str, str]:
@@ -77,7 +82,7 @@ def _renderer_options(given: dict[str, Any], shorthands: Mapping[str, str]) -> d
     return said | dict(given.pop("pairs"))
 
 
-def _of_renderer(shorthands: Mapping[str, str]) -> list[Callable[[Command], Command]]:
+def _of_renderer(shorthands: Mapping[str, str]) -> Callable[[Command], Command]:
     short = [
         click.option(f"--{name}", help=f"{text} Short for --option {name}=…")
         for name, text in shorthands.items()
@@ -90,7 +95,12 @@ def _of_renderer(shorthands: Mapping[str, str]) -> list[Callable[[Command], Comm
         metavar="NAME=VALUE",
         help="An option of the renderer. Repeatable.",
     )
-    return [_option("renderer"), named, *short]
+    return section("Renderer", _option("renderer"), named, *short)
+
+
+def _section(name: str) -> str:
+    """The section of ``--help`` that has the option of a field."""
+    return next((title for title, fields in _SECTIONS.items() if name in fields), USUAL)
 
 
 def _option(

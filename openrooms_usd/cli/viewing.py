@@ -5,6 +5,8 @@ from typing import Any, Final
 
 import click
 
+from openrooms_usd.cli.bar import progress_bar
+from openrooms_usd.cli.command import Command
 from openrooms_usd.cli.pages import page_options, show
 from openrooms_usd.errors import InputError
 from openrooms_usd.view.app import App
@@ -12,10 +14,15 @@ from openrooms_usd.view.app import App
 _STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
 
 
-@click.command()
+@click.command(
+    cls=Command,
+    example="orusd view out/scene.usda --export room.html",
+    former={"--light": "--lightmaps"},
+)
 @click.argument("what", type=click.Path(path_type=Path), metavar="STAGE|RENDER|SCAN")
 @click.option(
-    "--light",
+    "--lightmaps",
+    "light",
     type=click.Path(path_type=Path),
     metavar="LIT",
     multiple=True,
@@ -35,7 +42,11 @@ _STAGES: Final = {".usd", ".usda", ".usdc", ".usdz"}
     help="Where the photographs of STAGE's capture lie.",
 )
 @click.option(
-    "--importer", default="scan", show_default=True, metavar="KIND", help="What reads SCAN."
+    "--importer",
+    default="scan",
+    show_default=True,
+    metavar="KIND",
+    help="What reads SCAN: a kind of `orusd import`.",
 )
 @click.option(
     "--include-outside",
@@ -58,7 +69,9 @@ def view(
     reads.
     """
     more = {"light": light, "include_outside": include_outside, "photographs": photographs}
-    show(_page(what, render, importer, **more), **where)
+    with progress_bar("reading"):
+        page = _page(what, render, importer, **more)
+    show(page, **where)
 
 
 def _page(what: Path, render: Path | None = None, importer: str = "scan", **more: Any) -> App:

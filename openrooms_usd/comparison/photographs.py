@@ -140,7 +140,7 @@ def _beside(path: Path) -> Path:
     raise InputError(
         "the description that this room was composed from is not beside its folder",
         place=path,
-        remedy="name it by --room ROOM.yaml",
+        remedy="name it by --description ROOM.yaml",
     )
 
 

@@ -19,7 +19,7 @@ from openrooms_usd.dataset.scratch import Root, fetch_known, fetch_unit, to_ones
 from openrooms_usd.dataset.store import Store, write_json, write_lines
 from openrooms_usd.description import Dataset, load_dataset
 from openrooms_usd.errors import OrusdError, OutputError
-from openrooms_usd.progress import Progress, silent
+from openrooms_usd.progress import Counted, Progress, silent
 from openrooms_usd.rendering.datasets import check_needs
 from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.untrusted import read_bytes
@@ -242,7 +242,8 @@ class _Run:
 
     def _show(self, job: Job, view: int) -> None:
         done = self.kept + self.made + len(self.failed)
-        self.progress(f"{job.name}/{view_name(view)}", min(1.0, done / max(1, self.total)))
+        what = Counted(f"{job.name}/{view_name(view)}", done, self.total)
+        self.progress(what, min(1.0, done / max(1, self.total)))
 
 
 def finish(store: Store, dataset: Dataset, progress: Progress = silent) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from openrooms_usd.dataset.records import LEFT_OUT, Record
 from openrooms_usd.dataset.scratch import Root, fetch_all, fetched, store_at
 from openrooms_usd.dataset.store import Store
 from openrooms_usd.errors import InputError
-from openrooms_usd.progress import Progress, silent
+from openrooms_usd.progress import Counted, Progress, silent
 from openrooms_usd.rendering.contract import View
 from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.untrusted import read_text
@@ -280,7 +280,7 @@ def _verified(root: Root, store: Store, progress: Progress) -> Verification:
     damages: list[Damage] = []
     total = sum(1 for _ in store.jobs())
     for number, job in enumerate(store.jobs()):
-        progress(job.name, number / max(1, total))
+        progress(Counted(job.name, number + 1, total), number / max(1, total))
         records = dict(store.records(job))
         unfinished += len(job.views) - len(records)
         if not records:

@@ -20,7 +20,7 @@ Row = dict[str, Any]
 
 
 class ParquetIndex:
-    """``views.parquet``: a row for each view (docs/datasets.md)."""
+    """``views.parquet``: a row for each view (docs/howto/datasets.md)."""
 
     takes: Final = "rooms"
     needs: Mapping[str, str] = MappingProxyType({"pyarrow": "parquet"})

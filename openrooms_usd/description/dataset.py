@@ -275,7 +275,7 @@ class Dataset(CheckedModel):
     """Simulated sensor, written beside the ground truth; by default none."""
     storage: StorageName = COMPACT
     """How the files of views hold channels: ``compact`` is about seven times smaller: light within
-    a stated relative error, everything else lossless (docs/storage.md)."""
+    a stated relative error, everything else lossless (docs/reference/storage.md)."""
     outputs: tuple[Output, ...] = ()
     """Forms in which finished rooms are written besides EXR and manifest."""
     splits: Shares = Field(default_factory=Shares)

@@ -70,7 +70,7 @@ def load_dataset(path: Path) -> Dataset:
         InputError: The file is missing or cannot be read.
         DescriptionError: It is not a valid description; the message lists every mistake.
     """
-    text = read_bytes(path, "description", remedy="docs/datasets.md shows one to start from")
+    text = read_bytes(path, "description", remedy="docs/howto/datasets.md shows one to start from")
     return _parsed(Dataset, text, str(path)).located(path.parent)
 
 

@@ -77,9 +77,11 @@ class Budget(CheckedModel):
 
     samples: Annotated[Whole, Field(ge=1, le=2**20), Option("--spp")] | None = None
     """Samples per pixel; 64 if neither an error nor a time is given."""
-    error: Annotated[Number, Field(ge=1e-9, le=1e3)] | None = None
+    error: Annotated[Number, Field(ge=1e-9, le=1e3), Option("--target-error")] | None = None
     """Stop at this estimated robust error of the radiance."""
-    seconds: Annotated[Number, Field(ge=1e-3, le=1e7), Option("--time", "seconds")] | None = None
+    seconds: (
+        Annotated[Number, Field(ge=1e-3, le=1e7), Option("--max-seconds", "seconds")] | None
+    ) = None
     """Stop each view after about this time; two runs do different amounts of work in it."""
 
     @classmethod
@@ -141,7 +143,7 @@ class RenderSettings(Budget, Rendering):
     """Seed of all random numbers."""
     storage: StorageName = COMPLETE
     """How files hold channels: compact is about seven times smaller, light within a stated relative
-    error (docs/storage.md)."""
+    error (docs/reference/storage.md)."""
     time_code: Annotated[Number, Field(ge=-1e12, le=1e12)] | None = None
     """Time code of an animated stage; by default the first sample of everything."""
 

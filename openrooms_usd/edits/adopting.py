@@ -140,7 +140,7 @@ def _check_name(scene: Path) -> None:
         raise InputError(
             f"this is not a {names.SCENE} of a room",
             place=scene,
-            remedy=f"orusd edits adopt OUT/{names.SCENE} --from {scene}",
+            remedy=f"orusd edit import-changes OUT/{names.SCENE} --from {scene}",
         )
 
 

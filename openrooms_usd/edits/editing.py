@@ -88,7 +88,8 @@ def _edits(stage: Usd.Stage, scene: Path) -> Sdf.Layer:
     raise StageError(
         f"the scene does not use its {_EDITS}",
         place=scene,
-        remedy="compose the room again, or adopt what another program saved: orusd edits adopt",
+        remedy="compose the room again, or take over what another program saved: "
+        "orusd edit import-changes",
     )
 
 

@@ -112,7 +112,7 @@ def refuse_foreign(scene: Path) -> None:
         raise StageError(
             f"another program has saved into this file, which compose overwrites: {foreign}",
             place=scene,
-            remedy=f"orusd edits adopt {scene} moves the changes into "
+            remedy=f"orusd edit import-changes {scene} moves the changes into "
             f"{names.LAYERS}/{names.EDITS}.usda; or remove the file, and compose writes it "
             "again",
         )

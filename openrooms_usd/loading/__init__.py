@@ -7,7 +7,7 @@ finds the one for a folder or a URL. ``folder`` reads renders and datasets as th
 cache. None of these needs torch; ``tensors`` makes batches of samples, ``epochs`` says in which
 order, ``training`` loads them by number and ``streaming`` from shards.
 
-The names for people are offered here, and loaded on first use (docs/loading.md).
+The names for people are offered here, and loaded on first use (docs/howto/loading.md).
 """
 
 from typing import TYPE_CHECKING, Final

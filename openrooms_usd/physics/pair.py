@@ -7,7 +7,8 @@ def friction(a: float, b: float) -> float:
     """The coefficient between two surfaces: the geometric mean of their own.
 
     A material's coefficient is against the average counterface. In logarithms a pair is so the mean
-    of both, as in the fit of the references (docs/friction.md); equal surfaces keep their own.
+    of both, as in the fit of the references (docs/explanation/friction.md); equal surfaces keep
+    their own.
     """
     return sqrt(a * b)
 

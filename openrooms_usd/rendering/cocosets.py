@@ -15,7 +15,7 @@ _LEDGER: Final = ".orusd.coco.sha256"
 
 
 class CocoDataset:
-    """``annotations/train.json`` and so on (docs/annotations.md)."""
+    """``annotations/train.json`` and so on (docs/reference/annotations.md)."""
 
     takes: Final = "rooms"
     needs: Mapping[str, str] = MappingProxyType({})

@@ -4,7 +4,7 @@ Complete storage keeps every number as the table of channels says. Compact stora
 masks, depth, geometry and materials as they are; light is rounded to few binary digits, each pixel
 by itself, and what follows from other channels is left out (`restoring`). So no light becomes
 negative, and sums of lights are as exact as their parts. What that saves and costs stands in
-docs/storage.md.
+docs/reference/storage.md.
 """
 
 import math

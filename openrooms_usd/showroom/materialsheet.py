@@ -17,7 +17,7 @@ from openrooms_usd.geometry.pinhole import look_at
 from openrooms_usd.library import textures
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.textures import FAMILIES, family_of
-from openrooms_usd.progress import Progress, silent
+from openrooms_usd.progress import Counted, Progress, silent
 from openrooms_usd.rendering.contract import NO_OPTIONS
 from openrooms_usd.rendering.folder import check_writable
 from openrooms_usd.rendering.sheet import Tile, write_sheet
@@ -107,7 +107,7 @@ def draw_material_sheets(
                 picture = photograph(opened, ball_camera(sample))
                 tiles.append((_caption(sample.name), picture))
                 done += 1
-                progress(sample.name, done / total)
+                progress(Counted(sample.name, done, total), done / total)
         rows = [tiles[i : i + _COLUMNS] for i in range(0, len(tiles), _COLUMNS)]
         with claims.output(file):
             write_sheet(file, rows, below=True)

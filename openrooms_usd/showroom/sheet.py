@@ -7,7 +7,7 @@ from typing import Final
 
 from openrooms_usd import claims
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.progress import Progress, silent
+from openrooms_usd.progress import Counted, Progress, silent
 from openrooms_usd.rendering.contract import NO_OPTIONS
 from openrooms_usd.rendering.folder import check_writable
 from openrooms_usd.rendering.sheet import Tile, write_sheet
@@ -69,7 +69,7 @@ def draw_sheet(
         hall = [item for item in exhibits if item.emits == lamps]
         for item, tile in _hall(hall, settings):
             tiles[item.name] = tile
-            progress(item.name, len(tiles) / len(exhibits))
+            progress(Counted(item.name, len(tiles), len(exhibits)), len(tiles) / len(exhibits))
     ordered = [tiles[item.name] for item in exhibits]
     rows = [ordered[i : i + _COLUMNS] for i in range(0, len(ordered), _COLUMNS)]
     with claims.output(path):

@@ -249,4 +249,4 @@ PHYSX_RULES: Final = (
     Rule("joint-limits", joint_limits, "put the joint's zero in the middle of its range"),
     Rule("joint-drive", drives, "units are N m/degree and degrees, or N/m and metres"),
 )
-"""In the order of docs/robots.md."""
+"""In the order of docs/reference/physics.md."""

@@ -103,7 +103,7 @@ class Objects:
             raise InputError(
                 f"{name} is not in this description's list of objects",
                 place=self._file,
-                remedy="correct the composed room: orusd annotate objects out/scene.usda",
+                remedy="correct the composed room: orusd edit objects out/scene.usda",
             )
         return self.rows[name]
 

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 # Corners of an opening in its own frame, in halves of its width and height.
 _RECTANGLE = np.array([[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]])
 _OF_A_BAKE: Final = (
-    "show the stage that was baked: orusd view STAGE --light FOLDER; or say --include-outside"
+    "show the stage that was baked: orusd view STAGE --lightmaps FOLDER; or say --include-outside"
 )
 
 

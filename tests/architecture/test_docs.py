@@ -14,12 +14,12 @@ from typing import NamedTuple
 import pytest
 import yaml
 
-from docs import api
+from docs import api, reference_pages
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [
     *(ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md")),
-    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
 ]
 FENCE = re.compile(r"^( *)```(\w*)[^\n]*\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\((?!https?:|mailto:|#)([^)#\s]+)")
@@ -87,6 +87,7 @@ def test_the_commands_of_a_document_run_in_order(document: Path, tmp_path: Path)
             check=False,
         )
         assert done.returncode == 0, f"$ {command}\n{done.stdout}{done.stderr}"
+        assert "` is called `" not in done.stderr, f"a former name: {command}\n{done.stderr}"
 
 
 @pytest.mark.slow
@@ -175,3 +176,9 @@ def test_the_architecture_names_every_chapter() -> None:
 
 def test_the_reference_of_python_says_what_the_docstrings_say() -> None:
     assert api.PAGE.read_text(encoding="utf-8") == api.page(), "run: python -m docs.api"
+
+
+@pytest.mark.parametrize("name", reference_pages.PAGES)
+def test_the_reference_says_what_commands_models_and_errors_say(name: str) -> None:
+    shown = (reference_pages.FOLDER / name).read_text(encoding="utf-8")
+    assert shown == reference_pages.PAGES[name](), "run: python -m docs.reference_pages"

@@ -40,7 +40,7 @@ def test_a_room_arrives_lit_and_seen_as_it_is(blender: Blender, example: Path) -
     glow = sorted(found["glow"].values())
     assert len(glow) == len(lamps) == 3
     np.testing.assert_allclose(glow, sorted(x.tolist() for x in lamps), rtol=1e-5)
-    # Blender passes over the exposure that cameras carry: docs/blender.md says how to set it.
+    # Blender passes over the exposure that cameras carry: docs/howto/blender.md says how to set it.
     assert found["exposure"] == 0.0
     for name, camera in found["cameras"].items():
         ours = read_camera(stage.GetPrimAtPath(f"{names.CAMERAS}/{name}"), 640, 480)

@@ -73,14 +73,14 @@ def opinions_in(layer: Path) -> set[str]:
 
 @pytest.fixture(scope="module")
 def trip(blender: Blender, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """The commands of docs/blender.md, and what the stage said before, between and after."""
+    """The commands of docs/howto/blender.md, and what the stage said before, between and after."""
     folder = tmp_path_factory.mktemp("trip")
     described, out = write_starter(folder)[0], folder / "out"
     scene, file = out / "scene.usda", folder / "from_blender.usda"
     output_of("compose", described, "-o", out)
     before = said_by(scene)
     blender("visited", scene, paint=PAINT, lux=LUX, degrees=DEGREES, file=str(file))
-    output_of("edits", "adopt", scene, "--from", file)
+    output_of("edit", "import-changes", scene, "--from", file)
     adopted, edits = said_by(scene), (out / "layers/edits.usda").read_bytes()
     output_of("compose", described, "-o", out)
     composed = said_by(scene)

@@ -196,7 +196,7 @@ def panorama(job: dict[str, Any]) -> None:
 
 
 def picture(job: dict[str, Any]) -> None:
-    """One camera of the room, as docs/blender.md has the settings."""
+    """One camera of the room, as docs/howto/blender.md has the settings."""
     photograph(job, bpy.data.objects[job["camera"]], samples=job["samples"])
 
 

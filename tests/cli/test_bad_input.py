@@ -340,9 +340,9 @@ def test_what_a_stage_lacks_is_reported(orusd: Any, lab: Any, tmp_path: Path) ->
         ("--channels ,", INPUT, ("no channel",)),
         ("--spp 0", INPUT, ("--spp", "must be between")),
         ("--spp many", INPUT, ("--spp", "'many'")),
-        ("--spp 4 --error 0.1", INPUT, ("--error", "samples is already given")),
-        ("--error nan", INPUT, ("--error", "must be between")),
-        ("--time -1", INPUT, ("--time", "must be between")),
+        ("--spp 4 --target-error 0.1", INPUT, ("--target-error", "samples is already given")),
+        ("--target-error nan", INPUT, ("--target-error", "must be between")),
+        ("--max-seconds -1", INPUT, ("--max-seconds", "must be between")),
         ("--resolution 0x10", INPUT, ("width: must be between",)),
         ("--resolution 99999x99999", INPUT, ("got 99999",)),
         ("--resolution 30000x30000", INPUT, ("30000x30000 is more than",)),
@@ -353,8 +353,8 @@ def test_what_a_stage_lacks_is_reported(orusd: Any, lab: Any, tmp_path: Path) ->
         ("--variant vulkan", RENDER, ("'vulkan'", "auto, cuda, llvm, scalar")),
         ("--renderer mitzuba", INPUT, ("did you mean 'mitsuba'?",)),
         ("--nosuch", INPUT, ("--nosuch",)),
-        ("--time nan", INPUT, ("--time", "must be between")),
-        ("--error -1", INPUT, ("--error", "must be between")),
+        ("--max-seconds nan", INPUT, ("--max-seconds", "must be between")),
+        ("--target-error -1", INPUT, ("--target-error", "must be between")),
         ("--seed -1", INPUT, ("seed",)),
     ],
 )
@@ -369,7 +369,9 @@ def test_render_options(
 
 def test_other_names(orusd: Any, lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    orusd("convert", lab.scene, out, "--to", "mitzuba").refused(INPUT, "did you mean 'mitsuba'?")
+    orusd("convert", lab.scene, out, "--format", "mitzuba").refused(
+        INPUT, "did you mean 'mitsuba'?"
+    )
     orusd("import", "roomplna", lab.room, "-o", out).refused(INPUT, "did you mean 'roomplan'?")
     orusd("compsoe").refused(2, "compsoe")
     orusd("compose", lab.room).refused(2, "--out")
@@ -525,5 +527,7 @@ def test_in_a_real_process(lab: Any, tmp_path: Path) -> None:
     said = [lab.finish(process) for process in running]
     said[0].refused(DESCRIPTION, "room.yaml:1:19", "layout.polygon")
     said[1].refused(INPUT, "a.usda", "parse error at 'nonsense{'", "remedy: ")
-    assert said[0].out == said[1].out == ""
+    errors = [json.loads(one.out)["error"] for one in said]
+    assert [error["code"] for error in errors] == ["description", "input"]
+    assert errors[1]["remedy"] and errors[1]["place"].startswith(str(tmp_path / "a.usda"))
     assert not out.exists()

@@ -46,7 +46,7 @@ def stage(tmp_path: Path) -> Path:
 
 
 def _convert(stage: Path, out: Path, *options: str, to: str = "urdf") -> Any:
-    command = ["convert", str(stage), str(out), "--to", to]
+    command = ["convert", str(stage), str(out), "--format", to]
     given = [word for option in options for word in ("--option", option)]
     return run(*command, *given)
 
@@ -125,7 +125,7 @@ def test_an_ending_that_is_not_written_is_refused(
     name: str, to: str | None, said: str, stage: Path, tmp_path: Path
 ) -> None:
     with pytest.raises(InputError, match=said):
-        output_of("convert", stage, tmp_path / name, *(("--to", to) if to else ()))
+        output_of("convert", stage, tmp_path / name, *(("--format", to) if to else ()))
     assert [path.name for path in tmp_path.iterdir()] == ["crate.usda"]
 
 
@@ -151,7 +151,7 @@ def test_scenes_in_one_folder_share_nothing(stage: Path, tmp_path: Path) -> None
 def test_another_export_of_the_same_names_is_refused(stage: Path, tmp_path: Path) -> None:
     output_of("convert", stage, tmp_path / "out" / "scene.xml")
     with pytest.raises(OutputError, match="would be replaced"):
-        output_of("convert", stage, tmp_path / "out", "--to", "mjcf")
+        output_of("convert", stage, tmp_path / "out", "--format", "mjcf")
 
 
 def test_a_smaller_export_leaves_nothing_of_the_larger_one(stage: Path, tmp_path: Path) -> None:
@@ -176,3 +176,12 @@ def test_losses_that_say_the_same_are_one_line(tmp_path: Path) -> None:
     (line,) = (line for line in said if "shadows are sharp" in line)
     named = "/World/Sun_0, /World/Sun_1, /World/Sun_2 and 2 more"
     assert line.startswith(f"approximated 5 x: {named}: its angle")
+
+
+def test_the_file_is_named_by_an_option_or_as_second(stage: Path, tmp_path: Path) -> None:
+    for words in (("-o", tmp_path / "a.glb"), (tmp_path / "b.glb",)):
+        output_of("convert", stage, *words)
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
+    for words in ((), ("-o", tmp_path / "c.glb", tmp_path / "d.glb")):
+        done = run("convert", stage, *words)
+        assert done.exit_code == 2 and "one file or folder to write: -o OUT" in done.output

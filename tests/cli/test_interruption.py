@@ -66,7 +66,7 @@ def test_a_render_after_its_first_view(lab: Any, tmp_path: Path) -> None:
     from openrooms_usd.rendering import exr
 
     out = tmp_path / "out"
-    process = lab.start("render", lab.scene, "-o", out, "--variant", "scalar", "--time", "1")
+    process = lab.start("render", lab.scene, "-o", out, "--variant", "scalar", "--max-seconds", "1")
     interrupt(process, lambda: (out / "timing.json").exists(), lab)
     views = json.loads((out / "manifest.json").read_text())["views"]
     assert list(views) == ["left"]
@@ -85,7 +85,9 @@ def test_an_earlier_render_stays_until_a_view_is_finished(lab: Any, tmp_path: Pa
     out = tmp_path / "out"
     shutil.copytree(lab.rendered, out)
     before = lab.tree(out)
-    process = lab.start("render", lab.scene, "-o", out, "--variant", "scalar", "--time", "60")
+    process = lab.start(
+        "render", lab.scene, "-o", out, "--variant", "scalar", "--max-seconds", "60"
+    )
     maps = Path(f"/proc/{process.pid}/maps")
     while "scalar_rgb" not in maps.read_text() and process.poll() is None:
         time.sleep(0.01)

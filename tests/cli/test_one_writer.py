@@ -46,12 +46,14 @@ def test_two_rooms_at_once(orusd: Any, lab: Any, slow_room: Path, tmp_path: Path
 
 @pytest.mark.one_in(36)
 @pytest.mark.parametrize(
-    "command", ["compose", "import", "render", "dataset", "edits adopt", "simulate"]
+    "command", ["compose", "import", "render", "dataset", "edit import-changes", "simulate"]
 )
 def test_who_writes_waits_for_nobody(command: str, orusd: Any, lab: Any, tmp_path: Path) -> None:
     """Each command that writes a folder names who has it, and leaves it as it is."""
     out = tmp_path / "out"
-    shutil.copytree(lab.composed if command in ("edits adopt", "simulate") else lab.rendered, out)
+    shutil.copytree(
+        lab.composed if command in ("edit import-changes", "simulate") else lab.rendered, out
+    )
     table = tmp_path / "boxes.csv"
     table.write_text("label,x,y,z,width,depth,height\nchair,1,1,0,0.5,0.5,0.9\n")
     words = {
@@ -59,7 +61,7 @@ def test_who_writes_waits_for_nobody(command: str, orusd: Any, lab: Any, tmp_pat
         "import": ["import", "boxes", table, "-o", out],
         "render": ["render", lab.scene, "-o", out, *lab.QUICK],
         "dataset": ["dataset", "write", lab.rendered, "-o", out],
-        "edits adopt": ["edits", "adopt", out / "scene.usda"],
+        "edit import-changes": ["edit", "import-changes", out / "scene.usda"],
         "simulate": ["simulate", out / "scene.usda"],
     }
     before = lab.tree(out)

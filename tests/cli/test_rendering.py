@@ -88,7 +88,7 @@ def test_the_table_for_people_and_programs():
 
 
 def test_the_page_is_fresh():
-    assert (ROOT / "docs" / "channels.md").read_text("utf-8") == markdown_page()
+    assert (ROOT / "docs/reference/channels.md").read_text("utf-8") == markdown_page()
     assert output_of("channels", "--markdown") == markdown_page()
 
 
@@ -141,8 +141,8 @@ def test_an_error_that_is_not_reached_is_said(ball, tmp_path, monkeypatch):
     monkeypatch.setattr(sampling, "_MOST_SAMPLES", 16)
     options = ["--variant", "scalar", "--resolution", "16x12", "--camera", "front"]
     for error, warned in (("1e-9", True), ("1e3", False)):
-        said = output_of("render", ball, "-o", tmp_path / error, *options, "--error", error)
-        found = re.search(r"warning: estimated error \S+ after 16 samples, not 1e-09", said)
+        said = output_of("render", ball, "-o", tmp_path / error, *options, "--target-error", error)
+        found = re.search(r"warning: front: estimated error \S+ after 16 samples, not 1e-09", said)
         assert bool(found) == warned
         reasons = [row["reason"] for row in report_of(tmp_path / error)["losses"]]
         assert any("after 16 samples a pixel" in reason for reason in reasons) == warned

@@ -55,7 +55,7 @@ def stage(tmp_path: Path) -> Path:
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_foreign_stage_settles(stage: Path, tmp_path: Path, engine: str) -> None:
     out = tmp_path / "rest.usda"
-    how = ("--engine", engine, "--seconds", 1, "-o", out, "--json")
+    how = ("--engine", engine, "--duration", 1, "-o", out, "--json")
     data = json.loads(output_of("simulate", stage, *how))
     (row,) = data["moved"]
     assert row["path"] == "/World/crate"
@@ -64,7 +64,7 @@ def test_a_foreign_stage_settles(stage: Path, tmp_path: Path, engine: str) -> No
 
 
 def test_people_read_what_moved(stage: Path, tmp_path: Path) -> None:
-    told = output_of("simulate", stage, "--seconds", 0.5, "-o", tmp_path / "rest.usda")
+    told = output_of("simulate", stage, "--duration", 0.5, "-o", tmp_path / "rest.usda")
     assert "1 movable object; the largest motion in 0.5 s was 50." in told and "wrote" in told
     assert "warning: these moved by more than 1 cm: crate" in told
 
@@ -79,7 +79,7 @@ def test_a_layer_elsewhere_starts_from_the_room_as_described(tmp_path: Path) -> 
     room.write_text(f"#usda 1.0\n(\n{metadata}{below})\n")
     own = tmp_path / "layers/settled.usda"
     own.write_text("#usda 1.0\n")
-    how = ("--seconds", 0.5, "--json", "-o")
+    how = ("--duration", 0.5, "--json", "-o")
     first = json.loads(output_of("simulate", room, *how, tmp_path / "first.usda"))
     own.write_bytes((tmp_path / "first.usda").read_bytes())
     again = json.loads(output_of("simulate", room, *how, tmp_path / "again.usda"))
@@ -103,7 +103,7 @@ def test_what_turns_on_a_joint_counts(stage: Path, tmp_path: Path) -> None:
     """A crate of 20 cm whose edge hangs from the world swings down by a quarter and more."""
     lifted = STAGE.replace("(0, 0, 0.15)", "(0, 0, 0.55)")
     stage.write_text(lifted.rstrip().removesuffix("}") + FLAP)
-    how = ("--seconds", 0.3, "-o", tmp_path / "rest.usda")
+    how = ("--duration", 0.3, "-o", tmp_path / "rest.usda")
     (row,) = json.loads(output_of("simulate", stage, *how, "--json"))["moved"]
     (angle,) = row["joints"].values()
     assert row["degrees"] == pytest.approx(abs(angle), abs=0.1) and row["degrees"] > 30.0
@@ -123,7 +123,7 @@ def test_an_explosion_leaves_no_layer(stage: Path, tmp_path: Path) -> None:
     stage.write_text(STAGE.replace("(0, 0, 0.15)", "(3, 0, 0.15)"))
     out = tmp_path / "rest.usda"
     with pytest.raises(StageError, match="left the world") as caught:
-        output_of("simulate", stage, "-o", out, "--seconds", 5)
+        output_of("simulate", stage, "-o", out, "--duration", 5)
     assert caught.value.place == "/World/crate"
     assert not out.exists()
 

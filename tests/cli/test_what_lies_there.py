@@ -3,6 +3,7 @@
 A new command without a case fails, since the commands are asked for what they take.
 """
 
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,7 +68,7 @@ BARE_ROOM = SMALL_ROOM.partition("alignment:")[0]
 
 # What a command takes that names something to write.
 WRITING = {"out", "export", "report_file", "root", "folder"}
-READING = {"dataset status", "dataset verify", "dataset stats", "edits fit", "edits orphans"}
+READING = {"dataset status", "dataset verify", "dataset stats", "edit fix-units", "edit orphans"}
 # Lists of all scenes, and a lens that stays where another one is there.
 OPENROOMS = ("train.txt", "val.txt", "test.txt", "scenes/intrinsic.txt")
 QUICK = "--variant scalar --spp 1 --resolution 8x8"
@@ -94,15 +95,15 @@ class Case:
 
 CASES = {
     "convert mitsuba": Case("convert STOCK/stage.usda HERE/a.xml"),
-    "convert folder": Case("convert STOCK/stage.usda HERE --to mitsuba"),
+    "convert folder": Case("convert STOCK/stage.usda HERE --format mitsuba"),
     "convert gltf": Case("convert STOCK/stage.usda HERE/a.glb"),
     "convert usdz": Case("convert STOCK/stage.usda HERE/a.usdz"),
     "convert arkit": Case("convert STOCK/stage.usda HERE/a.usdz --profile arkit", slow=True),
-    "convert urdf": Case("convert STOCK/stage.usda HERE --to urdf"),
-    "convert mjcf": Case("convert STOCK/stage.usda HERE --to mjcf"),
-    "convert usdphysics": Case("convert STOCK/stage.usda HERE --to usdphysics"),
+    "convert urdf": Case("convert STOCK/stage.usda HERE --format urdf"),
+    "convert mjcf": Case("convert STOCK/stage.usda HERE --format mjcf"),
+    "convert usdphysics": Case("convert STOCK/stage.usda HERE --format usdphysics"),
     "convert openrooms-xml": Case(
-        "convert STOCK/room/scene.usda HERE --to openrooms-xml", slow=True
+        "convert STOCK/room/scene.usda HERE --format openrooms-xml", slow=True
     ),
     "convert --report": Case("convert STOCK/stage.usda STOCK/b.glb --report HERE/report.json"),
     "render": Case(f"render STOCK/stage.usda -o HERE {QUICK} --channels depth"),
@@ -135,15 +136,13 @@ CASES = {
     "generate": Case("generate --type hallway --clutter 0 -o HERE", slow=True),
     "generate --count": Case("generate --type hallway --clutter 0 --count 2 -o HERE", slow=True),
     "import": Case("import boxes STOCK/taken/boxes.json -o HERE"),
-    "simulate": Case("simulate STOCK/stage.usda -o HERE/settled.usda --seconds 0.01"),
+    "simulate": Case("simulate STOCK/stage.usda -o HERE/settled.usda --duration 0.01"),
     "view": Case("view STOCK/stage.usda --export HERE/page.html"),
-    "annotate layout": Case("annotate layout STOCK/bare.yaml --export HERE/page.html"),
-    "annotate materials": Case(
-        "annotate materials STOCK/room/scene.usda --export HERE/page.html", slow=True
+    "edit layout": Case("edit layout STOCK/bare.yaml --export HERE/page.html"),
+    "edit materials": Case(
+        "edit materials STOCK/room/scene.usda --export HERE/page.html", slow=True
     ),
-    "annotate objects": Case(
-        "annotate objects STOCK/room/scene.usda --export HERE/page.html", slow=True
-    ),
+    "edit objects": Case("edit objects STOCK/room/scene.usda --export HERE/page.html", slow=True),
     "dataset plan": Case("dataset plan STOCK/dataset.yaml -o HERE/plan.jsonl"),
     "dataset run": Case(
         "dataset run STOCK/dataset.yaml -o HERE",
@@ -157,10 +156,10 @@ CASES = {
         slow=True,
     ),
     "dataset write openrooms": Case("dataset write STOCK/render -o HERE", others=OPENROOMS),
-    "dataset write nerf": Case("dataset write STOCK/render -o HERE --as nerf"),
-    "dataset write coco": Case("dataset write STOCK/plain -o HERE --as coco"),
-    "dataset write webdataset": Case("dataset write STOCK/render -o HERE --as webdataset"),
-    "dataset write hypersim": Case("dataset write STOCK/render -o HERE --as hypersim"),
+    "dataset write nerf": Case("dataset write STOCK/render -o HERE --format nerf"),
+    "dataset write coco": Case("dataset write STOCK/plain -o HERE --format coco"),
+    "dataset write webdataset": Case("dataset write STOCK/render -o HERE --format webdataset"),
+    "dataset write hypersim": Case("dataset write STOCK/render -o HERE --format hypersim"),
     "library sheet": Case(
         "library sheet -o HERE/sheet.png --category stool --size 16 --renderer preview", slow=True
     ),
@@ -278,6 +277,18 @@ def check(case: Case, stock: Path, tmp_path: Path, tried: Callable[[list[str]], 
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.slow])
 def test_only_what_is_ours_and_unchanged_gives_way(name: str, stock: Path, tmp_path: Path) -> None:
     check(CASES[name], stock, tmp_path, lambda names: names[:1])
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.slow])
+def test_they_are_quiet_or_print_json_alone(name: str, stock: Path, tmp_path: Path) -> None:
+    (tmp_path / "here").mkdir()
+    command = words(CASES[name].words, stock, tmp_path / "here")
+    assert output_of(*command, "--quiet") == ""
+    done = run(*command, "--json")
+    assert done.exit_code == 0 and isinstance(json.loads(done.stdout), dict)
+    shown = run(*command, "--verbose")
+    assert shown.stdout and (" s  " in shown.stderr or name in ("init", "dataset plan"))
 
 
 @pytest.mark.slow

@@ -147,7 +147,7 @@ def test_what_cannot_be_compared_is_refused(room: Path, tmp_path: Path) -> None:
     alone.write_bytes((room / "out/scene.usda").read_bytes())
     with pytest.raises(InputError, match="not beside its folder") as refused:
         compare_stage(alone, tmp_path / "o")
-    assert "--room" in str(refused.value)
+    assert "--description" in str(refused.value)
     assert not (tmp_path / "o").exists()
 
 

@@ -57,7 +57,7 @@ def test_python_says_what_may_have_been_meant(
         ("rendr", "render"),
         ("dataset wirte", "write"),
         ("library lst", "list"),
-        ("edits adpt", "adopt"),
+        ("edit import-change", "import-changes"),
         ("import roomplam x -o y", "roomplan"),
         ("generate --type bedrom -o x", "bedroom"),
         ("compose x -o y --only layuot", "layout"),

@@ -77,7 +77,7 @@ def test_compose_refuses_to_write_over_it(place: Any) -> None:
         place.description.write_text(text + place.description.read_text().removeprefix("seed: 1\n"))
         with pytest.raises(StageError, match="another program has saved") as caught:
             place.compose()
-        assert f"orusd edits adopt {place.scene}" in str(caught.value.remedy)
+        assert f"orusd edit import-changes {place.scene}" in str(caught.value.remedy)
         assert place.tree() == before
     adopt(place.scene)
     assert not place.compose().unchanged
@@ -187,7 +187,7 @@ def test_what_is_no_usd_is_refused(place: Any, name: str) -> None:
 def test_the_command_tells_what_it_does(place: Any) -> None:
     save_over(place)
     before = place.tree()
-    call = ["edits", "adopt", str(place.scene)]
+    call = ["edit", "import-changes", str(place.out)]
     tried = run(*call, "--dry-run").output
     assert f"changed  {SOFA}: xformOp:translate, variantSelection\n" in tried
     assert "would move what is said about 5 prims" in tried
@@ -195,4 +195,4 @@ def test_the_command_tells_what_it_does(place: Any) -> None:
     done = json.loads(run(*call, "--json").output)
     assert done["written"]
     assert len(done["changes"]) == 5
-    assert run(*call).output == "nothing to adopt\n"
+    assert run(*call).output == "no changes to import\n"

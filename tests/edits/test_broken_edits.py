@@ -61,9 +61,9 @@ def commands(folder: Path) -> list[list[Any]]:
         ["compose", folder / "room.yaml", "-o", folder / "out"],
         ["render", scene, "-o", folder / "none", "--channels", "depth"],
         ["validate", scene],
-        ["convert", scene, folder / "none", "--to", "openrooms-xml"],
-        ["edits", "orphans", folder / "out"],
-        ["edits", "fit", folder / "out"],
+        ["convert", scene, folder / "none", "--format", "openrooms-xml"],
+        ["edit", "orphans", folder / "out"],
+        ["edit", "fix-units", folder / "out"],
     ]
 
 

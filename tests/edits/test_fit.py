@@ -1,4 +1,4 @@
-"""Referenced files in other units or axes are named, and stand right after ``orusd edits fit``."""
+"""Files in other units or axes are named, and stand right after ``orusd edit fix-units``."""
 
 import json
 import shutil
@@ -158,14 +158,14 @@ def test_everybody_says_it(place, board: Callable[..., None], tmp_path: Path) ->
     text = "is 100 times too large; it needs xformOp:rotateX:unitsResolve = 90, xformOp:scale"
     (found,) = [f for f in validate_stage(place.scene) if f.code == "units"]
     assert (found.severity, found.place) == ("warning", "/World/Board")
-    assert text in found.message and "orusd edits fit" in found.remedy
+    assert text in found.message and "orusd edit fix-units" in found.remedy
     assert any(text in note and "/World/Board" in note for note in place.compose().notes)
     # It is said before anything is rendered, or is found out to be impossible.
     words = ["render", str(place.scene), "-o", str(tmp_path / "r"), "--renderer", "none"]
     assert text in run(*words).stderr
-    asked = run("edits", "fit", place.out, "--dry-run")
+    asked = run("edit", "fix-units", place.out, "--dry-run")
     assert text in asked.stdout and "would correct 1" in asked.stdout
-    done = run("edits", "fit", place.out, "--json")
+    done = run("edit", "fix-units", place.out, "--json")
     assert [row["path"] for row in json.loads(done.stdout)["fitted"]] == ["/World/Board"]
     assert place.compose().notes == ()
 

@@ -70,13 +70,13 @@ def test_the_same_are_said_by_the_commands_and_by_validate(place: Any) -> None:
     place.write_edits(LOST)
     said = run("compose", place.description, "-o", place.out)
     assert "edits: /World/Fruniture: overrides a prim that does not exist" in said.output
-    assert "edits: 2 more; orusd edits orphans" in said.output
-    listed = run("edits", "orphans", place.out)
+    assert "edits: 2 more; orusd edit orphans" in said.output
+    listed = run("edit", "orphans", place.out)
     assert "remedy: /World/Furniture/sofa is near: rename it to where the prim is now" in (
         listed.output
     )
     assert listed.output.endswith("edits.usda: 7 orphans\n")
-    plain = run("edits", "orphans", place.out, "--json")
+    plain = run("edit", "orphans", place.out, "--json")
     rows = json.loads(plain.output)["orphans"]
     assert len(rows) == 7
     assert set(rows[0]) == {"path", "reason", "message", "hint", "remedy"}
@@ -100,7 +100,7 @@ def test_what_does_something_is_no_orphan(place: Any) -> None:
         stage.GetPrimAtPath("/World").CreateAttribute("note", Sdf.ValueTypeNames.Int).Set(1)
         stage.OverridePrim("/World/Furniture/sofa/Geometry").SetCustomDataByKey("mine", 1)
     assert place.compose().orphans == ()
-    assert "no orphans" in run("edits", "orphans", place.out).output
+    assert "no orphans" in run("edit", "orphans", place.out).output
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""No command but ``edits adopt`` and ``fit`` writes the layer of the edits; stages read it."""
+"""No command but ``edit import-changes`` and ``fix-units`` writes the layer of the edits."""
 
 from typing import Any
 
@@ -37,9 +37,9 @@ def test_bytes_and_time_stay_over_all_commands(place: Any) -> None:
         (*compose, "--flatten", "--usdz"),
         (*compose, "--only", "alignment"),
         ("validate", place.scene),
-        ("edits", "orphans", place.out),
-        ("edits", "fit", place.out),
-        ("edits", "adopt", place.scene),
+        ("edit", "orphans", place.out),
+        ("edit", "fix-units", place.out),
+        ("edit", "import-changes", place.scene),
         ("render", place.scene, "-o", place.out / "pictures", "--spp", 1),
     ):
         output_of(*words)

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 from pxr import Gf, Usd, UsdGeom, Vt
 
-from openrooms_usd.cli.annotating import labels
+from openrooms_usd.cli.labelling import labels
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering import render_stage
@@ -186,7 +186,7 @@ def test_pycocotools_reads_it(house: list[Path], tmp_path: Path) -> None:
     evaluation = pytest.importorskip("pycocotools.cocoeval")
     file = tmp_path / "coco.json"
     paths = [str(path) for path in house]
-    run = CliRunner().invoke(labels, [*paths, "-o", str(file), "--classes", "coco"])
+    run = CliRunner().invoke(labels, [*paths, "-o", str(file), "--taxonomy", "coco"])
     assert run.exit_code == 0, run.output
     truth = client.COCO(str(file))
     (chair,) = truth.getCatIds(catNms=["chair"])
@@ -271,7 +271,7 @@ def test_a_wall_without_a_frame_of_its_own_has_the_box_that_fits(degrees: float)
 
 
 def test_the_command_writes_the_same_bytes_again(shots: Path, scene: Path, tmp_path: Path) -> None:
-    for options in ([], ["--classes", "ade20k"], ["--format", "boxes", "--stage", str(scene)]):
+    for options in ([], ["--taxonomy", "ade20k"], ["--format", "boxes", "--stage", str(scene)]):
         for name in ("a.json", "b.json"):
             run = CliRunner().invoke(labels, [str(shots), "-o", str(tmp_path / name), *options])
             assert run.exit_code == 0, run.output

@@ -64,7 +64,7 @@ def test_annotations_are_the_same(home: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize("kind", ["openrooms", "nerf"])
 def test_foreign_forms_have_the_same_files(home: Path, kind: str, tmp_path: Path) -> None:
     for storage in STORAGES:
-        output_of("dataset", "write", home / storage, "-o", tmp_path / storage, "--as", kind)
+        output_of("dataset", "write", home / storage, "-o", tmp_path / storage, "--format", kind)
     trees = [
         {p.relative_to(tmp_path / s): p for p in (tmp_path / s).rglob("*") if p.is_file()}
         for s in STORAGES

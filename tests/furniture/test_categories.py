@@ -100,8 +100,8 @@ def test_what_carries_a_thing_is_said_once() -> None:
 
 
 def test_the_table_of_the_words_of_captures_is_true() -> None:
-    """Each word is built as the table of docs/captures.md has it, or is a box, or nothing."""
-    text = (Path(__file__).parents[2] / "docs" / "captures.md").read_text(encoding="utf-8")
+    """Each word is built as the table of docs/howto/captures.md has it, or is a box, or nothing."""
+    text = (Path(__file__).parents[2] / "docs/howto/captures.md").read_text(encoding="utf-8")
     table = text[text.index("| a capture says |") :].partition("\n\n")[0].splitlines()[2:]
     for row in table:
         words, seen = (cell.strip() for cell in row.strip("|").split("|"))

@@ -166,9 +166,9 @@ KINDS = (
         "render.finished",
         plant_finished,
         (
-            (2, "annotate {in}/render -o {out}/coco.json"),
-            (1, "annotate {in}/render -o {out}/coco.json --taxonomy openrooms45"),
-            (2, "annotate {in}/render -o {out}/b.json --format boxes --stage {in}/scene.usda"),
+            (2, "labels {in}/render -o {out}/coco.json"),
+            (1, "labels {in}/render -o {out}/coco.json --taxonomy openrooms45"),
+            (2, "labels {in}/render -o {out}/b.json --format boxes --stage {in}/scene.usda"),
             (2, f"relight {_VIEW} -o {{out}} --light lamp=0.5"),
             (1, f"relight {_VIEW} -o {{out}} --temperature lamp=5000"),
             (2, "dataset write {in}/render -o {out}"),
@@ -180,8 +180,8 @@ KINDS = (
         "render.manifest",
         plant_finished,
         (
-            (1, "annotate {in}/render -o {out}/coco.json"),
-            (1, "annotate {in}/render -o {out}/b.json --format boxes --stage {in}/scene.usda"),
+            (1, "labels {in}/render -o {out}/coco.json"),
+            (1, "labels {in}/render -o {out}/b.json --format boxes --stage {in}/scene.usda"),
             (1, f"relight {_VIEW} -o {{out}} --light lamp=off --light elsewhere=2"),
             (1, "dataset write {in}/render -o {out} --layout merged"),
         ),

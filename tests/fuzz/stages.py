@@ -257,7 +257,7 @@ def _packaged(name: str, folder: Path) -> object:
 
 
 _COMPOSE = "compose {in}/room.yaml -o {out}"
-_ADOPT = "edits adopt {out}/scene.usda --from {in}/saved."
+_ADOPT = "edit import-changes {out}/scene.usda --from {in}/saved."
 KINDS = (
     Kind(
         "room.yaml",
@@ -270,8 +270,8 @@ KINDS = (
         _plant_composed,
         (
             (4, "validate {out}/scene.usda"),
-            (2, "edits orphans {out}"),
-            (2, "edits fit {out}"),
+            (2, "edit orphans {out}"),
+            (2, "edit fix-units {out}"),
             (2, partial(_packaged, "scene.usdz")),
             (2, partial(_packaged, "scene.usdc")),
             (1, _COMPOSE),
@@ -284,8 +284,8 @@ KINDS = (
         _plant_composed,
         (
             (3, "validate {out}/scene.usda"),
-            (3, "edits adopt {out}/scene.usda"),
-            (2, "edits adopt {out}/scene.usda --dry-run --json"),
+            (3, "edit import-changes {out}/scene.usda"),
+            (2, "edit import-changes {out}/scene.usda --dry-run --json"),
             (1, _COMPOSE),
         ),
         ("out/scene.usda",),
@@ -296,7 +296,7 @@ KINDS = (
         _plant_composed,
         (
             (4, "validate {out}/scene.usda --json"),
-            (2, "edits orphans {out} --json"),
+            (2, "edit orphans {out} --json"),
             (1, partial(_packaged, "scene.usdz")),
             (1, _COMPOSE),
         ),
@@ -316,9 +316,9 @@ KINDS = (
         (
             *((3, f"validate {{in}}/{name}") for name in ("a.usda", "b.usdc", "c.usdz")),
             (2, "render {in}/a.usda -o {out} --renderer fake --channels radiance --spp 1"),
-            (1, "convert {in}/a.usda {out}/a.urdf --to urdf"),
-            (1, "convert {in}/a.usda {out}/a.xml --to mjcf"),
-            (1, "convert {in}/b.usdc {out}/a.usda --to usdphysics"),
+            (1, "convert {in}/a.usda {out}/a.urdf --format urdf"),
+            (1, "convert {in}/a.usda {out}/a.xml --format mjcf"),
+            (1, "convert {in}/b.usdc {out}/a.usda --format usdphysics"),
         ),
         share=6,
     ),

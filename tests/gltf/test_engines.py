@@ -8,14 +8,14 @@ from pxr import Usd, UsdGeom, UsdShade
 from orusd_gltf import GltfExporter
 from tests.gltf.reading import read
 
-# docs/engines.md: what both read, or may pass over.
+# docs/howto/engines.md: what both read, or may pass over.
 READ_BY_BOTH = {"KHR_lights_punctual", "KHR_materials_clearcoat", "KHR_materials_transmission"}
 PASSED_OVER = {"KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_specular"}
 
 
 def test_the_checks_that_the_page_names_are_there() -> None:
     root = Path(__file__).parents[2]
-    named = set(re.findall(r"`(test_\w+)`", (root / "docs/engines.md").read_text()))
+    named = set(re.findall(r"`(test_\w+)`", (root / "docs/howto/engines.md").read_text()))
     texts = [path.read_text() for path in root.glob("tests/*/test_*.py")]
     assert len(named) > 10
     assert {name for name in named if not any(f"def {name}(" in text for text in texts)} == set()

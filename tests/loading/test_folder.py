@@ -194,7 +194,7 @@ def add(archive: tarfile.TarFile, name: str, data: bytes) -> None:
 
 @pytest.fixture(scope="session")
 def shards(dataset: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The views of the dataset, two a shard, as docs/webdataset.md has them."""
+    """The views of the dataset, two a shard, as docs/howto/webdataset.md has them."""
     root = tmp_path_factory.mktemp("shards")
     rows = [json.loads(line) for line in (dataset / "index.jsonl").read_text().splitlines()]
     listed: dict[str, list[dict[str, Any]]] = {}

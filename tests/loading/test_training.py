@@ -16,7 +16,7 @@ from openrooms_usd.loading.opening import open_source
 from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.transforms import Compose, Exposure, HorizontalFlip, RandomCrop
 
-PAGE = Path(__file__).parents[2] / "docs/loading.md"
+PAGE = Path(__file__).parents[2] / "docs/howto/loading.md"
 CHANNELS = ("radiance", "depth", "position", "instance")
 CHANGE = Compose([HorizontalFlip(), RandomCrop(16, 12)])
 

@@ -1,7 +1,7 @@
 """Whatever is done to a view, what its channels say of each other stays true.
 
-The arithmetic of the identities is written here again, by the definitions in docs/channels.md and
-docs/light.md, with numpy alone.
+The arithmetic of the identities is written here again, by the definitions in
+docs/reference/channels.md and docs/explanation/light.md, with numpy alone.
 """
 
 from collections.abc import Callable

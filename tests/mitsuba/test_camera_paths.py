@@ -118,7 +118,7 @@ def test_one_command_writes_a_walk(room: Path, tmp_path: Path) -> None:
     done = output_of(*command, *more)
     assert "2 frames of 16x12" in done
     assert (tmp_path / "walk.webm").stat().st_size > 100
-    refused = run(*command, "--error", "0.1")
-    assert refused.exit_code == 2 and "a video (--path) has no --error" in refused.output
+    refused = run(*command, "--target-error", "0.1")
+    assert refused.exit_code == 2 and "a video (--path) has no --target-error" in refused.output
     refused = run(*command[:4], "--fps", "4")
     assert refused.exit_code == 2 and "belong to --path" in refused.output

@@ -30,6 +30,6 @@ def test_what_cannot_be_converted_is_an_error_for_people(tmp_path):
     assert "not a readable USD file" in str(
         run("convert", tmp_path / "text.usda", tmp_path).exception
     )
-    unknown = run("convert", tmp_path / "text.usda", tmp_path, "--to", "mitsuba4")
+    unknown = run("convert", tmp_path / "text.usda", tmp_path, "--format", "mitsuba4")
     assert not (tmp_path / "scene.xml").exists()
     assert unknown.exit_code != 0

@@ -208,7 +208,7 @@ def test_a_tracer_of_its_own_finds_what_the_core_then_computes(stage: Usd.Stage)
 
 
 def test_the_renderer_of_the_documentation_renders(stage: Usd.Stage) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "renderers.md").read_text("utf-8")
+    page = (Path(__file__).parents[2] / "docs/howto/renderers.md").read_text("utf-8")
     (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     made: dict[str, Any] = {}
     exec(code, made)

@@ -16,7 +16,7 @@ DOOR = FoundOpening(
     "door", np.array([[1.0, 0, 0], [2.0, 0, 0], [2.0, 0, 2.0], [1.0, 0, 2.0]]), 1, 0
 )
 ROOM = FoundRoom(np.array([0.0, 0.0, 1.0]), CORNERS[0], CORNERS, ceiling=2.5)
-DOCS = Path(__file__).parents[2] / "docs/datasets.md"
+DOCS = Path(__file__).parents[2] / "docs/results/datasets.md"
 DEV = "real_dev/data"
 SCANNET = "scan2cad_scene0470_00/Assets/scannet-sample/scene0470_00"
 

@@ -104,7 +104,7 @@ def test_one_moment_alone_is_named_and_its_stage_may_be_looked_at_itself(tmp_pat
     scene = room(tmp_path / "out")
     lit = bake(scene, tmp_path / "lit")
     target = tmp_path / "page.html"
-    done = CliRunner().invoke(view, [str(scene), "--light", str(lit), "--export", str(target)])
+    done = CliRunner().invoke(view, [str(scene), "--lightmaps", str(lit), "--export", str(target)])
     assert done.exit_code == 0, done.output
     assert "light_0.half" in target.read_text()
     assert room_app(lit / "baked.usda").state()["light"]["moments"] == [""]
@@ -155,7 +155,7 @@ def test_a_bake_that_is_looked_at_itself_says_how_its_stage_is_shown(tmp_path: P
     lit = bake(scene, tmp_path / "lit")
     with pytest.raises(StageError, match=r"out/sky\.exr") as refused:
         room_app(lit / "baked.usda")
-    assert "orusd view STAGE --light FOLDER" in str(refused.value)
+    assert "orusd view STAGE --lightmaps FOLDER" in str(refused.value)
     assert room_app(scene, light=[lit]).state()["light"]["skies"]
 
 

@@ -12,7 +12,7 @@ from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.description.rendering import CACHE, Method, RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
-from openrooms_usd.progress import Progress, silent
+from openrooms_usd.progress import Counted, Progress, silent
 from openrooms_usd.rendering import exr, folder, manifest
 from openrooms_usd.rendering.contract import (
     DEFAULT_RATE,
@@ -149,7 +149,8 @@ def render_path(
                 writer.add(number, frame, shown_by, denoiser is not None)
                 told.append(_told(frame))
                 spent.append(frame.seconds)
-                progress(camera_path.name, (number + 1) / len(camera_path))
+                what = Counted(camera_path.name, number + 1, len(camera_path))
+                progress(what, what.number / what.total)
             shared = opened.entry(replace(request, channels=()))
             entry = shared | _entry(camera_path, request, shown_by, denoiser, told)
             entry["bias"] = bias

@@ -2,5 +2,5 @@
 
 ``structured_light`` is a depth camera that projects a pattern. ``recording`` distorts as OpenCV's
 model does, counts electrons and reads them out; it puts them together and
-writes the files (docs/sensors.md).
+writes the files (docs/reference/sensors.md).
 """

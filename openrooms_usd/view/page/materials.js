@@ -1,4 +1,4 @@
-// `orusd annotate materials STAGE`: click a part, see what it is made of, choose something else.
+// `orusd edit materials STAGE`: click a part, see what it is made of, choose something else.
 
 import { Correcting } from "orusd/correcting.js";
 import { button, choice, complain, element, facts, row, section } from "orusd/panel.js";

@@ -1,4 +1,4 @@
-// `orusd annotate objects STAGE`: furniture dragged on the floor, turned, renamed, exchanged.
+// `orusd edit objects STAGE`: furniture dragged on the floor, turned, renamed, exchanged.
 
 import { Correcting } from "orusd/correcting.js";
 import * as m from "orusd/matrix.js";

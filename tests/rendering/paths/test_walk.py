@@ -71,7 +71,7 @@ def test_a_walk_goes_round_walls_and_furniture() -> None:
 def test_nobody_runs(seconds: float) -> None:
     poses = walk(room(WALL, SOFA), CAMERAS, frame_times(seconds, 10))
     steps = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1)
-    assert 0.3 < steps.max() * 10 <= 1.2  # as docs/datasets.md says
+    assert 0.3 < steps.max() * 10 <= 1.2  # as docs/howto/datasets.md says
 
 
 def test_what_cannot_be_reached_is_left_out() -> None:

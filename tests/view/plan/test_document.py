@@ -228,7 +228,7 @@ def test_walls_of_a_seed_are_not_moved(tmp_path: Path) -> None:
 
 
 def run(*words: object) -> Result:
-    return CliRunner().invoke(orusd, ["annotate", "layout", *map(str, words)])
+    return CliRunner().invoke(orusd, ["edit", "layout", *map(str, words)])
 
 
 def test_a_plan_is_written_as_a_page(tmp_path: Path) -> None:
