@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from tests.chromium import needs_chromium, opened
+
 ROOT = Path(__file__).parents[2]
 PAGES = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
 # Where `make docs` has it, or this environment.
@@ -20,6 +22,17 @@ def leaves(part: object) -> list[str]:
         return [part]
     parts = part.values() if isinstance(part, dict) else part
     return [leaf for one in parts for leaf in leaves(one)]
+
+
+def build(folder: Path) -> None:
+    """Build the site as ``make docs`` does."""
+    done = subprocess.run(
+        [str(MKDOCS), "build", "--quiet", "--site-dir", folder],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_every_page_is_once_in_the_navigation() -> None:
@@ -44,14 +57,23 @@ def test_links_lead_from_the_first_page_to_every_page() -> None:
 @pytest.mark.skipif(MKDOCS is None, reason="MkDocs is not installed (make docs)")
 def test_the_site_is_complete_and_needs_no_network(tmp_path: Path) -> None:
     """Strict: links, anchors and pages are checked; code of ours is no part of the site."""
-    done = subprocess.run(
-        [str(MKDOCS), "build", "--quiet", "--site-dir", tmp_path],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
+    build(tmp_path)
     assert list(tmp_path.rglob("*.py")) == []
     assert (tmp_path / "search/search_index.js").is_file()
     loads = re.compile(r'(?:\bsrc=|<link[^>]+href=)"?https?:[^">]+')
     assert [m for page in tmp_path.rglob("*.html") for m in loads.findall(page.read_text())] == []
+
+
+@needs_chromium
+@pytest.mark.slow
+@pytest.mark.skipif(MKDOCS is None, reason="MkDocs is not installed (make docs)")
+def test_search_finds_pages_when_the_site_is_opened_from_a_disk(tmp_path: Path) -> None:
+    build(tmp_path)
+    with opened(tmp_path / "howto/bake.html") as page:
+        page.key("/")
+        for letter in "lightmaps":
+            page.key(letter)
+        found = "[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)"
+        page.wait(f"{found}.length")
+        first, *_ = page.evaluate(found)
+    assert first.startswith((tmp_path / "howto/bake.html").as_uri())
