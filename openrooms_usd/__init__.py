@@ -1,7 +1,7 @@
 """A declarative USD toolkit for photorealistic indoor scenes with ground truth.
 
 ``import openrooms_usd as ou`` offers what the command line does, as functions
-(docs/tutorials/python.md): a room is built, generated, loaded or imported, composed into USD, then
+(docs/howto/python.md): a room is built, generated, loaded or imported, composed into USD, then
 edited, rendered, simulated, converted. ``open_`` gives a handle to what lies on disk, ``load_`` a
 value in memory, ``import_`` makes ours of what is foreign, ``write_`` and ``save`` make files. The
 names are loaded on first use, so that importing the package costs nothing: ``pxr``, ``numpy`` and

@@ -53,7 +53,11 @@ def python_of(document: Path) -> str:
     return text
 
 
-PYTHON = [d for d in DOCUMENTS if d.is_file() and "import openrooms_usd as ou" in python_of(d)]
+PYTHON = [
+    d
+    for d in DOCUMENTS
+    if d.is_file() and d.parent.name != "tutorials" and "import openrooms_usd as ou" in python_of(d)
+]
 
 
 def commands(block: Block) -> list[str]:
@@ -65,7 +69,9 @@ def commands(block: Block) -> list[str]:
 
 
 def runnable(document: Path) -> list[str]:
-    """What a reader would type, document by document; ``make`` is checked elsewhere."""
+    """What a reader would type; ``make`` and tutorials are checked elsewhere."""
+    if document.parent.name == "tutorials":
+        return []
     blocks = [b for b in BLOCKS if b.document == document and b.language == "console"]
     return [c for block in blocks for c in commands(block) if shlex.split(c)[0] != "make"]
 
