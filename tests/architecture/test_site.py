@@ -67,7 +67,8 @@ def test_the_site_is_complete_and_needs_no_network(tmp_path: Path) -> None:
 @needs_chromium
 @pytest.mark.slow
 @pytest.mark.skipif(MKDOCS is None, reason="MkDocs is not installed (make docs)")
-def test_search_finds_pages_when_the_site_is_opened_from_a_disk(tmp_path: Path) -> None:
+def test_the_site_can_be_searched_and_copied_from_a_disk(tmp_path: Path) -> None:
+    """What is copied of a console is its commands, without prompts."""
     build(tmp_path)
     with opened(tmp_path / "howto/bake.html") as page:
         page.key("/")
@@ -76,4 +77,9 @@ def test_search_finds_pages_when_the_site_is_opened_from_a_disk(tmp_path: Path) 
         found = "[...document.querySelectorAll('.md-search-result__link')].map(a => a.href)"
         page.wait(f"{found}.length")
         first, *_ = page.evaluate(found)
-    assert first.startswith((tmp_path / "howto/bake.html").as_uri())
+        assert first.startswith((tmp_path / "howto/bake.html").as_uri())
+
+        code = "document.querySelector('.highlight code')"
+        page.evaluate(f"{code}.setAttribute('data-md-copying', '')")
+        assert "orusd init" in (copied := page.evaluate(f"{code}.innerText"))
+        assert "$" not in copied
