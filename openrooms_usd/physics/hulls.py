@@ -263,7 +263,8 @@ def _farthest(corners: Array, most: int) -> Array:
     from scipy.spatial import ConvexHull, QhullError
 
     directions = np.concatenate([np.eye(3), -np.eye(3), _DIAGONALS, -_DIAGONALS])
-    chosen = np.unique([*(corners @ directions.T).argmax(axis=0), *_foot(corners)])
+    level = [*_lowest_face(corners), *_lowest_face(corners * [1.0, 1.0, -1.0])]
+    chosen = np.unique([*(corners @ directions.T).argmax(axis=0), *level])
     while len(chosen) < most:
         try:
             planes = ConvexHull(corners[chosen]).equations
@@ -282,15 +283,15 @@ def _farthest(corners: Array, most: int) -> Array:
     return np.asarray(corners[np.sort(chosen)])
 
 
-def _foot(corners: Array) -> Rows:
-    """Some corners of the lowest face: what stands on one or two of them tips over."""
+def _lowest_face(corners: Array) -> Rows:
+    """Some corners of the lowest face: things stand level on theirs, and on the highest one."""
     lowest = np.flatnonzero(corners[:, 2] <= corners[:, 2].min() + WELD_SHARE)
-    angles = np.arange(_FOOT_CORNERS) * (2.0 * np.pi / _FOOT_CORNERS)
+    angles = np.arange(_LEVEL_CORNERS) * (2.0 * np.pi / _LEVEL_CORNERS)
     outward = np.stack([np.cos(angles), np.sin(angles)])
     return np.asarray(lowest[(corners[lowest, :2] @ outward).argmax(axis=0)])
 
 
-_FOOT_CORNERS: Final = 12
+_LEVEL_CORNERS: Final = 12
 _DIAGONALS: Final = np.array([[1, 1, 1], [1, 1, -1], [1, -1, 1], [1, -1, -1]], dtype=np.float64)
 
 

@@ -210,3 +210,16 @@ def test_a_vessel_of_many_corners_stands_on_its_whole_foot() -> None:
     foot = hull.points[hull.points[:, 2] < 1e-6, :2]
     sides = np.sort(np.arctan2(*foot.T))
     assert np.diff(sides, append=sides[0] + 2.0 * np.pi).max() <= np.pi / 4.0
+
+
+def test_a_wide_top_of_many_corners_is_level_to_its_edges() -> None:
+    """A share of a wide hull would be millimetres: what stands on it would sink in and tilt."""
+    turn = np.arange(10) * (0.5 * np.pi / 9)
+    corner = 0.05 * np.stack([np.cos(turn), np.sin(turn)], axis=1) + [1.28, 0.59]
+    outline = np.concatenate([corner * side for side in ([1, 1], [-1, 1], [-1, -1], [1, -1])])
+    levels = [(1.0, 0.712), (1.0, 0.732), (0.998, 0.738), (0.994, 0.74)]
+    rings = [np.column_stack([share * outline, np.full(40, z)]) for share, z in levels]
+    hull = convex_hull(np.concatenate(rings))
+    top = hull.points[hull.points[:, 2] > 0.74 - 1e-6, :2]
+    assert len(hull.points) <= MOST_VERTICES
+    assert np.abs(top).max(axis=0) == pytest.approx(0.994 * np.array([1.33, 0.64]), abs=1e-4)

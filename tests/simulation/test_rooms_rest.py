@@ -32,6 +32,8 @@ EXCUSED: Final[dict[str, str]] = {
     "bag": "on a hook, as a towel",
     "paper": "a crumpled ball turns onto a face between the floor and the wall of a bin",
     "laptop": "the dry friction of its hinge gives by 0.2 degrees in MuJoCo, once",
+    "pillow": "its hulls of 64 corners lie up to 5 mm inside of what is round: it sinks, once",
+    "throw": "the shapes of cloth over an edge, true to 1 cm, part from what carries it by 2 mm",
     "fruit": "the shapes of a bowl, true to 1 cm, touch it beside where it lies",
 }
 

@@ -1,5 +1,7 @@
 """Low tables before sofas, and small ones beside seats and beds."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,12 +34,13 @@ def hairpin(size: Size, rng: np.random.Generator) -> Parts:
         head, foot = np.array([a, b]), np.array([a, b]) + 0.035 * out
         path = [
             (*(head + spread * side), under),
-            (*(foot + 0.012 * side), r),
-            (*(foot - 0.012 * side), r),
+            (*(foot + 0.012 * side), 0.7 * r),
+            (*(foot - 0.012 * side), 0.7 * r),
             (*(head - spread * side), under),
         ]
-        rod = filleted(path, 0.01)
-        legs.append(tube(rod, r, segments=8))
+        rod = tube(filleted(path, 0.01), r, segments=8)
+        # Ground flat where it stands.
+        legs.append(replace(rod, points=rod.points.clip(min=(-np.inf, -np.inf, 0.0))))
     plates = [
         board((a - 0.05, b - 0.05, under - 0.004), (a + 0.05, b + 0.05, under), 0.001)
         for a, b in corners(0.5 * width - 0.09, 0.5 * depth - 0.09)
