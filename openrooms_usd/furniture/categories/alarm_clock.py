@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.furniture.construction import ANY, filled, row
-from openrooms_usd.furniture.joinery.boards import board
+from openrooms_usd.furniture.joinery.boards import board, cut_level
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.joinery.posing import facing, turned
 from openrooms_usd.furniture.placements import on
@@ -65,9 +65,11 @@ def bells(size: Size, rng: np.random.Generator) -> Parts:
         turned(cap.moved((0.0, 0.0, 1.02 * r)), "y", s * 32.0).moved((0.0, 0.0, middle))
         for s in (-1, 1)
     ]
-    long = middle / np.cos(np.radians(33.0)) - 0.85 * r
+    long = middle / np.cos(np.radians(33.0)) - 0.85 * r + 0.003
     leg = cylinder(0.004, long, segments=10, base=(0.0, 0.0, 0.85 * r))
-    legs = [turned(leg, "y", 180.0 + s * 33.0).moved((0.0, 0.0, middle)) for s in (-1, 1)]
+    legs = [
+        cut_level(turned(leg, "y", 180.0 + s * 33.0).moved((0.0, 0.0, middle))) for s in (-1, 1)
+    ]
     path = [
         (-0.26 * r, 0.0, middle + 1.1 * r),
         (-0.2 * r, 0.0, height - 0.003),

@@ -71,7 +71,8 @@ def fork(size: Size, rng: np.random.Generator) -> Parts:
         4,
     )
     offsets = 0.27 * size[0] * (np.arange(4) - 1.5)
-    return {"cutlery": joined([body, *(tine.moved((x, 0.0, 0.0)) for x in offsets.tolist())])}
+    whole = joined([body, *(tine.moved((x, 0.0, 0.0)) for x in offsets.tolist())])
+    return at_rest({"cutlery": whole}, size)
 
 
 def spoon(size: Size, rng: np.random.Generator) -> Parts:
@@ -88,7 +89,7 @@ def spoon(size: Size, rng: np.random.Generator) -> Parts:
 
 
 def knife(size: Size, rng: np.random.Generator) -> Parts:
-    """A table knife: a thick handle and a blade that is rounded at its end."""
+    """A table knife: a thick handle, and a blade that lies flat and is rounded at its end."""
     width, long, height = size
     half, back = 0.36 * width, -0.5 * long
     grip = board((-half, back, 0.0), (half, back + 0.44 * long, height), 0.42 * height)
@@ -101,7 +102,7 @@ def knife(size: Size, rng: np.random.Generator) -> Parts:
         (0.985, 0.5),
         (1.0, 0.2),
     )
-    blade = _strip(_rows(size, [(t, a, 0.3) for t, a in rows], 0.0014), 0.0, 0.0014, 20)
+    blade = _strip(_rows(size, [(t, a, 0.0) for t, a in rows], 0.0014), 0.0, 0.0014, 20)
     return {"handle": grip, "cutlery": blade}
 
 

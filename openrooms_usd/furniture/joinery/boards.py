@@ -56,9 +56,14 @@ def bent_post(
     """A post bent in the side view (Y, Z), cut level with the floor at its foot."""
     axis = filleted(corners, bend, segments=6)
     post = profiled(strip(axis, thickness, end), width, SIDE, 0.004)
-    points = post.points.copy()
-    points[:, 2] = np.clip(points[:, 2], axis[0, 1], axis[-1, 1])
-    return replace(post, points=points)
+    return cut_level(post, float(axis[0, 1]), float(axis[-1, 1]))
+
+
+def cut_level(mesh: Mesh, low: float = 0.0, high: float = np.inf) -> Mesh:
+    """What is below or above two heights is ground off, metres: feet stand on a face."""
+    points = mesh.points.copy()
+    points[:, 2] = np.clip(points[:, 2], low, high)
+    return replace(mesh, points=points)
 
 
 def square_leg(top: float, bottom: float, height: float, edge: float = 0.004) -> Mesh:

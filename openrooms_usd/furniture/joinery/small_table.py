@@ -1,12 +1,10 @@
 """Low tables before sofas, and small ones beside seats and beds."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.furniture.joinery.assembly import Assembly
-from openrooms_usd.furniture.joinery.boards import board, corners, round_leg, splayed
+from openrooms_usd.furniture.joinery.boards import board, corners, cut_level, round_leg, splayed
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, columns
 from openrooms_usd.furniture.joinery.fronts import drawer, drawn_look
 from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, numbered
@@ -38,9 +36,7 @@ def hairpin(size: Size, rng: np.random.Generator) -> Parts:
             (*(foot - 0.012 * side), 0.7 * r),
             (*(head - spread * side), under),
         ]
-        rod = tube(filleted(path, 0.01), r, segments=8)
-        # Ground flat where it stands.
-        legs.append(replace(rod, points=rod.points.clip(min=(-np.inf, -np.inf, 0.0))))
+        legs.append(cut_level(tube(filleted(path, 0.01), r, segments=8)))
     plates = [
         board((a - 0.05, b - 0.05, under - 0.004), (a + 0.05, b + 0.05, under), 0.001)
         for a, b in corners(0.5 * width - 0.09, 0.5 * depth - 0.09)

@@ -72,6 +72,10 @@ class PosedObject:
         x, y, yaw = pose
         return np.asarray(self.corners @ about_z(np.radians(yaw)).T + np.array([x, y, 0.0]))
 
+    def turned(self, tilt: Tilt) -> "PosedObject":
+        """The same in another pose."""
+        return _posed_object(self.name, self.make, tilt, self.form)
+
     @property
     def size(self) -> tuple[float, float, float]:
         """Width, depth and height that it takes up, metres."""
@@ -96,7 +100,10 @@ def posed_object(
     surfaces: Surfaces, name: str, make: Variant, tilt: Tilt = (0.0, 0.0)
 ) -> PosedObject:
     """A make in a pose."""
-    shape = surfaces.shapes.of(name, *make)
+    return _posed_object(name, make, tilt, surfaces.shapes.of(name, *make))
+
+
+def _posed_object(name: str, make: Variant, tilt: Tilt, shape: Shape) -> PosedObject:
     points = np.concatenate([mesh.points for mesh in shape.meshes])
     turn = tilted(*tilt).T if any(tilt) else np.eye(3)
     return PosedObject(name, make, tilt, shape, points @ turn, skin_of(shape) @ turn)

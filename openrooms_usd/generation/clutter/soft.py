@@ -24,6 +24,15 @@ _RISE_M: Final = 0.012
 # Of the lowest points of a thing none is farther than this above what it lies on, metres.
 _MAX_GAP_M: Final = 0.013
 _LOWEST_M: Final = 0.005
+# What leans touches what is behind to this, metres, by its part above this share of its height.
+_TOUCH_M: Final = 0.0005
+_UPPER_SHARE: Final = 0.4
+# Degrees: one step of the search for the angle, its steps, and the most that something leans.
+_TURN_DEG: Final = 1.0
+_TURNS: Final = 6
+_MAX_LEAN_DEG: Final = 32.0
+# Down becomes backwards.
+_BACKWARDS: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # Which part of a bed or a seat is meant: least and greatest x and y, as shares of its size.
 _PARTS: Final[dict[Place, tuple[float, float, float, float]]] = {
     "bed_head": (-0.42, 0.42, 0.0, 0.45),
@@ -121,10 +130,48 @@ def lean(
         return None
     # A little before that place it may stand better, and still leans.
     tried = (
-        _laid(seat, thing, key, points, (x, float(steps[at]), yaw))
+        _leant(seat, thing, key, (x, float(steps[at]), yaw))
         for at in range(count - 1, max(count - 4, -1), -1)
     )
     return next((laid for laid in tried if laid is not None), None)
+
+
+def _leant(seat: Seat, thing: PosedObject, key: str, place: Pose) -> tuple[Item, Pose] | None:
+    """The thing at a place, turned back until it touches what is behind."""
+    before: tuple[float, float] | None = None
+    for _ in range(_TURNS):
+        gap = _gap_behind(seat, thing, place)
+        if gap is None:
+            return None
+        if abs(gap) <= _TOUCH_M:
+            break
+        angle = thing.tilt[0]
+        turn = -_TURN_DEG if gap > 0.0 else _TURN_DEG
+        if before is not None and gap != before[1]:
+            turn = -gap * (angle - before[0]) / (gap - before[1])
+        before = angle, gap
+        thing = thing.turned((float(np.clip(angle + turn, -_MAX_LEAN_DEG, 0.0)), thing.tilt[1]))
+        if thing.tilt[0] == angle:
+            return None
+    points = thing.skin @ about_z(np.radians(place[2])).T
+    return _laid(seat, thing, key, points, place)
+
+
+def _gap_behind(seat: Seat, thing: PosedObject, place: Pose) -> float | None:
+    """How far the upper part of a thing is in front of what is behind it, metres."""
+    corners = thing.above(place)
+    z = rest_on(seat.shape.corners, corners)
+    if not np.isfinite(z):
+        return None
+    corners = corners + np.array([0.0, 0.0, z])
+    low, high = corners[..., 2].min(), corners[..., 2].max()
+    level = low + _UPPER_SHARE * (high - low)
+    upper, behind = (
+        some[some[..., 2].min(axis=1) > level] @ _BACKWARDS.T
+        for some in (corners, seat.shape.corners)
+    )
+    gap = -rest_on(behind, upper) if len(upper) and len(behind) else np.inf
+    return float(gap) if np.isfinite(gap) else None
 
 
 def drop(
