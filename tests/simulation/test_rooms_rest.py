@@ -39,6 +39,9 @@ EXCUSED: Final[dict[str, tuple[float, float, str]]] = {
     "fruit": (10.0, 90.0, "the shapes of a bowl, true to 1 cm, touch it beside where it lies"),
     "pillow": (20.0, 3.0, "hulls of 64 corners lie inside of what is round, by up to 9 mm"),
     "throw": (5.0, 0.5, "the shapes of cloth over an edge, true to 1 cm, part from what is below"),
+    "coaster": (1.0, 0.5, "a stack of thin discs: 0.3 mm at an edge are 0.2 degrees"),
+    "napkin": (1.0, 1.0, "folded, of 2 mm: half a millimetre at an edge is half a degree"),
+    "photo_frame": (2.0, 0.5, "Bullet: the strut behind it ends in an edge"),
     "dish_cloth": (10.0, 2.5, "50 g of cloth on cloth tremble in MuJoCo"),
 }
 # What lies on upholstery lies level in it: a cushion gives way, its shapes do not.
