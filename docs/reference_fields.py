@@ -14,7 +14,7 @@ from openrooms_usd.description import moments, units
 from openrooms_usd.description.categories import LibraryCategory
 from openrooms_usd.description.dataset import Dataset
 from openrooms_usd.description.families import FamilyName
-from openrooms_usd.description.materials import Look
+from openrooms_usd.description.materials import MaterialChoice
 from openrooms_usd.description.model import Model
 from openrooms_usd.description.room import Room
 
@@ -66,7 +66,7 @@ _LISTED: Final = {
 # The limits of all lengths and angles, which the head of a page says once.
 _WIDEST: Final = {"length": (-1000, 1000), "angle": (-3600, 3600)}
 # Models that several fields share.
-_SHARED: Final = {Look: "a material"}
+_SHARED: Final = {MaterialChoice: "a material"}
 
 
 class _Section(NamedTuple):

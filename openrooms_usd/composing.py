@@ -116,9 +116,9 @@ def compose_room(
             noted = None
             if any(summary.state == "written" for summary in summaries):
                 from openrooms_usd.validation.model import Subject
-                from openrooms_usd.validation.room_rules import told
+                from openrooms_usd.validation.room_rules import findings_of
 
-                noted = tuple(told(Subject(runner.check(draft))))
+                noted = tuple(findings_of(Subject(runner.check(draft))))
             runner.write_scene(draft, noted)
         files = (*gather(out), *_extras(out / names.SCENE, flatten, usdz, include_outside))
         orphans = orphans_of(out)
@@ -174,7 +174,7 @@ def _explicit(room: Room) -> tuple[Room, tuple[str, ...]]:
 
 
 def _run(
-    stage: base.Stage,
+    stage: base.Step,
     room: Room,
     source: Path,
     draft: Draft,
@@ -196,7 +196,7 @@ def _run(
     return StageSummary(stage.name, state, time.perf_counter() - started, tuple(notes))
 
 
-def _chosen(only: str | None) -> list[base.Stage]:
+def _chosen(only: str | None) -> list[base.Step]:
     stages = runner.stages()
     if only is None:
         return stages
@@ -204,13 +204,13 @@ def _chosen(only: str | None) -> list[base.Stage]:
     if not chosen:
         known = ", ".join(stage.name for stage in stages)
         raise InputError(
-            f"no stage is named {only!r}{did_you_mean(only, names.STAGES)}",
+            f"no stage is named {only!r}{did_you_mean(only, names.STEPS)}",
             remedy=f"stages: {known}",
         )
     return chosen
 
 
-def _check_complete(draft: Draft, chosen: Sequence[base.Stage]) -> None:
+def _check_complete(draft: Draft, chosen: Sequence[base.Step]) -> None:
     """Refuse stages whose weaker layers are neither there nor written before them."""
     known = {stage.name for stage in chosen}
     for stage in chosen:

@@ -180,17 +180,17 @@ def write_stage(
         StageError: It is not what the exporter needs.
         OutputError: The destination cannot be written.
     """
-    from openrooms_usd.usd.moments import hold
+    from openrooms_usd.usd.moments import freeze_time
     from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 
     exporter: Exporter = adapters.load(adapters.EXPORTERS, to)
     lost: dict[str, str] = {}
     if not getattr(exporter, "keeps_layers", False):
         read_mtlx_layers(stage)
-        lost = hold(stage, time_code)
+        lost = freeze_time(stage, time_code)
     report = exporter.convert(stage, destination, options or {})
     report.lose(lost)
-    conclude(report, stage)
+    add_composition_errors(report, stage)
     return report
 
 
@@ -229,7 +229,7 @@ def _check_ending(exporter: Exporter, kind: str, destination: Path) -> None:
     )
 
 
-def conclude(report: Report, stage: "Usd.Stage") -> None:
+def add_composition_errors(report: Report, stage: "Usd.Stage") -> None:
     """Report what no prim tells of: what USD cannot find, and the frame that all is moved to."""
     from openrooms_usd.usd.files.diagnostics import composition_errors
     from openrooms_usd.usd.places.frames import world_from_stage

@@ -31,7 +31,7 @@ RENDER: Final = "/Render"  # cameras
 RENDER_SETTINGS: Final = "/Render/Settings"
 
 # Stages from the weakest to the strongest layer.
-STAGES: Final = ("layout", "alignment", "materials", "lights", "cameras", "physics")
+STEPS: Final = ("layout", "alignment", "materials", "lights", "cameras", "physics")
 
 # What each stage defines, with all that lies below. Layout also defines the world.
 OWNED: Final = {
@@ -50,7 +50,7 @@ EDITS: Final = "edits"  # layers/edits.usda: the strongest layer, human, never w
 SETTLED: Final = "settled"  # layers/settled.usda: where things came to rest; no stage writes it
 
 # All layers that a scene may stack, strongest first.
-STACK: Final = (EDITS, SETTLED, *reversed(STAGES))
+STACK: Final = (EDITS, SETTLED, *reversed(STEPS))
 
 # Stage metadata that every layer carries alike.
 UP_AXIS: Final = "Z"
@@ -159,7 +159,7 @@ SEE_THROUGH: Final = frozenset({"glazed"})
 _DIGITS: Final = re.compile(r"([0-9]{1,18})")
 
 
-def in_order(name: str) -> list[tuple[int, str]]:
+def natural_sort_key(name: str) -> list[tuple[int, str]]:
     """A key by which names are sorted as people count: ``view_10`` comes after ``view_9``."""
     parts = _DIGITS.split(name)
     return [(int(part), "") if place % 2 else (0, part) for place, part in enumerate(parts)]

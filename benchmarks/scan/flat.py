@@ -25,7 +25,7 @@ from openrooms_usd.library.models.cads import merged
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_furniture, find_rooms
-from openrooms_usd.stages.alignment.shelf import Shelf
+from openrooms_usd.stages.alignment.shelf import CadCandidates
 
 # A word, width, depth and height, the middle in the room and the heading in degrees.
 THINGS: Final = (
@@ -143,7 +143,7 @@ def main(points: int, rooms: int, workers: int) -> None:
     layout = _timed("layout", lambda: find_rooms(cloud))
     scan = FoundScan("flat", layout.cloud, layout.rooms, tuple(range(len(layout.rooms))), np.eye(4))
     context = cast(Any, SimpleNamespace(source=Path()))
-    shelf = Shelf(context, ScanAlignment(**{"from": "scan"}), scan)
+    shelf = CadCandidates(context, ScanAlignment(**{"from": "scan"}), scan)
     models = _timed("models", lambda: shelf.models)
     found = _timed(
         "alignment and placement",

@@ -246,7 +246,7 @@ Rows = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
-class Look:
+class ReadMaterial:
     """A material as it is read.
 
     Attributes:
@@ -268,24 +268,24 @@ class Look:
 class Looks:
     """Reads the materials of meshes."""
 
-    _known: dict[str, Look] = field(default_factory=dict)
+    _known: dict[str, ReadMaterial] = field(default_factory=dict)
 
-    def parts(self, mesh: PlacedMesh) -> list[tuple[Rows, Look]]:
+    def parts(self, mesh: PlacedMesh) -> list[tuple[Rows, ReadMaterial]]:
         """(rows of triangles, their look) for each part of a mesh with a look of its own."""
         prim = mesh.prim
         found = parts_by_material(prim, mesh.mesh.faces, bound_material(prim))
         return [(rows, self._look(prim, material)) for rows, material in found]
 
-    def _look(self, prim: Usd.Prim, material: UsdShade.Material | None) -> Look:
+    def _look(self, prim: Usd.Prim, material: UsdShade.Material | None) -> ReadMaterial:
         if material is None:
             color, reason = _display_color(prim)
             preview = PreviewSurface(base_color=color)
-            return Look(f"{color}", "no_material", "", preview, (reason,))
+            return ReadMaterial(f"{color}", "no_material", "", preview, (reason,))
         own, key = material.GetPrim(), material_key(material)
         if key not in self._known:
             preview, losses = read_preview_surface(material)
             surface = completed(preview)
-            self._known[key] = Look(key, own.GetName(), str(own.GetPath()), surface, losses)
+            self._known[key] = ReadMaterial(key, own.GetName(), str(own.GetPath()), surface, losses)
         return self._known[key]
 
 

@@ -44,7 +44,7 @@ _FORMATS: Final[dict[str, tuple[str, str, Object]]] = {
 
 
 @dataclass(frozen=True)
-class Placed:
+class PlacedTexture:
     """A texture of the document and the factors that it is multiplied by."""
 
     number: int
@@ -65,33 +65,37 @@ class Pictures:
     document: Document
     form: str = "png"
     _files: dict[str, "_File"] = field(default_factory=dict)
-    _made: dict[Any, Placed] = field(default_factory=dict)
+    _made: dict[Any, PlacedTexture] = field(default_factory=dict)
 
-    def base_color(self, color: Texture | tuple[float, ...], opacity: Texture | None) -> Placed:
+    def base_color(
+        self, color: Texture | tuple[float, ...], opacity: Texture | None
+    ) -> PlacedTexture:
         """Colour in sRGB, and opacity in alpha where there is a texture of it."""
         return self._once((color, opacity), lambda: self._base_color(color, opacity))
 
     def metallic_roughness(
         self, metallic: Texture | float, roughness: Texture | float, occlusion: Texture | None
-    ) -> Placed:
+    ) -> PlacedTexture:
         """Roughness in green, metallic in blue, occlusion in red; factors of these three."""
         key = (metallic, roughness, occlusion, "packed")
         return self._once(key, lambda: self._metallic_roughness(metallic, roughness, occlusion))
 
-    def normal(self, texture: Texture) -> Placed:
+    def normal(self, texture: Texture) -> PlacedTexture:
         """A tangent-space normal map; its factor is the scale of x and y."""
         return self._once((texture, "normal"), lambda: self._normal(texture))
 
-    def emission(self, texture: Texture) -> Placed:
+    def emission(self, texture: Texture) -> PlacedTexture:
         """Radiance in sRGB, relative to the greatest; the factor is that, nits."""
         return self._once((texture, "emission"), lambda: self._emission(texture))
 
-    def _once(self, key: Any, make: Any) -> Placed:
+    def _once(self, key: Any, make: Any) -> PlacedTexture:
         if key not in self._made:
             self._made[key] = make()
         return self._made[key]
 
-    def _base_color(self, color: Texture | tuple[float, ...], opacity: Texture | None) -> Placed:
+    def _base_color(
+        self, color: Texture | tuple[float, ...], opacity: Texture | None
+    ) -> PlacedTexture:
         alone = opacity is None or (isinstance(color, Texture) and _is_alpha(opacity, color))
         if alone and isinstance(color, Texture) and self._keeps(color, "sRGB"):
             return self._kept(color, color.scale[:3])
@@ -103,7 +107,7 @@ class Pictures:
 
     def _metallic_roughness(
         self, metallic: Texture | float, roughness: Texture | float, occlusion: Texture | None
-    ) -> Placed:
+    ) -> PlacedTexture:
         textures = [t for t in (roughness, metallic, occlusion) if isinstance(t, Texture)]
         if self._is_packed(metallic, roughness, occlusion):
             # Metallic is 0 where it has no texture.
@@ -133,7 +137,7 @@ class Pictures:
         grey = self._file(first).facts.channels <= 2
         return all(t.channel == channel or (grey and t.channel != "a") for t, channel in textures)
 
-    def _normal(self, texture: Texture) -> Placed:
+    def _normal(self, texture: Texture) -> PlacedTexture:
         (x, y, z, _), bias = texture.scale, texture.bias
         mirrored = (-x / 2.0, -y / 2.0, -z / 2.0) == bias[:3]
         if self._keeps(texture, "raw", scaled=True) and x == y and z == 2.0 and mirrored:
@@ -143,12 +147,12 @@ class Pictures:
         picture = _loaded(texture, 3, _DIRECTIONS)
         return self._written((picture.pixels[::-1] + 1.0) / 2.0, texture, [picture])
 
-    def _emission(self, texture: Texture) -> Placed:
+    def _emission(self, texture: Texture) -> PlacedTexture:
         picture = _loaded(texture, 3, _POSITIVE)
         pixels = picture.pixels[::-1].astype(np.float32)
         most = float(pixels.max(initial=0.0)) or 1.0
         placed = self._written(srgb_from_linear(pixels / most), texture, [picture])
-        return Placed(placed.number, (most,) * 3, placed.losses)
+        return PlacedTexture(placed.number, (most,) * 3, placed.losses)
 
     # Files that are kept.
 
@@ -168,20 +172,24 @@ class Pictures:
     def _file(self, texture: Texture) -> "_File":
         return self._files.setdefault(texture.file, _File(texture.file))
 
-    def _kept(self, texture: Texture, factor: tuple[float, ...]) -> Placed:
+    def _kept(self, texture: Texture, factor: tuple[float, ...]) -> PlacedTexture:
         file = self._file(texture)
         number = self.document.texture(file.data, file.mime, _sampler(texture))
-        return Placed(number, factor, _wrap_losses(texture))
+        return PlacedTexture(number, factor, _wrap_losses(texture))
 
     # Pictures that are written.
 
-    def _written(self, values: Floats, texture: Texture, sources: Sequence[Picture]) -> Placed:
+    def _written(
+        self, values: Floats, texture: Texture, sources: Sequence[Picture]
+    ) -> PlacedTexture:
         codes = np.round(np.clip(values, 0.0, 1.0).astype(np.float32) * 255.0).astype(np.uint8)
         form = "png" if self.form == "jpeg" and codes.shape[2] == 4 else self.form
         data, mime = encoded(codes, form)
         losses = dict.fromkeys(loss for picture in sources for loss in picture.losses)
         losses |= dict.fromkeys(_wrap_losses(texture))
-        return Placed(self.document.texture(data, mime, _sampler(texture)), losses=tuple(losses))
+        return PlacedTexture(
+            self.document.texture(data, mime, _sampler(texture)), losses=tuple(losses)
+        )
 
 
 def encoded(codes: NDArray[np.uint8], form: str) -> tuple[bytes, str]:

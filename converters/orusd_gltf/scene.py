@@ -17,7 +17,7 @@ from orusd_gltf.document import INDICES, VERTICES, Document, Object, packed_prim
 from orusd_gltf.geometry import Vertices, vertices
 from orusd_gltf.hierarchy import Hierarchy, gather_instances
 from orusd_gltf.lamps import EXTENSION, Lamp, add_camera, add_glow, add_light, authored_stops
-from orusd_gltf.materials import Look, Looks, Material, add_material
+from orusd_gltf.materials import Looks, Material, ReadMaterial, add_material
 from orusd_gltf.options import Options
 from orusd_gltf.pictures import Pictures
 from orusd_gltf.unlit import NO_GLOSS, UNSEEN, UnlitSurfaces
@@ -199,7 +199,7 @@ class _Translation:
         return self._meshes[key]
 
     def _material(
-        self, mesh: PlacedMesh, look: Look, radiance: _Radiance, losses: list[str]
+        self, mesh: PlacedMesh, look: ReadMaterial, radiance: _Radiance, losses: list[str]
     ) -> Material:
         if not look.path:
             losses += look.losses
@@ -217,7 +217,7 @@ class _Translation:
             self._tell(look, made.losses)
         return self._materials[shown]
 
-    def _tell(self, look: Look, losses: tuple[str, ...]) -> None:
+    def _tell(self, look: ReadMaterial, losses: tuple[str, ...]) -> None:
         """Say once what became of a material."""
         if look.path and look.path not in self._told:
             self._told.add(look.path)

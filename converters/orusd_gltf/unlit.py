@@ -13,7 +13,7 @@ from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.baked import BakedLight
 from orusd_gltf.document import Document, Object, numbers
 from orusd_gltf.geometry import Coordinates, Vertices, vertices
-from orusd_gltf.materials import Look, Rows
+from orusd_gltf.materials import ReadMaterial, Rows
 from orusd_gltf.pictures import encoded
 
 EXTENSION: Final = "KHR_materials_unlit"
@@ -28,7 +28,7 @@ _PLACES: Final = Coordinates("lightmap")
 _GLASS_ALPHA: Final = 0.1
 _CLAMP: Final = {"magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071}
 
-_Part = tuple[Rows, Look]
+_Part = tuple[Rows, ReadMaterial]
 
 
 @dataclass

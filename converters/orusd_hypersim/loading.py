@@ -20,7 +20,7 @@ from openrooms_usd.channels import CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files
 from openrooms_usd.loading.sample import Sample
-from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.loading.source import ViewSelection, refuse_nothing
 from openrooms_usd.untrusted import read_text
 from orusd_hypersim.cameras import OPENGL
 from orusd_hypersim.frames import FINAL, GEOMETRY
@@ -34,7 +34,7 @@ _FRAME: Final = re.compile(r"frame\.(\d{4})\.color\.hdf5")
 _PICTURES: Final = re.compile(rf"scene_(\w+)_{FINAL}_hdf5")
 
 
-class _Told(NamedTuple):
+class _ChannelInfo(NamedTuple):
     """Which pictures of a frame tell a channel, and how."""
 
     folder: str
@@ -55,17 +55,19 @@ def _product(reflectance: Array, illumination: Array) -> Array:
     return _finite(reflectance.astype(np.float32) * illumination.astype(np.float32))
 
 
-FROM_FILES: Final[dict[str, _Told]] = {
-    "radiance": _Told(FINAL, ("color",), _finite),
-    "diffuse": _Told(FINAL, ("diffuse_reflectance", "diffuse_illumination"), _product),
-    "irradiance": _Told(FINAL, ("diffuse_illumination",), lambda light: np.pi * _finite(light)),
-    "residual": _Told(FINAL, ("residual",), _finite),
-    "normal": _Told(GEOMETRY, ("normal_bump_world",), _finite),
-    "normal_camera": _Told(GEOMETRY, ("normal_bump_cam",), _finite),
-    "normal_geometric": _Told(GEOMETRY, ("normal_world",), _finite),
-    "semantic_nyu40": _Told(GEOMETRY, ("semantic",), _labels),
-    "instance": _Told(GEOMETRY, ("semantic_instance",), _labels),
-    "distance": _Told(GEOMETRY, ("depth_meters",), lambda depth: _finite(depth)[..., None]),
+FROM_FILES: Final[dict[str, _ChannelInfo]] = {
+    "radiance": _ChannelInfo(FINAL, ("color",), _finite),
+    "diffuse": _ChannelInfo(FINAL, ("diffuse_reflectance", "diffuse_illumination"), _product),
+    "irradiance": _ChannelInfo(
+        FINAL, ("diffuse_illumination",), lambda light: np.pi * _finite(light)
+    ),
+    "residual": _ChannelInfo(FINAL, ("residual",), _finite),
+    "normal": _ChannelInfo(GEOMETRY, ("normal_bump_world",), _finite),
+    "normal_camera": _ChannelInfo(GEOMETRY, ("normal_bump_cam",), _finite),
+    "normal_geometric": _ChannelInfo(GEOMETRY, ("normal_world",), _finite),
+    "semantic_nyu40": _ChannelInfo(GEOMETRY, ("semantic",), _labels),
+    "instance": _ChannelInfo(GEOMETRY, ("semantic_instance",), _labels),
+    "distance": _ChannelInfo(GEOMETRY, ("depth_meters",), lambda depth: _finite(depth)[..., None]),
 }
 
 
@@ -74,7 +76,7 @@ _FOLLOWS: Final = ("depth", "position", "valid")
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class HypersimFrame:
     """A frame of a scene.
 
     Attributes:
@@ -103,7 +105,7 @@ class HypersimSource:
         frames: Which.
     """
 
-    def __init__(self, files: Files, frames: Sequence[Frame]) -> None:
+    def __init__(self, files: Files, frames: Sequence[HypersimFrame]) -> None:
         self.files, self.frames = files, tuple(frames)
 
     def __len__(self) -> int:
@@ -113,7 +115,7 @@ class HypersimSource:
         """A frame; see `openrooms_usd.loading.source.Source`."""
         frame = self.frames[index]
         needed = dict.fromkeys("distance" if n in _FOLLOWS else n for n in channels)
-        told = {name: _told(name) for name in needed}
+        told = {name: _channel_info(name) for name in needed}
         paths = {
             name: [frame.file(row.folder, picture) for picture in row.pictures]
             for name, row in told.items()
@@ -148,7 +150,7 @@ class HypersimForm:
 
     options: Mapping[str, str] = {}
 
-    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> Any:
+    def open(self, files: Files, selection: ViewSelection, options: Mapping[str, str]) -> Any:
         """Its frames; ``rooms`` are scenes, ``variants`` cameras, ``views`` numbers of frames.
 
         Raises:
@@ -164,7 +166,7 @@ class HypersimForm:
         return HypersimSource(files, frames)
 
 
-def _frames(files: Files) -> Iterator[Frame]:
+def _frames(files: Files) -> Iterator[HypersimFrame]:
     folder, _, table = SPLIT_FILE.rpartition("/")
     known = read_table(files, SPLIT_FILE) if table in files.names(folder) else []
     with understanding(f"{files}/{SPLIT_FILE}"):
@@ -181,10 +183,10 @@ def _frames(files: Files) -> Iterator[Frame]:
             for name in files.names(f"scenes/{scene}/images/{pictures}"):
                 if number := _FRAME.fullmatch(name):
                     place = scene, found[1], int(number[1])
-                    yield Frame(*place, splits.get(place, ""))
+                    yield HypersimFrame(*place, splits.get(place, ""))
 
 
-def _told(channel: str) -> _Told:
+def _channel_info(channel: str) -> _ChannelInfo:
     if channel not in FROM_FILES:
         known = ", ".join((*FROM_FILES, *_FOLLOWS))
         raise InputError(f"Hypersim's files do not have {channel!r}", remedy=f"they have {known}")

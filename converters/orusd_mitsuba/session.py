@@ -25,7 +25,7 @@ from orusd_mitsuba.cache.scattered import CachedLight
 from orusd_mitsuba.complete.channels import RECEIVED
 from orusd_mitsuba.complete.denoiser_guides import SAMPLES as GUIDE_SAMPLES
 from orusd_mitsuba.complete.denoiser_guides import GuideIntegrator
-from orusd_mitsuba.complete.integrator import CompleteIntegrator, Wanted
+from orusd_mitsuba.complete.integrator import CompleteIntegrator, RequestedOutputs
 from orusd_mitsuba.complete.meeting import CompleteScene
 from orusd_mitsuba.complete.smoothed import SMOOTHED
 from orusd_mitsuba.direct.integrator import DirectIntegrator
@@ -298,7 +298,7 @@ class MitsubaSession:
             scattered: ScatteredLight = (
                 CachedLight(paths) if light else TracedLight(self._built, self._index, depth)
             )
-            wanted = Wanted(
+            wanted = RequestedOutputs(
                 by_light=by_light,
                 rest=not RECEIVED.issuperset(channels),
                 unoccluded=not {"unoccluded_i", "visibility_i"}.isdisjoint(channels),

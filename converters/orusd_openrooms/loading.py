@@ -18,7 +18,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.loading.files import Files
 from openrooms_usd.loading.sample import Sample
-from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.loading.source import ViewSelection, refuse_nothing
 from openrooms_usd.untrusted import read_text
 from openrooms_usd.urls import MissingFileError
 from orusd_openrooms import readers
@@ -45,7 +45,7 @@ IMAGE: Final = "im"
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class OpenRoomsFrame:
     """A frame of a scene.
 
     Attributes:
@@ -84,7 +84,7 @@ class Frame:
         return Place(Path(), self.scene, split, self.layout)
 
 
-def listed(files: Files) -> Iterator[Frame]:
+def listed(files: Files) -> Iterator[OpenRoomsFrame]:
     """All frames of a dataset; one is where its picture is.
 
     Raises:
@@ -108,7 +108,7 @@ def listed(files: Files) -> Iterator[Frame]:
                 first = 0 if 0 in numbers else 1
                 for number in numbers:
                     subset = subsets.get(scene, "")
-                    yield Frame(scene, split, number, number - first, layout, subset)
+                    yield OpenRoomsFrame(scene, split, number, number - first, layout, subset)
 
 
 def _scenes(files: Files, name: str) -> list[str]:
@@ -122,26 +122,28 @@ def _plane(read: Callable[[Path], Array]) -> Callable[[Path], Array]:
     return lambda path: read(path)[..., None]
 
 
-class _Told(NamedTuple):
+class _ChannelInfo(NamedTuple):
     """Which file tells a channel, and how."""
 
     file: str
     read: Callable[[Path], Array]
 
 
-def _share(of: Callable[[dict[str, Array]], Array]) -> _Told:
-    return _Told("immask", lambda path: of(readers.read_mask(path)).astype(np.float32)[..., None])
+def _share(of: Callable[[dict[str, Array]], Array]) -> _ChannelInfo:
+    return _ChannelInfo(
+        "immask", lambda path: of(readers.read_mask(path)).astype(np.float32)[..., None]
+    )
 
 
-FROM_FILES: Final[dict[str, _Told]] = {
-    "radiance": _Told(IMAGE, readers.read_light),
-    "base_color": _Told("imbaseColor", readers.read_base_color),
-    "roughness": _Told("imroughness", _plane(readers.read_roughness)),
-    "metallic": _Told("immetallic", _plane(readers.read_roughness)),
-    "normal_camera": _Told("imnormal", readers.read_normal),
-    "depth": _Told("imdepth", _plane(readers.read_depth)),
-    "friction": _Told("imfriction", _plane(readers.read_depth)),
-    "semantic": _Told("imsemLabel", _plane(readers.read_labels)),
+FROM_FILES: Final[dict[str, _ChannelInfo]] = {
+    "radiance": _ChannelInfo(IMAGE, readers.read_light),
+    "base_color": _ChannelInfo("imbaseColor", readers.read_base_color),
+    "roughness": _ChannelInfo("imroughness", _plane(readers.read_roughness)),
+    "metallic": _ChannelInfo("immetallic", _plane(readers.read_roughness)),
+    "normal_camera": _ChannelInfo("imnormal", readers.read_normal),
+    "depth": _ChannelInfo("imdepth", _plane(readers.read_depth)),
+    "friction": _ChannelInfo("imfriction", _plane(readers.read_depth)),
+    "semantic": _ChannelInfo("imsemLabel", _plane(readers.read_labels)),
     "valid": _share(lambda mask: ~mask["sky"]),
     "emission_mask": _share(lambda mask: mask["lamp"]),
 }
@@ -164,7 +166,7 @@ class OpenRoomsSource:
         order: In which order the channels of environment maps are stored.
     """
 
-    def __init__(self, files: Files, frames: Sequence[Frame], order: str) -> None:
+    def __init__(self, files: Files, frames: Sequence[OpenRoomsFrame], order: str) -> None:
         self.files, self.frames, self.order = files, tuple(frames), order
 
     def __len__(self) -> int:
@@ -205,13 +207,13 @@ class OpenRoomsSource:
                 raise InputError(f"{name!r} is not of the picture's size", place=sample.name)
         return replace(sample, images=made)
 
-    def _file(self, frame: Frame, name: str) -> str:
+    def _file(self, frame: OpenRoomsFrame, name: str) -> str:
         """Where a kind of file of a frame lies, or should."""
         own, *others = frame.files(name)
         is_shared = others and name not in _kinds(self.files, own.rpartition("/")[0])
         return others[0] if is_shared else own
 
-    def _camera(self, frame: Frame) -> tuple[Array, Array]:
+    def _camera(self, frame: OpenRoomsFrame) -> tuple[Array, Array]:
         """The pose in our world, and K."""
         poses, K = _cameras(self.files, frame.cameras)
         if frame.row >= len(poses):
@@ -225,7 +227,7 @@ class OpenRoomsForm:
 
     options: Mapping[str, str] = {"order": "of environment maps' channels: legacy, or rgb"}
 
-    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> Any:
+    def open(self, files: Files, selection: ViewSelection, options: Mapping[str, str]) -> Any:
         """Its frames; ``variants`` are splits such as ``main_xml``, ``views`` their numbers.
 
         Raises:

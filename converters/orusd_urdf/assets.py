@@ -14,7 +14,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Visual
 from orusd_urdf import objfile
-from orusd_urdf.looks import PLAIN, Look, Loss
+from orusd_urdf.looks import PLAIN, Loss, RobotMaterial
 from orusd_urdf.naming import Names
 
 if TYPE_CHECKING:
@@ -38,10 +38,10 @@ class Assets:
     _names: Names = field(default_factory=Names)
     _files: dict[tuple[str, bytes], PurePosixPath] = field(default_factory=dict)
     _pictures: "dict[Texture, PurePosixPath | None]" = field(default_factory=dict)
-    _materials: dict[Look, str] = field(default_factory=dict)
+    _materials: dict[RobotMaterial, str] = field(default_factory=dict)
 
     @property
-    def materials(self) -> Iterator[tuple[str, Look, PurePosixPath | None]]:
+    def materials(self) -> Iterator[tuple[str, RobotMaterial, PurePosixPath | None]]:
         """Name, look and picture of every material that was used, in that order."""
         for look, name in self._materials.items():
             yield name, look, self._pictures[look.texture] if look.texture else None
@@ -50,7 +50,7 @@ class Assets:
         """Write a convex shape."""
         return self._write(MESHES, f"{stem}_collision", ".obj", objfile.collision_text(mesh))
 
-    def visual(self, stem: str, visual: Visual, look: Look = PLAIN) -> PurePosixPath:
+    def visual(self, stem: str, visual: Visual, look: RobotMaterial = PLAIN) -> PurePosixPath:
         """Write a surface and its material."""
         name = self.material(look, PurePosixPath(visual.material).name or "plain")
         st = look.coordinates(visual)
@@ -60,7 +60,7 @@ class Assets:
         text = objfile.visual_text(visual.mesh, st, name, f"{name}.mtl")
         return self._write(MESHES, stem, ".obj", text)
 
-    def material(self, look: Look, name: str) -> str:
+    def material(self, look: RobotMaterial, name: str) -> str:
         """The name of a look's material, whose MTL file is written with the first use."""
         if look not in self._materials:
             picture = self._picture(look.texture) if look.texture else None

@@ -25,7 +25,7 @@ _UNSEEN: Final = {"normal": "normal map", "emissive": "emission", "clearcoat": "
 
 
 @dataclass(frozen=True)
-class Look:
+class RobotMaterial:
     """A material as robots' formats know it.
 
     Attributes:
@@ -64,7 +64,7 @@ class Look:
 class Looks:
     """What materials become, by the paths of their prims, and what is lost."""
 
-    looks: Mapping[str, Look]
+    looks: Mapping[str, RobotMaterial]
     losses: tuple[Loss, ...]
 
 
@@ -80,7 +80,7 @@ def read_looks(stage: "Usd.Stage", world: World) -> Looks:
     from openrooms_usd.usd.shading.materialreader import read_preview_surface
 
     visuals = (v for body in world.bodies for link in body.links for v in link.visuals)
-    looks: dict[str, Look] = {}
+    looks: dict[str, RobotMaterial] = {}
     losses: list[Loss] = []
     for path in dict.fromkeys(visual.material for visual in visuals if visual.material):
         surface, lost = read_preview_surface(UsdShade.Material(stage.GetPrimAtPath(path)))
@@ -92,11 +92,11 @@ def read_looks(stage: "Usd.Stage", world: World) -> Looks:
     return Looks(looks, tuple(losses))
 
 
-def look_of(surface: PreviewSurface) -> Look:
+def look_of(surface: PreviewSurface) -> RobotMaterial:
     """The look of a preview surface."""
     base = surface.base_color
     color, texture = (_WHITE, base) if isinstance(base, Texture) else (_encoded(base), None)
-    return Look(
+    return RobotMaterial(
         color,
         opacity=_number(surface.opacity, 1.0),
         roughness=_number(surface.roughness, 0.5),
@@ -114,7 +114,7 @@ def _encoded(color: Color) -> Color:
     return red, green, blue
 
 
-PLAIN: Final = Look(_encoded(cast(Color, BARE.base_color)))
+PLAIN: Final = RobotMaterial(_encoded(cast(Color, BARE.base_color)))
 """What has no material, as screens take it."""
 
 

@@ -18,8 +18,8 @@ from openrooms_usd.physics.world import World
 from orusd_urdf.assets import Assets
 from orusd_urdf.checking import check_world, started
 from orusd_urdf.frames import place, text
-from orusd_urdf.looks import Look, Loss
-from orusd_urdf.tree import Surface, Tree, joint_name, link_name
+from orusd_urdf.looks import Loss, RobotMaterial
+from orusd_urdf.tree import ContactSurface, Tree, joint_name, link_name
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -39,7 +39,7 @@ _REACH: Final[dict[Which, tuple[float, bool]]] = {
 }
 
 
-def contact_element(world: World, surfaces: Sequence[Surface], which: Which) -> Element:
+def contact_element(world: World, surfaces: Sequence[ContactSurface], which: Which) -> Element:
     """Explicit pairs for unequal surfaces, and no contacts where the world wants none.
 
     Args:
@@ -61,7 +61,7 @@ def contact_element(world: World, surfaces: Sequence[Surface], which: Which) -> 
     return element
 
 
-def chosen(surfaces: Sequence[Surface], which: Choice) -> Which:
+def chosen(surfaces: Sequence[ContactSurface], which: Choice) -> Which:
     """Which unequal surfaces get explicit pairs.
 
     The number of pairs grows with the square of that of shapes, and MuJoCo looks at each of them in
@@ -97,8 +97,8 @@ def excluded(world: World) -> list[tuple[str, str]]:
 
 
 def unequal_pairs(
-    surfaces: Sequence[Surface], which: Which = "all"
-) -> Iterator[tuple[Surface, Surface]]:
+    surfaces: Sequence[ContactSurface], which: Which = "all"
+) -> Iterator[tuple[ContactSurface, ContactSurface]]:
     """Pairs of different bodies that can meet and whose coefficients differ.
 
     Args:
@@ -126,7 +126,7 @@ def unequal_pairs(
 
 
 def _others(
-    surfaces: Sequence[Surface], bounds: Array, everywhere: Flags, body: str, reach: float
+    surfaces: Sequence[ContactSurface], bounds: Array, everywhere: Flags, body: str, reach: float
 ) -> NDArray[np.intp]:
     """The numbers of the surfaces of other bodies that may be within reach of some of a body's."""
     own = np.array([surface.body == body for surface in surfaces])
@@ -181,7 +181,7 @@ def write_mjcf(
     world: World,
     folder: Path,
     *,
-    looks: Mapping[str, Look],
+    looks: Mapping[str, RobotMaterial],
     friction: Friction = DEFAULT_FRICTION,
     pairs: Choice = "auto",
 ) -> list[Loss]:

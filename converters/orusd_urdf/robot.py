@@ -16,7 +16,7 @@ from orusd_urdf.assets import Assets
 from orusd_urdf.boxes import as_box
 from orusd_urdf.checking import sturdy_inertia
 from orusd_urdf.frames import place, relative, rpy, text
-from orusd_urdf.looks import PLAIN, Look
+from orusd_urdf.looks import PLAIN, RobotMaterial
 from orusd_urdf.naming import safe
 
 # URDF wants limits of motors, which a room does not have: more than any hand or robot gives.
@@ -28,7 +28,11 @@ _KINDS: Final = {"hinge": "revolute", "rail": "prismatic", "fixed": "fixed"}
 
 
 def robot_element(
-    body: Body, assets: Assets, looks: Mapping[str, Look] | None, friction: Friction, prefix: str
+    body: Body,
+    assets: Assets,
+    looks: Mapping[str, RobotMaterial] | None,
+    friction: Friction,
+    prefix: str,
 ) -> Element:
     """A body as ``<robot>``; what it refers to is written.
 
@@ -53,10 +57,10 @@ def robot_element(
 class _Robot:
     body: Body
     assets: Assets
-    looks: Mapping[str, Look] | None
+    looks: Mapping[str, RobotMaterial] | None
     friction: Friction
     prefix: str
-    _used: dict[str, Look] = field(default_factory=dict)
+    _used: dict[str, RobotMaterial] = field(default_factory=dict)
 
     def materials(self) -> list[Element]:
         """The colours of all links, each once, as ROS wants them."""
@@ -88,7 +92,7 @@ class _Robot:
             first.extend(self._visual(visual, self.looks) for visual in link.visuals)
         return elements
 
-    def _visual(self, visual: Visual, looks: Mapping[str, Look]) -> Element:
+    def _visual(self, visual: Visual, looks: Mapping[str, RobotMaterial]) -> Element:
         look = looks.get(visual.material, PLAIN)
         file = self.assets.visual(f"{self.body.name}_{visual.name}", visual, look)
         material = self.assets.material(look, visual.material)

@@ -19,7 +19,7 @@ from orusd_urdf.assets import Assets
 from orusd_urdf.boxes import as_box
 from orusd_urdf.checking import moving_links, sturdy_inertia
 from orusd_urdf.frames import place, relative, text
-from orusd_urdf.looks import PLAIN, Look, Loss
+from orusd_urdf.looks import PLAIN, Loss, RobotMaterial
 from orusd_urdf.naming import safe
 from orusd_urdf.robot import ENDLESS, coefficient
 from orusd_urdf.springs import extra_damping
@@ -32,7 +32,7 @@ _STIFF: Final = "its spring is damped more: it is too stiff for the steps"
 _FEWEST_POINTS: Final = 4
 
 
-class Surface(NamedTuple):
+class ContactSurface(NamedTuple):
     """A geom that collides.
 
     Attributes:
@@ -118,10 +118,10 @@ class Tree:
     """
 
     assets: Assets
-    looks: Mapping[str, Look] | None
+    looks: Mapping[str, RobotMaterial] | None
     friction: Friction
     timestep: float = DEFAULT_TIMESTEP
-    surfaces: list[Surface] = field(default_factory=list)
+    surfaces: list[ContactSurface] = field(default_factory=list)
     prims: dict[str, dict[str, str]] = field(
         default_factory=lambda: {"bodies": {}, "joints": {}, "geoms": {}}
     )
@@ -184,7 +184,7 @@ class Tree:
             factor = coefficient(shape.contact, self.friction)
             bounds = _bounds(shape, body.world_from_body @ link.body_from_link)
             room = body.path == names.ROOM
-            self.surfaces.append(Surface(geom, body.name, name, room, moves, factor, bounds))
+            self.surfaces.append(ContactSurface(geom, body.name, name, room, moves, factor, bounds))
             element.append(self._collision(shape, geom, body.name, factor))
         if self.looks is not None:
             element.extend(self._visuals(link, name, body.name, self.looks))
@@ -205,7 +205,7 @@ class Tree:
         return element
 
     def _visuals(
-        self, link: Link, name: str, body: str, looks: Mapping[str, Look]
+        self, link: Link, name: str, body: str, looks: Mapping[str, RobotMaterial]
     ) -> Iterator[Element]:
         for visual in link.visuals:
             if len(np.unique(visual.mesh.triangles)) < _FEWEST_POINTS:
@@ -213,7 +213,9 @@ class Tree:
                 continue
             yield self._visual(visual, f"{name}:{safe(visual.name)}", body, looks)
 
-    def _visual(self, visual: Visual, name: str, body: str, looks: Mapping[str, Look]) -> Element:
+    def _visual(
+        self, visual: Visual, name: str, body: str, looks: Mapping[str, RobotMaterial]
+    ) -> Element:
         look = looks.get(visual.material, PLAIN)
         file = self.assets.visual(f"{body}_{visual.name}", visual, look)
         return Element(

@@ -15,7 +15,7 @@ from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.world import Body, World
 from orusd_urdf.assets import Assets
 from orusd_urdf.checking import check_world, started
-from orusd_urdf.looks import Look, Loss
+from orusd_urdf.looks import Loss, RobotMaterial
 from orusd_urdf.naming import Names, safe
 from orusd_urdf.robot import robot_element
 from orusd_urdf.tree import joined
@@ -29,7 +29,7 @@ def write_urdf(
     world: World,
     folder: Path,
     *,
-    looks: Mapping[str, Look],
+    looks: Mapping[str, RobotMaterial],
     friction: Friction = DEFAULT_FRICTION,
     package: str | None = None,
 ) -> list[Loss]:
@@ -107,7 +107,7 @@ def write_bodies(
 @dataclass
 class _Writer:
     assets: Assets
-    looks: Mapping[str, Look] | None
+    looks: Mapping[str, RobotMaterial] | None
     friction: Friction
     package: str | None
 

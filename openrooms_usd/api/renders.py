@@ -49,13 +49,13 @@ def render(
     from openrooms_usd.rendering.driver import render_stage
     from openrooms_usd.usd.files.diagnostics import quiet
     from openrooms_usd.usd.files.layers import open_stage
-    from openrooms_usd.usd.places.metrics import find_misfits
+    from openrooms_usd.usd.places.metrics import find_unit_mismatches
 
     file = usd_file(scene)
     folder = file.parent / _RENDER if out is None else path_of(out)
     wanted = settings_of(settings, fields)
     with quiet():
-        for misfit in find_misfits(open_stage(file)):
+        for misfit in find_unit_mismatches(open_stage(file)):
             _LOG.warning("%s: see orusd edit fix-units", misfit)
         names = [cameras] if isinstance(cameras, str) else list(cameras)
         summary = render_stage(file, folder, wanted, cameras=names, progress=progress)

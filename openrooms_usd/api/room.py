@@ -8,7 +8,7 @@ from pydantic import ConfigDict
 
 from openrooms_usd import description
 from openrooms_usd.api.given import AnyPath, path_of, unknown_name
-from openrooms_usd.description.alignment import Placed
+from openrooms_usd.description.alignment import PlacedObject
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
 
@@ -367,7 +367,7 @@ class Room(description.Room):
         rows: list[Any] = said.setdefault(listed, [])
         return rows
 
-    def _named(self) -> list[tuple[str, Placed]]:
+    def _named(self) -> list[tuple[str, PlacedObject]]:
         """The listed objects with their names, in order."""
         listed = getattr(self.alignment, "further" if self._is_scan() else "objects", None)
         return description.named_objects(listed or ())

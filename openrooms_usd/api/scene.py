@@ -71,7 +71,7 @@ class Scene(os.PathLike[str]):
         if self.composed is None:
             from openrooms_usd.stages.runner import notes_of
 
-            layers = [(self.folder / names.LAYERS / f"{n}.usda", n) for n in names.STAGES]
+            layers = [(self.folder / names.LAYERS / f"{n}.usda", n) for n in names.STEPS]
             kept = [*layers, (self.path, "")] if self.path.name == names.SCENE else []
             return tuple(note for layer, stage in kept for note in notes_of(layer, stage))
         of_stages = (note for row in self.stages for note in row.notes)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @click.command(cls=Command, example="orusd compose my_room/room.yaml -o out")
 @click.argument("description", type=click.Path(path_type=Path), metavar="ROOM.yaml")
 @folder_option
-@click.option("--only", type=Choice(names.STAGES), help="Run this stage alone.")
+@click.option("--only", type=Choice(names.STEPS), help="Run this stage alone.")
 @click.option("--flatten", is_flag=True, help="Also write scene.usdc, one layer.")
 @click.option("--usdz", is_flag=True, help="Also write scene.usdz, one file.")
 @click.option(

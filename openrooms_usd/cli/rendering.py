@@ -226,11 +226,11 @@ def _warn_of_units(stage: Path) -> "Usd.Stage":
     """Say before the picture what in it is a hundred times too large, and give the stage."""
     from openrooms_usd.usd.files.diagnostics import quiet
     from openrooms_usd.usd.files.layers import open_stage
-    from openrooms_usd.usd.places.metrics import find_misfits
+    from openrooms_usd.usd.places.metrics import find_unit_mismatches
 
     with quiet():
         opened = open_stage(stage)
-        found = find_misfits(opened)
+        found = find_unit_mismatches(opened)
     for misfit in found:
         warn(f"{misfit}: see orusd edit fix-units")
     return opened

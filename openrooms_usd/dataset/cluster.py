@@ -43,7 +43,7 @@ class RayExecutor:
     }
 
     @contextmanager
-    def hired(self, wanted: executor.Wanted) -> Iterator["_Crew"]:
+    def hired(self, wanted: executor.WorkerDemand) -> Iterator["_Crew"]:
         """See `openrooms_usd.dataset.executor.Executor.hired`."""
         workers, address = max(1, wanted.workers), wanted.options.get("address")
         needs = _needs(wanted)
@@ -68,7 +68,7 @@ class _Crew:
 
     def run(
         self, tasks: Iterable[executor.Task], work: executor.Work
-    ) -> Iterator[tuple[executor.Task, executor.Told | executor.Lost]]:
+    ) -> Iterator[tuple[executor.Task, executor.WorkerMessage | executor.Lost]]:
         """See `openrooms_usd.dataset.executor.Crew.run`."""
         actor = self.ray.remote(max_restarts=0, max_task_retries=0, **self.needs)(WorkerActor)
 
@@ -116,7 +116,7 @@ class _Worker:
             self.stream = call.remote(dict(task))
         return not self._is_gone
 
-    def hear(self) -> executor.Told | executor.Lost | None:
+    def hear(self) -> executor.WorkerMessage | executor.Lost | None:
         """What it says next; None when it is done with its task."""
         try:
             return executor.understood(self._ray.get(next(self.stream)))
@@ -144,7 +144,7 @@ def _wished(needs: Needs, workers: int) -> int:
     return math.ceil(each * workers)
 
 
-def _needs(wanted: executor.Wanted) -> Needs:
+def _needs(wanted: executor.WorkerDemand) -> Needs:
     """What each worker needs, as far as it is said."""
     given = wanted.options
     needs: Needs = {"num_gpus": _amount("gpus", given.get("gpus", str(wanted.gpus)))}

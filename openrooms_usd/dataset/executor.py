@@ -13,10 +13,10 @@ from typing import Any, Final, Protocol, TypeVar
 Task = Mapping[str, Any]
 """What there is to do, as JSON has it."""
 
-Told = Mapping[str, Any]
+WorkerMessage = Mapping[str, Any]
 """What a worker says of its task while it works, as JSON has it."""
 
-Work = Callable[[Task], Iterator[Told]]
+Work = Callable[[Task], Iterator[WorkerMessage]]
 """A function of a module: it does what a task asks, and says so."""
 
 
@@ -32,7 +32,7 @@ class Lost:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class WorkerDemand:
     """Who is wanted.
 
     Attributes:
@@ -56,7 +56,7 @@ class Crew(Protocol):
     @property
     def threads(self) -> int: ...  # noqa: D102
 
-    def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, Told | Lost]]:
+    def run(self, tasks: Iterable[Task], work: Work) -> Iterator[tuple[Task, WorkerMessage | Lost]]:
         """Work tasks off, several at once.
 
         Tasks are taken when a worker is free, and not before. A worker that dies is reported as
@@ -82,7 +82,7 @@ class Executor(Protocol):
 
     options: Mapping[str, str]
 
-    def hired(self, wanted: Wanted) -> AbstractContextManager[Crew]:
+    def hired(self, wanted: WorkerDemand) -> AbstractContextManager[Crew]:
         """Workers, as long as the block lasts.
 
         Raises:
@@ -111,7 +111,7 @@ class Worker(Protocol):
 
     task: Task
 
-    def hear(self) -> Told | Lost | None:
+    def hear(self) -> WorkerMessage | Lost | None:
         """What it says next; None when it is done with its task."""
         ...
 
@@ -132,7 +132,7 @@ def worked_off(
     workers: int,
     hire: Callable[[Task], AnyWorker],
     ready: Callable[[list[AnyWorker]], list[AnyWorker]],
-) -> Iterator[tuple[Task, Told | Lost]]:
+) -> Iterator[tuple[Task, WorkerMessage | Lost]]:
     """Have tasks worked off by so many workers at once; see `executor.Crew.run`.
 
     Args:
@@ -180,12 +180,12 @@ def messages(work: Work, task: Task) -> Iterator[tuple[str, Any]]:
         yield DONE, None
 
 
-def understood(message: tuple[str, Any]) -> Told | Lost | None:
+def understood(message: tuple[str, Any]) -> WorkerMessage | Lost | None:
     """What a message says; None when a task is done."""
     kind, what = message
     if kind == RAISED:
         return Lost(str(what))
-    told: Told = what
+    told: WorkerMessage = what
     return told if kind == TOLD else None
 
 

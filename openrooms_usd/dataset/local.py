@@ -29,7 +29,7 @@ class LocalExecutor:
     options: ClassVar[Mapping[str, str]] = {}
 
     @contextmanager
-    def hired(self, wanted: executor.Wanted) -> Iterator["_Crew"]:
+    def hired(self, wanted: executor.WorkerDemand) -> Iterator["_Crew"]:
         """See `openrooms_usd.dataset.executor.Executor.hired`."""
         workers = max(1, wanted.workers)
         yield _Crew(workers, max(1, (os.cpu_count() or 1) // workers))
@@ -42,7 +42,7 @@ class _Crew:
 
     def run(
         self, tasks: Iterable[executor.Task], work: executor.Work
-    ) -> Iterator[tuple[executor.Task, executor.Told | executor.Lost]]:
+    ) -> Iterator[tuple[executor.Task, executor.WorkerMessage | executor.Lost]]:
         """See `openrooms_usd.dataset.executor.Crew.run`."""
         return executor.worked_off(tasks, self.workers, lambda task: _Worker(work, task), _ready)
 
@@ -67,7 +67,7 @@ class _Worker:
         # One that has died already is heard of when it is listened to.
         self.give(task)
 
-    def hear(self) -> executor.Told | executor.Lost | None:
+    def hear(self) -> executor.WorkerMessage | executor.Lost | None:
         """What it says next; None when it is done with its task."""
         try:
             return executor.understood(self.pipe.recv())

@@ -29,7 +29,7 @@ from openrooms_usd.description.dataset import (
 )
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.furniture import registry
-from openrooms_usd.names import STAGES
+from openrooms_usd.names import STEPS
 from openrooms_usd.untrusted import check_path, opened
 
 # What makes the views of a job, but for what is loaded by name.
@@ -247,7 +247,7 @@ def code_of(renderer: str) -> str:
     """
     drawing = adapters.find(adapters.RENDERERS, renderer).module
     importers = sorted(point.module for point in adapters.available(adapters.IMPORTERS).values())
-    stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.stage" for name in STAGES)]
+    stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.stage" for name in STEPS)]
     return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, drawing)
 
 

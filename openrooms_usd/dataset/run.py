@@ -11,11 +11,11 @@ from typing import Any, Final
 
 from openrooms_usd import adapters, atomic
 from openrooms_usd.dataset import work
-from openrooms_usd.dataset.executor import Crew, Executor, Lost, Told, Wanted
+from openrooms_usd.dataset.executor import Crew, Executor, Lost, WorkerDemand, WorkerMessage
 from openrooms_usd.dataset.outputs import rooms_of, write_outputs
 from openrooms_usd.dataset.plan import Job, job_of, plan_jobs, view_name
 from openrooms_usd.dataset.records import LEFT_OUT, Record
-from openrooms_usd.dataset.scratch import Root, fetch_known, fetch_unit, to_oneself
+from openrooms_usd.dataset.scratch import Root, exclusive_store, fetch_known, fetch_unit
 from openrooms_usd.dataset.store import Store, write_json, write_lines
 from openrooms_usd.description import Dataset, load_dataset
 from openrooms_usd.errors import OrusdError, OutputError
@@ -81,7 +81,7 @@ def run_dataset(
     hirer: Executor = adapters.load(adapters.EXECUTORS, executor)
     adapters.check_options(adapters.EXECUTORS, executor, hirer.options, options or {})
     check_wishes(dataset)
-    with to_oneself(root) as (store, check):
+    with exclusive_store(root) as (store, check):
         _keep_file(store, file, dataset)
         # What is written at the end is known to be free at the beginning.
         atomic.check_free(store.root / name for name in (SPLITS, LICENCES, INDEX))
@@ -90,7 +90,7 @@ def run_dataset(
         fetch_known(store)
         run.count()
         if run.kept < run.total:
-            with hirer.hired(Wanted(workers, _gpus(dataset), options or {})) as crew:
+            with hirer.hired(WorkerDemand(workers, _gpus(dataset), options or {})) as crew:
                 run.work_off(crew)
         notes = finish(store, dataset, progress)
     return RunSummary(root, run.made, run.kept, run.failed, notes)
@@ -217,7 +217,7 @@ class _Run:
         elif f"{job.name}/{view_name(view)}" not in self.failed:
             self._fail(job, view, {"code": "lost", "reason": reason})
 
-    def _hear(self, job: Job, told: Told, views: list[int], begun: dict[str, int]) -> None:
+    def _hear(self, job: Job, told: WorkerMessage, views: list[int], begun: dict[str, int]) -> None:
         self.check()
         view = int(told["view"])
         if told["event"] == work.BEGUN:

@@ -138,7 +138,7 @@ def _known(store: Store, job: Job, views: tuple[int, ...]) -> Iterator[str]:
 
 
 @contextmanager
-def to_oneself(root: Root) -> Iterator[tuple[Store, Callable[[], None]]]:
+def exclusive_store(root: Root) -> Iterator[tuple[Store, Callable[[], None]]]:
     """Have a dataset to oneself.
 
     Yields:

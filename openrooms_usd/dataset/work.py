@@ -15,7 +15,7 @@ from typing import Any, Final
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.channels import each
 from openrooms_usd.composing import compose_room
-from openrooms_usd.dataset.executor import Task, Told
+from openrooms_usd.dataset.executor import Task, WorkerMessage
 from openrooms_usd.dataset.plan import Job, code_of, job_of, view_name
 from openrooms_usd.dataset.quality import assess
 from openrooms_usd.dataset.scratch import Root, root_of, store_at
@@ -61,7 +61,7 @@ def task_of(job: Job, dataset: Dataset, root: Root, threads: int) -> Task:
     }
 
 
-def work(task: Task) -> Iterator[Told]:
+def work(task: Task) -> Iterator[WorkerMessage]:
     """Make the views of a task.
 
     Yields:
@@ -180,7 +180,7 @@ class _OpenRoom:
         }
         self.store.share(job, record)
 
-    def attempt(self, view: int) -> Told:
+    def attempt(self, view: int) -> WorkerMessage:
         """Make one view; what became of it."""
         try:
             self._make(view)

@@ -10,7 +10,7 @@ from openrooms_usd.description.categories import LibraryCategory
 from openrooms_usd.description.generate import GeneratedAlignment
 from openrooms_usd.description.model import (
     CheckedModel,
-    Found,
+    FoundMistake,
     Model,
     PrimName,
     by_source,
@@ -74,7 +74,7 @@ _LINKS: Final = {
 }
 
 
-class Placed(Model):
+class PlacedObject(Model):
     """What every object has: a name, a category and a place."""
 
     name: PrimName | None = None
@@ -97,7 +97,7 @@ class Placed(Model):
     """Another object's name: x, y and yaw are in its frame, x to its right and y to its back."""
 
 
-class LibraryObject(Placed):
+class LibraryObject(PlacedObject):
     """An object made by the parametric library."""
 
     source: Literal["library"] = Field(default="library", alias="from")
@@ -113,7 +113,7 @@ class LibraryObject(Placed):
     """Cut-outs of a worktop, such as for a sink or hob."""
 
 
-class FileObject(Placed):
+class FileObject(PlacedObject):
     """An object from the user's own OBJ, GLB, PLY, STL, URDF or USD file."""
 
     source: Literal["file"] = Field(default="file", alias="from")
@@ -146,7 +146,7 @@ class ObjectList(CheckedModel):
     """The objects."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Names that repeat, and supports that do not exist or go round in a circle."""
         objects = peek_list(given, "objects")
         yield from _name_clashes(objects)
@@ -160,7 +160,7 @@ class CapturedAlignment(CapturedSection):
     """Further objects beside the captured ones."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Names that repeat; a support may be a captured object, which is not known here."""
         yield from _name_clashes(peek_list(given, "objects"))
 
@@ -205,7 +205,7 @@ class ScanAlignment(CheckedModel):
     """Further objects that the scan does not show, such as a lamp."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Instances and names that repeat, and supports that do not exist."""
         further = peek_list(given, "further")
         names = [peek_text(thing, "name") for thing in further]
@@ -214,7 +214,7 @@ class ScanAlignment(CheckedModel):
         for index, thing in enumerate(peek_list(given, "objects")):
             number = peek(thing, "instance")
             if type(number) is int and number in seen:
-                yield Found(
+                yield FoundMistake(
                     ("objects", index, "instance"), f"the instance {number} is listed twice"
                 )
             seen.add(number if type(number) is int else None)
@@ -236,7 +236,7 @@ Alignment = Annotated[
     by_source("objects"),
 ]
 
-AnyPlaced = TypeVar("AnyPlaced", bound=Placed)
+AnyPlaced = TypeVar("AnyPlaced", bound=PlacedObject)
 
 
 def named_objects(objects: Sequence[AnyPlaced]) -> list[tuple[str, AnyPlaced]]:
@@ -259,17 +259,17 @@ def object_names(objects: Sequence[Any]) -> list[str] | None:
     return unique_names(named) if len(named) == len(wanted) else None
 
 
-def _name_clashes(objects: Sequence[Any]) -> Iterator[Found]:
+def _name_clashes(objects: Sequence[Any]) -> Iterator[FoundMistake]:
     given = [peek_text(thing, "name") for thing in objects]
     yield from repeated_names(given, "objects", "object")
     for index, name in enumerate(given):
         if name in SURFACES:
-            yield Found(
+            yield FoundMistake(
                 ("objects", index, "name"), f"{name!r} is a reserved name; choose another one"
             )
 
 
-def _unsupported(objects: Sequence[Any]) -> Iterator[Found]:
+def _unsupported(objects: Sequence[Any]) -> Iterator[FoundMistake]:
     names = object_names(objects)
     if names is None:
         return
@@ -285,15 +285,17 @@ def _unsupported(objects: Sequence[Any]) -> Iterator[Found]:
     for index, key, name, other in rows:
         link = _LINKS[key]
         if other == name:
-            yield Found(("objects", index, key), f"{name!r} {link.refusal}")
+            yield FoundMistake(("objects", index, key), f"{name!r} {link.refusal}")
         elif other not in known and other not in link.surfaces:
             unknown += 1
             near = [*known, *link.surfaces] if unknown <= _MOST_HINTS else ()
             hint = did_you_mean(other, near)
             text = f"no object is named {other!r}{hint}; allowed: {link.allowed}"
-            yield Found(("objects", index, key), text)
+            yield FoundMistake(("objects", index, key), text)
         elif name in circular and other in circular:
-            yield Found(("objects", index, key), f"{name!r} {link.between} {other!r} {_CIRCLE}")
+            yield FoundMistake(
+                ("objects", index, key), f"{name!r} {link.between} {other!r} {_CIRCLE}"
+            )
 
 
 def _circular(links: Collection[tuple[str, str]]) -> set[str]:

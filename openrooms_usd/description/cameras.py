@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Field, Tag
 
 from openrooms_usd.description.model import (
     CheckedModel,
-    Found,
+    FoundMistake,
     Model,
     Number,
     PrimName,
@@ -69,10 +69,10 @@ class Viewed(Exposed, CheckedModel):
     else its centre. By default the target, if there is one."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A focus of a camera without a lens."""
         if peek(given, "focus") is not None and peek(given, "f_stop") is None:
-            yield Found(
+            yield FoundMistake(
                 ("focus",), "focus has no effect without f_stop; give f_stop, or omit focus"
             )
 
@@ -89,12 +89,12 @@ class LookAtCamera(Viewed):
     """The point that it looks at."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A camera that looks nowhere."""
         yield from super().disagreements(given)
         eye = peek(given, "eye")
         if eye is not None and eye == peek(given, "target"):
-            yield Found(("target",), "eye and target are the same point")
+            yield FoundMistake(("target",), "eye and target are the same point")
 
 
 class PoseCamera(Viewed):
@@ -158,7 +158,7 @@ class Cameras(CheckedModel):
     """Cameras, and rules that select further ones."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Names that repeat."""
         names = [peek_text(view, "name") for view in peek_list(given, "views")]
         yield from repeated_names(names, "views", "camera")

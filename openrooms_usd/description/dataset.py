@@ -10,7 +10,7 @@ from pydantic import Field, PrivateAttr, Tag
 from openrooms_usd.description.cameras import FieldOfView, Pixels, Range
 from openrooms_usd.description.model import (
     CheckedModel,
-    Found,
+    FoundMistake,
     Model,
     Number,
     PrimName,
@@ -100,10 +100,10 @@ class Sensor(CheckedModel):
     """Draws the noise, and nothing else."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A sensor that does nothing."""
         if all(peek(given, name) is None for name in ("distortion", "noise", "depth")):
-            yield Found((), "a sensor needs distortion, noise or depth")
+            yield FoundMistake((), "a sensor needs distortion, noise or depth")
 
 
 Variant = Literal["main", "mainDiffMat", "mainDiffLight", "mainDiffMatLight"]
@@ -196,18 +196,18 @@ class DatasetViews(CheckedModel):
         return self.count * (2 if self.stereo else 1)
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """What only a path has, and what no panorama has."""
         if peek(given, "projection") == "equirectangular":
             size = peek_list(given, "resolution") or [640, 480]
             sides = [side for side in size if isinstance(side, int)]
             if len(sides) == len(size) == 2 and sides[0] != 2 * sides[1]:
-                yield Found(("resolution",), "a panorama must be twice as wide as high")
+                yield FoundMistake(("resolution",), "a panorama must be twice as wide as high")
             if peek(given, "stereo") is not None:
-                yield Found(("stereo",), "stereo is not available for panoramas")
+                yield FoundMistake(("stereo",), "stereo is not available for panoramas")
         source = peek_text(given, "from") or peek_text(given, "source")
         if peek(given, "rate") is not None and source != "path":
-            yield Found(("rate",), "only paths have a rate of frames (from: path)")
+            yield FoundMistake(("rate",), "only paths have a rate of frames (from: path)")
 
 
 class Output(Model):
@@ -240,7 +240,7 @@ class Shares(CheckedModel):
     """For tests."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Shares that are not 1 together."""
         found = [peek(given, name) for name in cls.model_fields]
         usual = [info.default for info in cls.model_fields.values()]
@@ -248,7 +248,7 @@ class Shares(CheckedModel):
         if all(isinstance(share, (int, float)) for share in shares):
             total = math.fsum(shares)
             if abs(total - 1.0) > _SHARES_TOLERANCE:
-                yield Found((), f"train, val and test must add up to 1, got {total:g}")
+                yield FoundMistake((), f"train, val and test must add up to 1, got {total:g}")
 
 
 class Dataset(CheckedModel):
@@ -319,21 +319,23 @@ class Dataset(CheckedModel):
         return self.views.source == "path" and self.views.projection == "pinhole"
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Names given twice, what needs pinhole cameras, and photographs without a capture."""
         views = peek(given, "views")
         if "capture" in (peek(views, "from"), peek(views, "source")):
             for index, row in enumerate(peek_list(given, "rooms")):
                 if peek(row, "files") is None:
                     text = "generated rooms have no photographs (views: from: capture)"
-                    yield Found(("rooms", index), text)
+                    yield FoundMistake(("rooms", index), text)
         if peek(views, "projection") == "equirectangular":
             for name in ("sensor", "outputs"):
                 if peek(given, name):
-                    yield Found((name,), "panoramas do not support it: it needs pinhole cameras")
+                    yield FoundMistake(
+                        (name,), "panoramas do not support it: it needs pinhole cameras"
+                    )
         variants = peek_list(given, "variants")
         kinds = [peek(row, "as") or peek(row, "kind") for row in peek_list(given, "outputs")]
         for where, names in (("variants", variants), ("outputs", kinds)):
             for index, name in enumerate(names):
                 if name is not None and name in names[:index]:
-                    yield Found((where, index), f"{name} is given twice")
+                    yield FoundMistake((where, index), f"{name} is given twice")

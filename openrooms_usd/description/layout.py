@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, Tag
 from openrooms_usd.description.generate import GeneratedLayout
 from openrooms_usd.description.model import (
     CheckedModel,
-    Found,
+    FoundMistake,
     Model,
     Number,
     PrimName,
@@ -91,22 +91,28 @@ class Opening(CheckedModel):
     """What lies behind it; a hallway is built if the opening is transparent or open."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A style that belongs to another kind of opening; no wall, or two."""
         places = sum(peek(given, key) is not None for key in ("wall", "partition"))
         if places == 0:
-            yield Found((), "the key 'wall' is missing: the number of the wall that it is in")
+            yield FoundMistake(
+                (), "the key 'wall' is missing: the number of the wall that it is in"
+            )
         elif places == 2:
-            yield Found(("partition",), "an opening is in a wall or in a partition, not in both")
+            yield FoundMistake(
+                ("partition",), "an opening is in a wall or in a partition, not in both"
+            )
         kind, style = peek_text(given, "kind"), peek_text(given, "style")
         for key in ("open", "hinge", "swing"):
             if kind in ("window", "opening") and peek(given, key) not in _OF_LEAVES:
                 what = "a window has no leaf" if kind == "window" else "an opening has no leaf"
-                yield Found((key,), f"{what}; omit {key}, or make it a door")
+                yield FoundMistake((key,), f"{what}; omit {key}, or make it a door")
         known = STYLES.get(kind or "", ())
         if style in {name for names in STYLES.values() for name in names} - {*known}:
             what = "an opening has no style" if not known else f"no {kind} is {style!r}"
-            yield Found(("style",), what + (f"; a {kind} is {_either(known)}" if known else ""))
+            yield FoundMistake(
+                ("style",), what + (f"; a {kind} is {_either(known)}" if known else "")
+            )
 
 
 class PolygonLayout(CheckedModel):
@@ -133,7 +139,7 @@ class PolygonLayout(CheckedModel):
     """Tiles or boards on parts of the walls."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Names that repeat, and openings in walls that the room does not have."""
         openings, partitions = (peek_list(given, key) for key in ("openings", "partitions"))
         yield from _name_clashes(openings, partitions)
@@ -168,7 +174,7 @@ class CapturedLayout(CapturedSection):
     """Tiles or boards on parts of the walls."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Names that repeat, and of drawn rooms openings in walls that they do not have."""
         yield from _name_clashes(*(peek_list(given, key) for key in ("openings", "partitions")))
         if peek(given, "polygon") is not None:
@@ -282,13 +288,13 @@ def _either(words: Sequence[str]) -> str:
     return f"{', '.join(words[:-1])} or {words[-1]}"
 
 
-def _name_clashes(openings: Sequence[Any], partitions: Sequence[Any]) -> Iterator[Found]:
+def _name_clashes(openings: Sequence[Any], partitions: Sequence[Any]) -> Iterator[FoundMistake]:
     for rows, key in ((openings, "openings"), (partitions, "partitions")):
         given = [peek_text(row, "name") for row in rows]
         yield from repeated_names(given, key, key[:-1])
 
 
-def _nowhere(given: Any, walls: int) -> Iterator[Found]:
+def _nowhere(given: Any, walls: int) -> Iterator[FoundMistake]:
     """Openings and cladding of walls and partitions that a drawn room does not have."""
     partitions = peek_list(given, "partitions")
     known = set(unique_names((peek_text(p, "name"), "partition") for p in partitions))
@@ -296,14 +302,16 @@ def _nowhere(given: Any, walls: int) -> Iterator[Found]:
     for index, opening in enumerate(peek_list(given, "openings")):
         wall = peek(opening, "wall")
         if type(wall) is int and wall >= walls >= 3:
-            yield Found(("openings", index, "wall"), f"there is no wall {wall}: {missing}")
+            yield FoundMistake(("openings", index, "wall"), f"there is no wall {wall}: {missing}")
         name = peek_text(opening, "partition")
         if name is not None and name not in known:
             has = f"only {', '.join(sorted(known))}" if known else "the layout has none"
-            yield Found(("openings", index, "partition"), f"there is no partition {name!r}: {has}")
+            yield FoundMistake(
+                ("openings", index, "partition"), f"there is no partition {name!r}: {has}"
+            )
     for index, one in enumerate(peek_list(given, "cladding")):
         for place, wall in enumerate(peek_list(one, "walls")):
             if type(wall) is int and wall >= walls >= 3:
-                yield Found(
+                yield FoundMistake(
                     ("cladding", index, "walls", place), f"there is no wall {wall}: {missing}"
                 )

@@ -8,7 +8,7 @@ from pydantic import Field, Tag
 
 from openrooms_usd.description.model import (
     CheckedModel,
-    Found,
+    FoundMistake,
     Model,
     Number,
     Switch,
@@ -40,11 +40,11 @@ class ConstantEnvironment(CheckedModel):
     """Horizontal illuminance under the open sky, lux; 0 is a black night."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A black sky that shall shine."""
         if _is_black(peek(given, "color")) and peek(given, "illuminance") != 0:
             text = "a black sky gives no light; give a brighter color, or"
-            yield Found(("color",), f"{text} illuminance: 0")
+            yield FoundMistake(("color",), f"{text} illuminance: 0")
 
 
 def _is_black(color: Any) -> bool:
@@ -65,10 +65,10 @@ class FileEnvironment(CheckedModel):
     """Rotation about the vertical, counter-clockwise from above."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Two brightnesses at once."""
         if peek(given, "illuminance") is not None and peek(given, "scale") is not None:
-            yield Found(
+            yield FoundMistake(
                 ("scale",), "illuminance and scale both set the brightness; give one of them"
             )
 
@@ -164,23 +164,25 @@ class Lamp(CheckedModel):
     """A lamp that is off keeps its geometry and is dark."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Two brightnesses or two hues at once."""
         if peek(given, "radiance") is not None:
             for key in ("lumen", "kelvin", "color", "profile"):
                 if peek(given, key) is not None:
-                    yield Found((key,), f"radiance already sets it; omit {key}")
+                    yield FoundMistake((key,), f"radiance already sets it; omit {key}")
         elif peek(given, "color") is not None and peek(given, "kelvin") is not None:
-            yield Found(("kelvin",), "color and kelvin both set the colour; give one of them")
+            yield FoundMistake(
+                ("kelvin",), "color and kelvin both set the colour; give one of them"
+            )
         if _is_black(peek(given, "color")):
             text = "a black lamp gives no light; give a brighter color, or on: false"
-            yield Found(("color",), text)
+            yield FoundMistake(("color",), text)
         widest = WIDEST_BEAMS_DEG.get(str(peek(given, "profile")))
         beam = peek(given, "beam")
         if beam is not None and widest is None:
-            yield Found(("beam",), f"only {', '.join(WIDEST_BEAMS_DEG)} have a beam angle")
+            yield FoundMistake(("beam",), f"only {', '.join(WIDEST_BEAMS_DEG)} have a beam angle")
         elif isinstance(beam, int | float) and beam > (widest or 0.0):
-            yield Found(("beam",), f"at most {widest:g} degrees")
+            yield FoundMistake(("beam",), f"at most {widest:g} degrees")
 
 
 class Screen(Model):

@@ -6,7 +6,14 @@ from typing import Annotated, Any, Final, get_args
 from pydantic import BeforeValidator, Field
 
 from openrooms_usd.description.families import FamilyName
-from openrooms_usd.description.model import CheckedModel, Found, Number, PrimName, Whole, peek
+from openrooms_usd.description.model import (
+    CheckedModel,
+    FoundMistake,
+    Number,
+    PrimName,
+    Whole,
+    peek,
+)
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.description.units import PositiveLength
 
@@ -22,7 +29,7 @@ _CLASHES: Final = {
 }
 
 
-class Look(CheckedModel):
+class MaterialChoice(CheckedModel):
     """One material: of the library, of files, or a constant; what is left out is drawn."""
 
     family: FamilyName | None = None
@@ -48,29 +55,31 @@ class Look(CheckedModel):
         return self.metallic is not None or not (self.family or self.substance or self.file)
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Keys that contradict each other, and a material of which nothing is said."""
         has = {name for name in cls.model_fields if peek(given, name) is not None}
         if not has & {*_KINDS}:
-            yield Found((), f"give one of: {', '.join(_KINDS)}")
+            yield FoundMistake((), f"give one of: {', '.join(_KINDS)}")
         if "metallic" in has and not has & {"color", "family", "file"}:
-            yield Found(("metallic",), "a constant needs a color too")
+            yield FoundMistake(("metallic",), "a constant needs a color too")
         for first, others in _CLASHES.items():
             for other in others:
                 if {first, other} <= has:
-                    yield Found((other,), f"{other} cannot be combined with {first}")
+                    yield FoundMistake((other,), f"{other} cannot be combined with {first}")
         constant = "metallic" in has or not has & {"family", "substance", "file"}
         if "size" in has and constant:
-            yield Found(("size",), "a constant has no texture, so size has no effect")
+            yield FoundMistake(("size",), "a constant has no texture, so size has no effect")
         if "number" in has and constant and "file" not in has:
-            yield Found(("number",), "number selects a member of a family; a constant has none")
+            yield FoundMistake(
+                ("number",), "number selects a member of a family; a constant has none"
+            )
 
 
 def _look(given: Any) -> Any:
     """A name alone stands for a look of which nothing else is fixed."""
     if isinstance(given, str):
         return {"family": given}
-    if not isinstance(given, (dict, Look)):
+    if not isinstance(given, (dict, MaterialChoice)):
         substances = ", ".join(get_args(Substance))
         raise ValueError(
             f"a family, a substance ({substances}), or a mapping with family, color and roughness"
@@ -78,7 +87,9 @@ def _look(given: Any) -> Any:
     return given
 
 
-AnyLook = Annotated[Look, BeforeValidator(_look, json_schema_input_type=Look | FamilyName)]
+AnyLook = Annotated[
+    MaterialChoice, BeforeValidator(_look, json_schema_input_type=MaterialChoice | FamilyName)
+]
 
 
 class Scale(CheckedModel):
@@ -90,14 +101,14 @@ class Scale(CheckedModel):
     """Smallest and greatest factor of the roughness."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Ranges that end before they begin."""
         for name in cls.model_fields:
             ends = peek(given, name)
             if not isinstance(ends, (list, tuple)) or len(ends) != 2:
                 continue
             if all(isinstance(end, (int, float)) for end in ends) and ends[0] > ends[1]:
-                yield Found((name,), "the smaller factor comes first")
+                yield FoundMistake((name,), "the smaller factor comes first")
 
 
 class Materials(CheckedModel):
@@ -134,15 +145,15 @@ class Materials(CheckedModel):
     """The physical side length that each procedural texture covers; by default its family's own."""
 
     @property
-    def surfaces(self) -> list[Look | None]:
+    def surfaces(self) -> list[MaterialChoice | None]:
         """What is said of the room itself."""
         plain = [self.floor, self.walls, self.ceiling, self.trim, self.beams]
         return [*plain, *self.accents.values(), *self.cladding.values()]
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A look to show that the room does not have."""
         looks, look = peek(given, "looks"), peek(given, "look")
         count = 1 if looks is None else looks
         if isinstance(count, int) and isinstance(look, int) and look >= count:
-            yield Found(("look",), f"the room has the looks 0 to {count - 1}")
+            yield FoundMistake(("look",), f"the room has the looks 0 to {count - 1}")

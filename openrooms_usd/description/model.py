@@ -29,7 +29,7 @@ PrimName = Annotated[
 """A name that USD accepts for a prim."""
 
 
-class Found(NamedTuple):
+class FoundMistake(NamedTuple):
     """A mistake that concerns several fields.
 
     Attributes:
@@ -60,7 +60,7 @@ class CheckedModel(Model):
     """
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """What is wrong between the fields of ``given``: a mapping or a model, perhaps faulty."""
         raise NotImplementedError
 
@@ -79,7 +79,7 @@ class CheckedModel(Model):
         return valid
 
 
-def refuse(title: str, found: list[Found]) -> None:
+def refuse(title: str, found: list[FoundMistake]) -> None:
     """Raise a `ValidationError` with all of these mistakes."""
     raise ValidationError.from_exception_data(title, _details(found))
 
@@ -121,7 +121,7 @@ def by_source(default: str, **implied: str) -> Discriminator:
     return Discriminator(choose)
 
 
-def _details(found: list[Found]) -> list[InitErrorDetails]:
+def _details(found: list[FoundMistake]) -> list[InitErrorDetails]:
     return [
         InitErrorDetails(type=PydanticCustomError(MISTAKE, text), loc=path, input=None)
         for path, text in found

@@ -11,7 +11,7 @@ from hashlib import sha256
 from itertools import count
 from typing import Final
 
-from openrooms_usd.description.model import Found
+from openrooms_usd.description.model import FoundMistake
 
 # Identifiers that are names themselves. Bare numbers are those of described things.
 _SHORT: Final = re.compile(r"(?=.*[A-Za-z])[A-Za-z0-9]{1,8}")
@@ -91,7 +91,7 @@ def _told_apart(names: Sequence[str], taken: Collection[str]) -> list[str]:
     return apart
 
 
-def repeated_names(names: Sequence[str | None], list_key: str, what: str) -> Iterator[Found]:
+def repeated_names(names: Sequence[str | None], list_key: str, what: str) -> Iterator[FoundMistake]:
     """Find names that were given twice.
 
     Args:
@@ -102,7 +102,7 @@ def repeated_names(names: Sequence[str | None], list_key: str, what: str) -> Ite
     first: dict[str, int] = {}
     for index, name in enumerate(names):
         if name is not None and (seen := first.setdefault(name, index)) != index:
-            yield Found(
+            yield FoundMistake(
                 (list_key, index, "name"),
                 f"{list_key}[{seen}] is already named {name!r}; every {what} needs its own name",
             )

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Final
 
-from openrooms_usd.description.model import Found, refuse
+from openrooms_usd.description.model import FoundMistake, refuse
 
 if TYPE_CHECKING:
     import numpy as np
@@ -40,21 +40,21 @@ def simple_polygon(corners: Corners) -> Corners:
     return corners
 
 
-def _repeated(points: "Array") -> list[Found]:
+def _repeated(points: "Array") -> list[FoundMistake]:
     """Corners that stand where the corner before them stands."""
     import numpy as np
 
     steps = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1)
     last = len(points) - 1
     return [
-        Found((last,), "the first corner is repeated at the end; leave it out")
+        FoundMistake((last,), "the first corner is repeated at the end; leave it out")
         if corner == 0
-        else Found((int(corner),), "repeats the corner before it; leave it out")
+        else FoundMistake((int(corner),), "repeats the corner before it; leave it out")
         for corner in np.flatnonzero(steps <= TOLERANCE)
     ]
 
 
-def _folded(points: "Array") -> list[Found]:
+def _folded(points: "Array") -> list[FoundMistake]:
     """Corners at which the outline turns back along itself."""
     import numpy as np
 
@@ -66,12 +66,12 @@ def _folded(points: "Array") -> list[Found]:
     aside = np.abs(unit[:, 0] * other[:, 1] - unit[:, 1] * other[:, 0]) * along
     back = (np.einsum("ij,ij->i", unit, other) > 0) & (aside <= TOLERANCE)
     return [
-        Found((int(corner),), "the outline turns back along itself here")
+        FoundMistake((int(corner),), "the outline turns back along itself here")
         for corner in np.flatnonzero(back)
     ]
 
 
-def _crossing(points: "Array") -> list[Found]:
+def _crossing(points: "Array") -> list[FoundMistake]:
     """The first wall that meets a wall which is not its neighbour.
 
     Walls are sorted by their smallest x, so that each is compared only with those that begin
@@ -92,7 +92,7 @@ def _crossing(points: "Array") -> list[Found]:
         meets = others[_meet(starts[wall], ends[wall], starts[others], ends[others])]
         if meets.size:
             a, b = sorted((int(wall), int(meets[0])))
-            return [Found((b,), f"wall {b}, which starts at this corner, meets wall {a}")]
+            return [FoundMistake((b,), f"wall {b}, which starts at this corner, meets wall {a}")]
     return []
 
 

@@ -15,7 +15,7 @@ from openrooms_usd.description.mistakes import shown
 from openrooms_usd.description.model import (
     MISTAKE,
     CheckedModel,
-    Found,
+    FoundMistake,
     Model,
     Number,
     Switch,
@@ -85,11 +85,11 @@ class Budget(CheckedModel):
     """Stop each view after about this time; two runs do different amounts of work in it."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """More than one of them."""
         has = [name for name in _STOPS if peek(given, name) is not None]
         for name in has[1:]:
-            yield Found((name,), f"only one of these is allowed; {has[0]} is already given")
+            yield FoundMistake((name,), f"only one of these is allowed; {has[0]} is already given")
 
 
 class Rendering(Model):

@@ -14,7 +14,7 @@ from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.lights import Lights
 from openrooms_usd.description.materials import Materials
 from openrooms_usd.description.mistakes import MistakesError, Steps
-from openrooms_usd.description.model import CheckedModel, Found, Whole, peek, peek_list
+from openrooms_usd.description.model import CheckedModel, FoundMistake, Whole, peek, peek_list
 from openrooms_usd.description.physics import Physics
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.spelling import did_you_mean
@@ -138,7 +138,7 @@ class Room(CheckedModel):
         return f"layout from {_source(self.layout)}, {found}"
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Lamps and materials for objects, and cameras of a capture, that do not exist.
 
         Captured and generated objects have other names, so only listed objects are checked.
@@ -160,7 +160,7 @@ class Room(CheckedModel):
                 continue
             for name in entries.keys() - set(names):
                 hint = did_you_mean(str(name), names)
-                yield Found((section, key, name), f"no object is named {name!r}{hint}")
+                yield FoundMistake((section, key, name), f"no object is named {name!r}{hint}")
 
 
 AnyRoom = TypeVar("AnyRoom", bound=Room)
@@ -214,12 +214,12 @@ def _source(section: Any) -> Any:
     return peek(section, "from") or peek(section, "source")
 
 
-def _drawn_into_captures(given: Any) -> Iterator[Found]:
+def _drawn_into_captures(given: Any) -> Iterator[FoundMistake]:
     """Furniture and small things that are to be drawn for a room that was captured."""
     layout, alignment = (_source(peek(given, key)) for key in ("layout", "alignment"))
     captured = layout not in (None, "polygon", "generate")
     if captured and alignment == "generate":
-        yield Found(
+        yield FoundMistake(
             ("alignment", "from"),
             "furniture is generated for rooms that are drawn or generated, not for captured ones; "
             "give the polygon of the room in layout, or list the objects",
@@ -227,14 +227,14 @@ def _drawn_into_captures(given: Any) -> Iterator[Found]:
     if peek(given, "clutter") in (1, 2, 3) and (
         captured or alignment not in (None, "objects", "generate")
     ):
-        yield Found(
+        yield FoundMistake(
             ("clutter",),
             "clutter is available for drawn and generated rooms, not for captured ones; omit "
             "clutter, or draw the room by a polygon and list its objects",
         )
 
 
-def _cameras_of_nothing(given: Any) -> Iterator[Found]:
+def _cameras_of_nothing(given: Any) -> Iterator[FoundMistake]:
     """Cameras from a capture in a room that comes from none."""
     named = [("layout", "file"), ("layout", "scan"), ("alignment", "file")]
     if any(peek(peek(given, section), key) for section, key in named):
@@ -247,4 +247,4 @@ def _cameras_of_nothing(given: Any) -> Iterator[Found]:
             text = (
                 "the room does not come from a capture: neither its layout nor its alignment does"
             )
-            yield Found((*path, "from"), text)
+            yield FoundMistake((*path, "from"), text)

@@ -7,7 +7,7 @@ from pydantic import Discriminator, Field, Tag
 
 from openrooms_usd.description.model import (
     CheckedModel,
-    Found,
+    FoundMistake,
     Model,
     Number,
     Whole,
@@ -75,17 +75,19 @@ class ScannedObject(CheckedModel):
     detected one."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A rotation of length 0, and both a pose and a box."""
         for key in ("pose", "box"):
             turn = peek_list(peek(given, key), "rotation_wxyz")
             if turn and not any(turn):
-                yield Found((key, "rotation_wxyz"), "a quaternion of length 0 is not a rotation")
+                yield FoundMistake(
+                    (key, "rotation_wxyz"), "a quaternion of length 0 is not a rotation"
+                )
         if peek(given, "pose") is not None and peek(given, "box") is not None:
-            yield Found(("box",), "give a pose or a box, not both")
+            yield FoundMistake(("box",), "give a pose or a box, not both")
 
 
-def unsupported(objects: Sequence[Any]) -> Iterator[Found]:
+def unsupported(objects: Sequence[Any]) -> Iterator[FoundMistake]:
     """Supports that are not hinted instances, and supports that depend on themselves.
 
     Args:
@@ -101,9 +103,9 @@ def unsupported(objects: Sequence[Any]) -> Iterator[Found]:
         if type(under) is not int:
             continue
         if under > 0 and under not in carriers:
-            yield Found(place, f"no object of this list has the instance {under}")
+            yield FoundMistake(place, f"no object of this list has the instance {under}")
         elif _returns(peek(thing, "instance"), carriers):
-            yield Found(place, "depends on itself; one object must stand on the floor")
+            yield FoundMistake(place, "depends on itself; one object must stand on the floor")
 
 
 def _returns(number: Any, carriers: Mapping[int, Any]) -> bool:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, get_args
 
 from pydantic import BeforeValidator, Field
 
-from openrooms_usd.description.model import CheckedModel, Found, Model, PrimName, Whole, peek
+from openrooms_usd.description.model import CheckedModel, FoundMistake, Model, PrimName, Whole, peek
 from openrooms_usd.description.units import Length, PositiveLength, metres
 
 Profile: TypeAlias = Literal["square", "rounded", "ogee", "torus"]
@@ -136,16 +136,18 @@ class Ceiling(CheckedModel):
     """Direction of the beams; by default across the longer side of the room."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """Sizes of what is not there, and beams without a gap between them."""
         kind = peek(given, "kind") or "plain"
         for key in ("spacing", "width", "depth", "along"):
             if kind == "plain" and peek(given, key) is not None:
-                yield Found((key,), f"{key} has no effect with a plain ceiling")
+                yield FoundMistake((key,), f"{key} has no effect with a plain ceiling")
         spacing, width = peek(given, "spacing"), peek(given, "width")
         known = isinstance(spacing, (int, float)) and isinstance(width, (int, float))
         if known and width >= spacing:
-            yield Found(("width",), "the beams are as wide as their spacing: there is no gap")
+            yield FoundMistake(
+                ("width",), "the beams are as wide as their spacing: there is no gap"
+            )
 
     @property
     def sizes(self) -> tuple[float, float, float]:
@@ -171,16 +173,16 @@ class Cladding(CheckedModel):
     """How far it stands out from the wall."""
 
     @classmethod
-    def disagreements(cls, given: Any) -> Iterator[Found]:
+    def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
         """A span that several walls share, and edges the wrong way round."""
         walls, span = peek(given, "walls"), peek(given, "span")
         if span is not None and (not isinstance(walls, (list, tuple)) or len(walls) != 1):
-            yield Found(("span",), "a span is along one wall: give walls with one number")
+            yield FoundMistake(("span",), "a span is along one wall: give walls with one number")
         for key, ends in (("span", span), ("top", (peek(given, "bottom"), peek(given, "top")))):
             if not isinstance(ends, (list, tuple)) or len(ends) != 2:
                 continue
             if all(isinstance(e, (int, float)) for e in ends) and ends[0] >= ends[1]:
-                yield Found((key,), "its end must lie behind its start")
+                yield FoundMistake((key,), "its end must lie behind its start")
 
 
 def _kind(given: Any) -> Any:

@@ -15,11 +15,11 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
 from openrooms_usd.edits.editing import editing
-from openrooms_usd.edits.snapping import Spot, hung, snapped
+from openrooms_usd.edits.snapping import PlanPoint, hung, snapped
 from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.rotations import in_plan
-from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry, surroundings
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.places.placements import author_placed
 from openrooms_usd.usd.semantics import label, read_label
@@ -35,7 +35,7 @@ _THIN_M: Final = 0.03
 # What is that near to the floor stands on it, metres.
 _ON_FLOOR_M: Final = 0.1
 
-_SNAPS: Final[dict[str, Callable[..., Spot]]] = {"floor": snapped, "wall": hung}
+_SNAPS: Final[dict[str, Callable[..., PlanPoint]]] = {"floor": snapped, "wall": hung}
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def resized(thing: Standing, size: tuple[float, float, float]) -> Standing:
     return replace(thing, size=size, low=low, high=high)
 
 
-def settled(room: Surroundings, thing: Standing, spot: Spot) -> Spot:
+def settled(room: RoomGeometry, thing: Standing, spot: PlanPoint) -> PlanPoint:
     """Where an object comes to stand that is put somewhere: snapped as its kind is."""
     snap = _SNAPS.get(thing.support)
     stacked = thing.support == "floor" and thing.z > room.floor + _ON_FLOOR_M
@@ -118,7 +118,7 @@ def settled(room: Surroundings, thing: Standing, spot: Spot) -> Spot:
 def place(
     scene: Path,
     name: str,
-    spot: Spot,
+    spot: PlanPoint,
     *,
     z: float | None = None,
     size: tuple[float, float, float] | None = None,
@@ -215,7 +215,7 @@ def relabel(scene: Path, name: str, category: str) -> Standing:
         return standing(prim)
 
 
-def beside(stage: Usd.Stage, thing: Standing) -> Spot:
+def beside(stage: Usd.Stage, thing: Standing) -> PlanPoint:
     """A free place next to an object: to its right, or where walls and others leave room.
 
     Args:
@@ -237,7 +237,7 @@ def beside(stage: Usd.Stage, thing: Standing) -> Spot:
         for turn, side in ((0.0, width), (180.0, width), (-90.0, depth), (90.0, depth)):
             way = in_plan(np.radians(thing.yaw + turn))[:, 0] * (side + _APART_M + more)
             x, y = (here + way).tolist()
-            spot = settled(room, thing, Spot(x, y, thing.yaw))
+            spot = settled(room, thing, PlanPoint(x, y, thing.yaw))
             apart = float(np.linalg.norm(np.array([spot.x, spot.y]) - here)) - side
             box = _footprint(replace(thing, x=spot.x, y=spot.y, yaw=spot.yaw))
             free = (walls is None or walls.covers(box)) and not any(map(box.intersects, taken))
@@ -270,7 +270,7 @@ def free_path(stage: Usd.Stage, path: Sdf.Path) -> Sdf.Path:
     return next(one for one in chain([path], numbered) if not stage.GetPrimAtPath(one))
 
 
-def _moved(prim: Usd.Prim, spot: Spot, z: float) -> Gf.Matrix4d:
+def _moved(prim: Usd.Prim, spot: PlanPoint, z: float) -> Gf.Matrix4d:
     """An object's transform at another place; it leans and is scaled as before."""
     local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
     turn = Gf.Rotation(Gf.Vec3d.ZAxis(), spot.yaw - standing(prim).yaw)

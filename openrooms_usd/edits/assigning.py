@@ -14,13 +14,13 @@ from typing import Any, Final
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.description.materials import Look
+from openrooms_usd.description.materials import MaterialChoice
 from openrooms_usd.description.room import Room, room_of
 from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.targets import Scope, object_of, parts_meant
 from openrooms_usd.library.styles.assignment.rooms import Place, families_of
 from openrooms_usd.library.styles.finishes import furniture_families
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.materials.dressing import Chooser
 from openrooms_usd.stages.materials.looks import define_all
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette
@@ -49,7 +49,7 @@ class Assigned:
     parts: tuple[str, ...]
 
 
-def look_of(said: Mapping[str, Any] | str) -> Look:
+def look_of(said: Mapping[str, Any] | str) -> MaterialChoice:
     """A look as a room.yaml has it.
 
     Raises:
@@ -60,7 +60,9 @@ def look_of(said: Mapping[str, Any] | str) -> Look:
     return look
 
 
-def assign(scene: Path, path: str, scope: Scope, look: Look, base: Path | None = None) -> Assigned:
+def assign(
+    scene: Path, path: str, scope: Scope, look: MaterialChoice, base: Path | None = None
+) -> Assigned:
     """Let parts of a composed room be made of something.
 
     Args:
@@ -110,12 +112,12 @@ def unassign(scene: Path, path: str, scope: Scope) -> Assigned:
     return Assigned("", tuple(map(str, freed)))
 
 
-def context_of(stage: Usd.Stage, scene: Path, base: Path | None = None) -> StageContext:
+def context_of(stage: Usd.Stage, scene: Path, base: Path | None = None) -> StepContext:
     """A context like that of a stage, whose files go to ``layers/edits``."""
     seed = _seed(stage)
     room = room_of({"seed": seed})
     folder = scene.parent / names.LAYERS / names.EDITS
-    return StageContext(room, base or scene.parent, stage, folder)
+    return StepContext(room, base or scene.parent, stage, folder)
 
 
 def opened(stage: Usd.Stage, parts: Iterable[Sdf.Path]) -> None:

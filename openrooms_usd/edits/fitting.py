@@ -16,7 +16,7 @@ from openrooms_usd.stages import runner
 from openrooms_usd.stages.draft import drafting
 from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.files.layers import open_stage, stacked_files
-from openrooms_usd.usd.places.metrics import SCALE, TURN, Misfit, find_misfits, is_own
+from openrooms_usd.usd.places.metrics import SCALE, TURN, UnitMismatch, find_unit_mismatches, is_own
 
 _RESET: Final = "!resetXformStack!"
 _INVERTED: Final = "!invert!"
@@ -35,8 +35,8 @@ class Fitting:
     """
 
     edits: Path
-    fitted: tuple[Misfit, ...] = ()
-    left: tuple[Misfit, ...] = ()
+    fitted: tuple[UnitMismatch, ...] = ()
+    left: tuple[UnitMismatch, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data, for ``--json``."""
@@ -60,7 +60,7 @@ def fit(out: Path, *, dry_run: bool = False) -> Fitting:
     edits = _edits_of(out)
     with claims.claimed(out) if not dry_run else nullcontext():
         stage = _opened(edits)
-        found = find_misfits(stage) if stage else []
+        found = find_unit_mismatches(stage) if stage else []
         fitted = tuple(misfit for misfit in found if misfit.stated)
         left = tuple(misfit for misfit in found if not misfit.stated)
         if stage and fitted and not dry_run:
@@ -73,14 +73,14 @@ def fit(out: Path, *, dry_run: bool = False) -> Fitting:
     return Fitting(edits, fitted, left)
 
 
-def misfits_of(out: Path) -> list[Misfit]:
+def misfits_of(out: Path) -> list[UnitMismatch]:
     """What the edits of a composed room refer to in other units or axes, uncorrected.
 
     Raises:
         InputError: There is no composed room, or its edits cannot be read.
     """
     stage = _opened(_edits_of(out))
-    return find_misfits(stage) if stage else []
+    return find_unit_mismatches(stage) if stage else []
 
 
 def _edits_of(out: Path) -> Path:
@@ -109,7 +109,7 @@ def _root_of(stage: Usd.Stage, edits: Path) -> Sdf.Layer:
     return next(layer for layer in stage.GetLayerStack(False) if layer.realPath == str(edits))
 
 
-def _correct(layer: Sdf.Layer, prim: Usd.Prim, misfit: Misfit) -> None:
+def _correct(layer: Sdf.Layer, prim: Usd.Prim, misfit: UnitMismatch) -> None:
     """Write the missing operations, after those of the room and before those of the file."""
     spec = Sdf.CreatePrimInLayer(layer, prim.GetPath())
     for name, value in misfit.operations:

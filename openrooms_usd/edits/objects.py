@@ -17,7 +17,7 @@ from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.edits import arranging, assigning, remaking, views
 from openrooms_usd.edits.scenefile import ByName, SceneFile
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import Scope
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
@@ -201,7 +201,7 @@ class SceneObject(Visible):
             arranging.place(
                 self._file.path,
                 self.name,
-                Spot(x, y, heading),
+                PlanPoint(x, y, heading),
                 z=z[0] if z else None,
                 size=size,
                 snap=snap,

@@ -27,12 +27,18 @@ from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.stages.alignment.catalogue import Catalogue
-from openrooms_usd.stages.alignment.placement import FLOOR, SURFACE, Placement, Stand, Supports
+from openrooms_usd.stages.alignment.placement import (
+    FLOOR,
+    SURFACE,
+    Placement,
+    ResolvedPose,
+    Supports,
+)
 from openrooms_usd.stages.alignment.poses import author_described
 from openrooms_usd.stages.alignment.stage import ASSETS, placement_of
-from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
-from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.materials.dressing import Chooser, Dresser
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry, surroundings
+from openrooms_usd.stages.base import StepContext
+from openrooms_usd.stages.materials.dressing import Chooser, MaterialAssigner
 from openrooms_usd.stages.materials.looks import publish_look
 from openrooms_usd.stages.materials.palette import Palette
 from openrooms_usd.usd.places.frames import TIME
@@ -92,7 +98,7 @@ def remake(
         return standing(prim)
 
 
-def give_model(context: StageContext, spec: Sdf.PrimSpec, prim: Usd.Prim, asset: Asset) -> None:
+def give_model(context: StepContext, spec: Sdf.PrimSpec, prim: Usd.Prim, asset: Asset) -> None:
     """Let an object refer to a model and to a look for it, both beside the edits.
 
     Args:
@@ -120,9 +126,9 @@ def _refer(spec: Sdf.PrimSpec, files: Sequence[str]) -> None:
         spec.referenceList.explicitItems = references
 
 
-def _look(context: StageContext, prim: Usd.Prim) -> list[str]:
+def _look(context: StepContext, prim: Usd.Prim) -> list[str]:
     """A look for the model as the tables have it; none for one that brings its own materials."""
-    look = Dresser(context, (Chooser(context),), {}).dressed(prim)
+    look = MaterialAssigner(context, (Chooser(context),), {}).dressed(prim)
     if not look.looks[0]:
         return []
     palette = Palette(context)
@@ -200,7 +206,7 @@ def _path(stage: Usd.Stage, item: Described) -> Sdf.Path:
 
 def _stand(
     stage: Usd.Stage, item: Placement, on: str | None, relative_to: str | None, notes: list[str]
-) -> Stand:
+) -> ResolvedPose:
     """Where it stands, on what is composed."""
     room = surroundings(stage)
     if relative_to is not None:
@@ -215,7 +221,7 @@ def _stand(
     return Supports({item.name: item}, room, notes).stands()[item.name]
 
 
-def _top(stage: Usd.Stage, room: Surroundings, item: Placement, on: str | None) -> float:
+def _top(stage: Usd.Stage, room: RoomGeometry, item: Placement, on: str | None) -> float:
     """Height of what is below a place: of one object, or of all that stands on the floor."""
     group = stage.GetPrimAtPath(names.FURNITURE)
     every = [child for child in group.GetChildren() if UsdGeom.Xformable(child)] if group else []

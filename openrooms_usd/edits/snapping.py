@@ -10,7 +10,7 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
-from openrooms_usd.stages.alignment.surroundings import Surroundings
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry
 
 # Nearer than this a side comes to its wall, and turned by less it turns with it.
 REACH_M: Final = 0.15
@@ -19,7 +19,7 @@ TURN_DEG: Final = 8.0
 _BEHIND_M: Final = 1.0
 
 
-class Spot(NamedTuple):
+class PlanPoint(NamedTuple):
     """A place in the plan.
 
     Attributes:
@@ -33,7 +33,7 @@ class Spot(NamedTuple):
     yaw: float
 
 
-def snapped(room: Surroundings, spot: Spot, low: Array, high: Array) -> Spot:
+def snapped(room: RoomGeometry, spot: PlanPoint, low: Array, high: Array) -> PlanPoint:
     """The place of a box that stands on the floor.
 
     Args:
@@ -51,10 +51,10 @@ def snapped(room: Surroundings, spot: Spot, low: Array, high: Array) -> Spot:
     # A box in a corner comes to both walls; the second pass sees where the first has put it.
     for start, end in (*faces, *faces):
         place = place + _to_wall(start, end, place, corners)
-    return Spot(float(place[0]), float(place[1]), yaw)
+    return PlanPoint(float(place[0]), float(place[1]), yaw)
 
 
-def hung(room: Surroundings, spot: Spot, low: Array, high: Array) -> Spot:
+def hung(room: RoomGeometry, spot: PlanPoint, low: Array, high: Array) -> PlanPoint:
     """The place of a box that hangs with its back on the nearest wall."""
     if not len(room.faces):
         return spot
@@ -62,14 +62,14 @@ def hung(room: Surroundings, spot: Spot, low: Array, high: Array) -> Spot:
     found = room.hang(spot.x, spot.y, width, depth)
     # The origin of what hangs need not be the middle of its box.
     off = in_plan(np.radians(found.yaw)) @ (0.5 * (low + high))
-    return Spot(found.x - float(off[0]), found.y - float(off[1]), found.yaw)
+    return PlanPoint(found.x - float(off[0]), found.y - float(off[1]), found.yaw)
 
 
 def _corners(low: Array, high: Array) -> Array:
     return np.array([(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])])
 
 
-def _parallel(faces: Array, spot: Spot) -> float:
+def _parallel(faces: Array, spot: PlanPoint) -> float:
     """The heading, along the nearest wall or square to it where it nearly is."""
     starts, steps = faces[:, 0], faces[:, 1] - faces[:, 0]
     lengths = np.linalg.norm(steps, axis=1)

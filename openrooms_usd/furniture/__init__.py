@@ -18,9 +18,9 @@ from openrooms_usd.description.categories import other_words
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.joinery.pieces import (
     NOTHING_ORDERED,
+    FitOptions,
     Furniture,
     Joint,
-    Order,
     Parts,
     Size,
     fitted,
@@ -37,9 +37,9 @@ __all__ = [
     "MIN_SIDE",
     "NOTHING_ORDERED",
     "BuiltCategory",
+    "FitOptions",
     "Furniture",
     "Joint",
-    "Order",
     "Parts",
     "Size",
     "category",
@@ -101,7 +101,7 @@ def styles(name: str, size: Size | None = None) -> tuple[str, ...]:
     return suited or tuple(spec.styles)
 
 
-def check(name: str, size: Size, style: str | None, order: Order = NOTHING_ORDERED) -> None:
+def check(name: str, size: Size, style: str | None, order: FitOptions = NOTHING_ORDERED) -> None:
     """See that an object can be built.
 
     Args:
@@ -134,7 +134,7 @@ def check(name: str, size: Size, style: str | None, order: Order = NOTHING_ORDER
 
 
 def make(
-    name: str, size: Size, style: str, rng: np.random.Generator, order: Order = NOTHING_ORDERED
+    name: str, size: Size, style: str, rng: np.random.Generator, order: FitOptions = NOTHING_ORDERED
 ) -> Furniture:
     """Build an object.
 

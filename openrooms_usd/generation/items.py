@@ -6,7 +6,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from openrooms_usd.furniture import NOTHING_ORDERED, Order, Size
+from openrooms_usd.furniture import NOTHING_ORDERED, FitOptions, Size
 from openrooms_usd.generation.boxes import NONE, Array, Pose, box
 
 # People walk and stand between these heights: neither a rug nor a high shelf is an obstacle;
@@ -49,7 +49,7 @@ class Item:
     yaw: float = 0.0
     on: str = "floor"
     optional: bool = False
-    order: Order = NOTHING_ORDERED
+    order: FitOptions = NOTHING_ORDERED
     sunk: bool = False
     tilt: tuple[float, float] = (0.0, 0.0)
     lies: bool = False

@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.furniture import NOTHING_ORDERED, Order, Size, category, styles
+from openrooms_usd.furniture import NOTHING_ORDERED, FitOptions, Size, category, styles
 from openrooms_usd.generation.boxes import Array, Pose, box, overlap, posed
 from openrooms_usd.generation.items import Group, Item, with_dependants
-from openrooms_usd.generation.shapes import Foot, Shape, Shapes
+from openrooms_usd.generation.shapes import BuiltForm, Foot, Shapes
 from openrooms_usd.generation.sizes import drawn_size
 from openrooms_usd.library.styles.assignment.weights import drawn
 from openrooms_usd.library.styles.interiors import Interior
@@ -20,7 +20,7 @@ from openrooms_usd.names import ROOM_HEIGHT
 _ROUNDING = 1e-4
 
 
-def level_top(support: Shape, size: Size, foot: Foot, pose: Pose, slack: float) -> float | None:
+def level_top(support: BuiltForm, size: Size, foot: Foot, pose: Pose, slack: float) -> float | None:
     """Height of a support's top above its base where an item shall stand.
 
     Args:
@@ -192,7 +192,7 @@ class Kit:
         z: float = 0.0,
         on: str = "floor",
         optional: bool = False,
-        order: Order = NOTHING_ORDERED,
+        order: FitOptions = NOTHING_ORDERED,
         sunk: bool = False,
     ) -> Item:
         """An item with a key of its own; size and style are drawn where they are not given."""
@@ -297,7 +297,7 @@ class Kit:
         boxes[:, 6:] += item.z
         return boxes
 
-    def _shape(self, item: Item) -> Shape:
+    def _shape(self, item: Item) -> BuiltForm:
         return self.shapes.of(item.category, item.size, item.style, item.order)
 
     def clash(self, a: Item, b: Item, gap: float = APART_M) -> bool:

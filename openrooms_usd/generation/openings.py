@@ -9,7 +9,7 @@ from openrooms_usd.building.hallways import Way, hallways_behind
 from openrooms_usd.building.shell import Hole
 from openrooms_usd.building.walls import Wall, walls_of
 from openrooms_usd.generation.boxes import overlap
-from openrooms_usd.generation.programs import Program
+from openrooms_usd.generation.programs import RoomProgram
 from openrooms_usd.generation.shell import Gap, Shell
 from openrooms_usd.geometry.polygons import turns
 
@@ -23,7 +23,7 @@ _MAX_TRIES: Final = 40
 
 
 def openings(
-    rng: np.random.Generator, shell: Shell, program: Program
+    rng: np.random.Generator, shell: Shell, program: RoomProgram
 ) -> tuple[Shell, list[dict[str, Any]]]:
     """Cut doors and windows into a room.
 
@@ -69,13 +69,13 @@ def _way(wall: Wall, gap: Gap, row: dict[str, Any]) -> Way:
     return Way(wall, hole, gap.kind == "window", leads, gap.width if out else 0.0)
 
 
-def _doors(rng: np.random.Generator, shell: Shell, program: Program) -> int:
+def _doors(rng: np.random.Generator, shell: Shell, program: RoomProgram) -> int:
     least, most = program.doors
     return int(rng.integers(least, max(least, min(most, 1 + int(shell.area // 9))) + 1))
 
 
 def _door(
-    rng: np.random.Generator, shell: Shell, program: Program, rows: list[dict[str, Any]],
+    rng: np.random.Generator, shell: Shell, program: RoomProgram, rows: list[dict[str, Any]],
     number: int,
 ) -> Shell:  # fmt: skip
     width = float(rng.choice(_DOOR_WIDTHS)) if shell.area < 60 else 1.0
@@ -162,7 +162,7 @@ def _with(shell: Shell, gap: Gap) -> Shell | None:
 
 
 def _windows(
-    rng: np.random.Generator, shell: Shell, program: Program, rows: list[dict[str, Any]]
+    rng: np.random.Generator, shell: Shell, program: RoomProgram, rows: list[dict[str, Any]]
 ) -> Shell:
     """Windows in one or two outer walls, alike and evenly spaced in each."""
     least, most = program.windows
@@ -193,7 +193,7 @@ def _windows(
 
 
 def _window_size(
-    rng: np.random.Generator, shell: Shell, program: Program
+    rng: np.random.Generator, shell: Shell, program: RoomProgram
 ) -> tuple[float, float, float]:
     """Width, height and sill, metres."""
     if program.high_windows:

@@ -24,7 +24,7 @@ _PLAIN: Final[dict[str, float]] = {"rectangle": 6, "L": 1, "chamfer": 0.5, "slan
 
 
 @dataclass(frozen=True)
-class Want:
+class Spec:
     """A group that a room may have.
 
     Attributes:
@@ -47,7 +47,7 @@ class Want:
 
 
 @dataclass(frozen=True)
-class Program:
+class RoomProgram:
     """A kind of room.
 
     Attributes:
@@ -69,7 +69,7 @@ class Program:
     """
 
     area: tuple[float, float, float]
-    wants: tuple[Want, ...]
+    wants: tuple[Spec, ...]
     shapes: dict[str, float] = field(default_factory=lambda: dict(_MIXED))
     aspect: tuple[float, float] = (1.0, 1.6)
     height: tuple[float, float] = (2.45, 2.8)
@@ -112,270 +112,270 @@ def _shoe_rack(kit: Kit) -> Group:
     return Group("besides", (item,), back=0.5 * size[1])
 
 
-PIANO = Want(_piece("piano", before=0.9, tops=(), title="music"), chance=0.12)
-GUITAR, FAN = Want(_thing("guitar"), chance=0.12), Want(_thing("fan"), chance=0.1)
-CRIB = Want(_piece("crib", before=0.6, tops=(), title="child"), chance=0.06)
-SUITCASE, LADDER = Want(_thing("suitcase"), 0, 2, chance=0.5), Want(_thing("ladder"), chance=0.4)
-OTTOMAN = Want(_of(storing.thing, "ottoman", "free"), chance=0.25)
-SOFA, MEDIA = Want(sitting.sofa_place, 1, 1), Want(sitting.media, 0, 1, chance=0.9, faces="sitting")
-PLANT, BIN = Want(_thing("plant_pot"), 0, 2), Want(_thing("trash_bin"), 0, 1)
-BASKET, FLOOR_LAMP = Want(_thing("basket"), 0, 1), Want(_thing("floor_lamp"), 0, 1)
-SHELF = Want(_piece("bookshelf", before=0.5), 0, 2)
-DRAWERS = Want(_of(sleeping.clothes, "dresser", (0.8, 1.4)), 0, 1, chance=0.6)
-WARDROBE = Want(sleeping.clothes, 0, 1, chance=0.8)
-CABINET = Want(_piece("cabinet", width=(0.7, 1.6)), 0, 2)
-FILES = Want(_of(storing.row, "file_cabinet", 4), 0, 1)
-DESK = Want(_of(working.desk_place), 0, 1)
-READING = Want(sitting.reading_corner, 0, 1, chance=0.7)
-KITCHEN = Want(kitchen.kitchen, 1, 1)
-STACKS = Want(storing.boxes, 1, 6, each=4.0)
-RACKS = Want(_of(storing.row, "bookshelf", 4), 1, 3, each=6.0)
-COPIER = Want(_piece("cabinet", width=(0.6, 1.0), tops=("printer",), height=0.75, fewest=1,
+PIANO = Spec(_piece("piano", before=0.9, tops=(), title="music"), chance=0.12)
+GUITAR, FAN = Spec(_thing("guitar"), chance=0.12), Spec(_thing("fan"), chance=0.1)
+CRIB = Spec(_piece("crib", before=0.6, tops=(), title="child"), chance=0.06)
+SUITCASE, LADDER = Spec(_thing("suitcase"), 0, 2, chance=0.5), Spec(_thing("ladder"), chance=0.4)
+OTTOMAN = Spec(_of(storing.thing, "ottoman", "free"), chance=0.25)
+SOFA, MEDIA = Spec(sitting.sofa_place, 1, 1), Spec(sitting.media, 0, 1, chance=0.9, faces="sitting")
+PLANT, BIN = Spec(_thing("plant_pot"), 0, 2), Spec(_thing("trash_bin"), 0, 1)
+BASKET, FLOOR_LAMP = Spec(_thing("basket"), 0, 1), Spec(_thing("floor_lamp"), 0, 1)
+SHELF = Spec(_piece("bookshelf", before=0.5), 0, 2)
+DRAWERS = Spec(_of(sleeping.clothes, "dresser", (0.8, 1.4)), 0, 1, chance=0.6)
+WARDROBE = Spec(sleeping.clothes, 0, 1, chance=0.8)
+CABINET = Spec(_piece("cabinet", width=(0.7, 1.6)), 0, 2)
+FILES = Spec(_of(storing.row, "file_cabinet", 4), 0, 1)
+DESK = Spec(_of(working.desk_place), 0, 1)
+READING = Spec(sitting.reading_corner, 0, 1, chance=0.7)
+KITCHEN = Spec(kitchen.kitchen, 1, 1)
+STACKS = Spec(storing.boxes, 1, 6, each=4.0)
+RACKS = Spec(_of(storing.row, "bookshelf", 4), 1, 3, each=6.0)
+COPIER = Spec(_piece("cabinet", width=(0.6, 1.0), tops=("printer",), height=0.75, fewest=1,
                      title="printing"), 1, 2)  # fmt: skip
-WASHING = Want(_of(wet.laundry), 1, 1)
-TOILET = Want(_of(wet.fixture, "toilet"), 1, 1)
-WASHSTAND = Want(wet.washstand, 1, 1)
-TABLE_AT_WALL = Want(
+WASHING = Spec(_of(wet.laundry), 1, 1)
+TOILET = Spec(_of(wet.fixture, "toilet"), 1, 1)
+WASHSTAND = Spec(wet.washstand, 1, 1)
+TABLE_AT_WALL = Spec(
     _piece("table", width=(1.2, 1.8), height=0.74, most=3, tops=("printer", "box", "telephone"),
            title="table"), 0, 2,
 )  # fmt: skip
 
-PROGRAMS: Final[dict[str, Program]] = {
-    "apartment": Program(
+PROGRAMS: Final[dict[str, RoomProgram]] = {
+    "apartment": RoomProgram(
         (24, 34, 55),
-        (KITCHEN, Want(_of(sleeping.bed_place, 0.7), 1), SOFA, MEDIA,
-         Want(_of(sitting.dining, (2, 4)), chance=0.8), WARDROBE, DESK, SHELF, PLANT, BASKET, BIN),
+        (KITCHEN, Spec(_of(sleeping.bed_place, 0.7), 1), SOFA, MEDIA,
+         Spec(_of(sitting.dining, (2, 4)), chance=0.8), WARDROBE, DESK, SHELF, PLANT, BASKET, BIN),
         aspect=(1.1, 1.7), doors=(1, 2), windows=(2, 4), glazed=0.25,
         curtains=0.6,
     ),
-    "bathroom": Program(
+    "bathroom": RoomProgram(
         (3.6, 6, 12),
-        (Want(wet.bathing, 1), TOILET, WASHSTAND,
-         Want(_of(wet.laundry, 1), chance=0.35), Want(_piece("cabinet", width=(0.35, 0.6),
-              before=0.4, tops=()), chance=0.6), Want(_thing("basket"), 1, 1),
-         Want(_thing("trash_bin"), 1)),
+        (Spec(wet.bathing, 1), TOILET, WASHSTAND,
+         Spec(_of(wet.laundry, 1), chance=0.35), Spec(_piece("cabinet", width=(0.35, 0.6),
+              before=0.4, tops=()), chance=0.6), Spec(_thing("basket"), 1, 1),
+         Spec(_thing("trash_bin"), 1)),
         _PLAIN, (1.0, 1.9), (2.4, 2.6), (1, 1), (0, 1), high_windows=True, swing_out=0.3,
         hangs=(("wall_shelf", 2, 2), ("towel_rail", 1, 1), ("wall_lamp", 0, 2), ("picture", 0, 1)),
         lux=(150, 300),
         curtains=0.5,
     ),
-    "bedroom": Program(
+    "bedroom": RoomProgram(
         (9, 14, 26),
-        (Want(sleeping.built_in, chance=0.4), Want(_of(sleeping.bed_place, 0.7), 1),
-         Want(sleeping.clothes, chance=0.6, unless="clothes"), DRAWERS, CRIB, GUITAR, FAN,
-         Want(_of(working.desk_place, "chair"), chance=0.45), READING, SHELF, PLANT, BASKET),
+        (Spec(sleeping.built_in, chance=0.4), Spec(_of(sleeping.bed_place, 0.7), 1),
+         Spec(sleeping.clothes, chance=0.6, unless="clothes"), DRAWERS, CRIB, GUITAR, FAN,
+         Spec(_of(working.desk_place, "chair"), chance=0.45), READING, SHELF, PLANT, BASKET),
         windows=(1, 2), hangs=(("wall_shelf", 0, 1), ("picture", 0, 3), ("clock", 0, 1),
                ("wall_lamp", 0, 1)),
         lux=(80, 180),
         curtains=0.8,
     ),
-    "hotel": Program(
+    "hotel": RoomProgram(
         (16, 24, 36),
-        (Want(_of(sleeping.bed_place, 1.0), 1, 2, each=14.0),
-         Want(_of(working.desk_place, "chair", "laptop", 3), 1), WARDROBE,
-         Want(_of(sleeping.clothes, "dresser", (0.9, 1.4)), faces="sleeping"), READING,
-         Want(_piece("bench", before=0.4, tops=()), chance=0.5), PLANT, BIN),
+        (Spec(_of(sleeping.bed_place, 1.0), 1, 2, each=14.0),
+         Spec(_of(working.desk_place, "chair", "laptop", 3), 1), WARDROBE,
+         Spec(_of(sleeping.clothes, "dresser", (0.9, 1.4)), faces="sleeping"), READING,
+         Spec(_piece("bench", before=0.4, tops=()), chance=0.5), PLANT, BIN),
         _PLAIN, (1.2, 1.9), glazed=0.4, lux=(90, 180),
         hangs=(("picture", 1, 3), ("wall_lamp", 0, 2)),
         curtains=0.9,
     ),
-    "bookstore": Program(
+    "bookstore": RoomProgram(
         (35, 70, 130),
-        (Want(_of(wet.counters, ("counter", "counter"), ("laptop", "telephone", "jar"),
+        (Spec(_of(wet.counters, ("counter", "counter"), ("laptop", "telephone", "jar"),
               "reception"), 1),
-         Want(_of(storing.row, "bookshelf", 6), 2, 6, each=14.0),
-         Want(_of(storing.aisle, "bookshelf", 4), 1, 5, each=18.0),
-         Want(_of(sitting.dining, (1, 2), "stool", False, ("box", "bowl"), "display"), 0, 2,
+         Spec(_of(storing.row, "bookshelf", 6), 2, 6, each=14.0),
+         Spec(_of(storing.aisle, "bookshelf", 4), 1, 5, each=18.0),
+         Spec(_of(sitting.dining, (1, 2), "stool", False, ("box", "bowl"), "display"), 0, 2,
               each=30.0), READING, PLANT, BIN),
         windows=(1, 4), height=(2.8, 3.6), glazed=0.6, lux=(200, 350),
     ),
-    "library": Program(
+    "library": RoomProgram(
         (35, 75, 140),
-        (Want(_of(storing.row, "bookshelf", 6), 2, 6, each=14.0),
-         Want(_of(storing.aisle, "bookshelf", 5), 1, 5, each=18.0),
-         Want(_of(sitting.dining, (4, 8), "chair", False, ("laptop", "table_lamp"), "study"), 1, 3,
+        (Spec(_of(storing.row, "bookshelf", 6), 2, 6, each=14.0),
+         Spec(_of(storing.aisle, "bookshelf", 5), 1, 5, each=18.0),
+         Spec(_of(sitting.dining, (4, 8), "chair", False, ("laptop", "table_lamp"), "study"), 1, 3,
               each=30.0), READING, DESK, PLANT, BIN),
         windows=(2, 6), height=(2.8, 3.8), lux=(200, 350),
         curtains=0.15,
     ),
-    "classroom": Program(
+    "classroom": RoomProgram(
         (36, 56, 90),
-        (Want(working.classroom, 1), CABINET, SHELF, BIN, PLANT),
+        (Spec(working.classroom, 1), CABINET, SHELF, BIN, PLANT),
         {"rectangle": 8, "L": 1, "slant": 1}, (1.05, 1.5), (2.8, 3.4), (1, 2), (2, 5),
         hangs=_CLASS, lux=(250, 400),
         curtains=0.4,
     ),
-    "closet": Program(
+    "closet": RoomProgram(
         (2.4, 4.5, 9),
-        (Want(_of(sleeping.clothes, "wardrobe", (0.8, 2.0)), 1),
-         Want(_piece("bookshelf", before=0.45), chance=0.5), DRAWERS, Want(storing.boxes, 0, 2),
+        (Spec(_of(sleeping.clothes, "wardrobe", (0.8, 2.0)), 1),
+         Spec(_piece("bookshelf", before=0.45), chance=0.5), DRAWERS, Spec(storing.boxes, 0, 2),
          SUITCASE, BASKET),
         {"rectangle": 8, "chamfer": 1, "slant": 0.5}, (1.0, 1.8), (2.3, 2.6), (1, 1), (0, 0),
         swing_out=1.0, hangs=(), lux=(100, 200),
     ),
-    "computer_cluster": Program(
+    "computer_cluster": RoomProgram(
         (30, 50, 90),
-        (Want(_of(working.workstations, 4, double=True), 1, 5, each=14.0),
-         Want(_of(working.workstations, 5), 0, 4, each=16.0), COPIER, FILES, BIN, PLANT),
+        (Spec(_of(working.workstations, 4, double=True), 1, 5, each=14.0),
+         Spec(_of(working.workstations, 5), 0, 4, each=16.0), COPIER, FILES, BIN, PLANT),
         {"rectangle": 8, "L": 1}, (1.1, 1.6), (2.6, 3.2), (1, 2), (1, 4), hangs=_WORK,
         lux=(250, 400),
         curtains=0.5,
     ),
-    "conference_room": Program(
+    "conference_room": RoomProgram(
         (18, 30, 55),
-        (Want(working.conference, 1), Want(_piece("cabinet", width=(1.2, 1.8), height=0.75,
+        (Spec(working.conference, 1), Spec(_piece("cabinet", width=(1.2, 1.8), height=0.75,
               most=4)), PLANT, BIN),
         {"rectangle": 8, "L": 1, "slant": 1, "chamfer": 1}, (1.2, 1.8), (2.6, 3.2), (1, 2), (1, 4),
         hangs=(("whiteboard", 1, 1), ("clock", 0, 1), ("picture", 0, 2)), lux=(200, 350),
         curtains=0.6,
     ),
-    "copy_room": Program(
+    "copy_room": RoomProgram(
         (7, 12, 22),
-        (COPIER, TABLE_AT_WALL, Want(_of(storing.row, "bookshelf", 3), 1), FILES,
-         Want(storing.boxes, 1, 3), BIN, BIN),
+        (COPIER, TABLE_AT_WALL, Spec(_of(storing.row, "bookshelf", 3), 1), FILES,
+         Spec(storing.boxes, 1, 3), BIN, BIN),
         _PLAIN, (1.0, 1.7), doors=(1, 2), windows=(0, 1), hangs=_WORK, lux=(200, 300),
         curtains=0.3,
     ),
-    "mail_room": Program(
+    "mail_room": RoomProgram(
         (9, 16, 28),
-        (Want(_of(storing.row, "bookshelf", 5), 1, 2), TABLE_AT_WALL,
-         Want(_of(sitting.dining, (1, 2), "stool", False, ("box", "basket"), "sorting")),
-         Want(storing.boxes, 2, 5), COPIER, Want(_of(storing.row, "file_cabinet", 3)), BASKET, BIN),
+        (Spec(_of(storing.row, "bookshelf", 5), 1, 2), TABLE_AT_WALL,
+         Spec(_of(sitting.dining, (1, 2), "stool", False, ("box", "basket"), "sorting")),
+         Spec(storing.boxes, 2, 5), COPIER, Spec(_of(storing.row, "file_cabinet", 3)), BASKET, BIN),
         _PLAIN, (1.0, 1.7), doors=(1, 2), windows=(0, 2), hangs=_WORK, lux=(200, 300),
     ),
-    "dining_room": Program(
+    "dining_room": RoomProgram(
         (11, 17, 32),
-        (Want(_of(sitting.dining, (4, 8)), 1), Want(_piece("cabinet", width=(1.2, 1.8), height=0.85,
-              most=4), 1), Want(_piece("cabinet", width=(0.8, 1.2), height=1.9), chance=0.4),
-         Want(_thing("plant_pot"), 0, 2), FLOOR_LAMP),
+        (Spec(_of(sitting.dining, (4, 8)), 1), Spec(_piece("cabinet", width=(1.2, 1.8), height=0.85,
+              most=4), 1), Spec(_piece("cabinet", width=(0.8, 1.2), height=1.9), chance=0.4),
+         Spec(_thing("plant_pot"), 0, 2), FLOOR_LAMP),
         glazed=0.3,
         curtains=0.5,
     ),
-    "game_room": Program(
+    "game_room": RoomProgram(
         (18, 28, 50),
-        (Want(_of(storing.standalone, "pool_table", 0.9, "pool"), chance=0.6), SOFA, MEDIA,
-         Want(_of(sitting.dining, (3, 5), "chair", True, ("bowl", "bottle"), "game"), 1, 2,
+        (Spec(_of(storing.standalone, "pool_table", 0.9, "pool"), chance=0.6), SOFA, MEDIA,
+         Spec(_of(sitting.dining, (3, 5), "chair", True, ("bowl", "bottle"), "game"), 1, 2,
               each=22.0),
-         Want(_of(working.desk_place, "office_chair", "monitor"), chance=0.7), SHELF,
-         Want(_piece("cabinet", width=(0.9, 1.5), tops=("bottle", "bowl"), most=3)), PLANT, BIN),
+         Spec(_of(working.desk_place, "office_chair", "monitor"), chance=0.7), SHELF,
+         Spec(_piece("cabinet", width=(0.9, 1.5), tops=("bottle", "bowl"), most=3)), PLANT, BIN),
         hangs=(("picture", 1, 4), ("clock", 0, 1)),
         curtains=0.3,
     ),
-    "gym": Program(
+    "gym": RoomProgram(
         (30, 60, 120),
-        (Want(_of(storing.row, "bench", 3, 0.6), 0, 2),
-         Want(_of(storing.standalone, "bench"), 2, 6, each=14),
-         Want(_of(storing.row, "treadmill", 3, 1.0), chance=0.8),
-         Want(storing.mat, 2, 8, each=10.0), Want(_thing("exercise_ball"), 0, 3),
-         Want(_of(storing.row, "wardrobe", 3), chance=0.5),
-         Want(_piece("cabinet", width=(0.9, 1.6), tops=("bottle", "speaker"), height=0.9)),
-         Want(_of(storing.boxes, 3), 0, 2), Want(_thing("speaker"), 0, 2), BASKET, BIN, PLANT),
+        (Spec(_of(storing.row, "bench", 3, 0.6), 0, 2),
+         Spec(_of(storing.standalone, "bench"), 2, 6, each=14),
+         Spec(_of(storing.row, "treadmill", 3, 1.0), chance=0.8),
+         Spec(storing.mat, 2, 8, each=10.0), Spec(_thing("exercise_ball"), 0, 3),
+         Spec(_of(storing.row, "wardrobe", 3), chance=0.5),
+         Spec(_piece("cabinet", width=(0.9, 1.6), tops=("bottle", "speaker"), height=0.9)),
+         Spec(_of(storing.boxes, 3), 0, 2), Spec(_thing("speaker"), 0, 2), BASKET, BIN, PLANT),
         _PLAIN, (1.1, 1.8), (2.8, 4.0), (1, 2), (1, 5), glazed=0.4, hangs=_CLASS, lux=(200, 350),
     ),
-    "hallway": Program(
+    "hallway": RoomProgram(
         (6, 11, 24),
-        (Want(_piece("cabinet", width=(0.6, 1.0), before=0.45, height=0.85), chance=0.7),
-         Want(_piece("bench", before=0.4, tops=()), chance=0.5), Want(_shoe_rack, chance=0.5),
-         Want(_of(sleeping.clothes, "wardrobe", (0.8, 1.2)), chance=0.4), PLANT, BASKET,
+        (Spec(_piece("cabinet", width=(0.6, 1.0), before=0.45, height=0.85), chance=0.7),
+         Spec(_piece("bench", before=0.4, tops=()), chance=0.5), Spec(_shoe_rack, chance=0.5),
+         Spec(_of(sleeping.clothes, "wardrobe", (0.8, 1.2)), chance=0.4), PLANT, BASKET,
          FLOOR_LAMP),
         {"rectangle": 5, "L": 3, "T": 1}, (1.8, 4.0), doors=(2, 3), windows=(0, 1),
         hangs=(("picture", 1, 4), ("wall_lamp", 0, 3), ("clock", 0, 1)), lux=(80, 160),
     ),
-    "kitchen": Program(
+    "kitchen": RoomProgram(
         (7.5, 13, 24),
-        (KITCHEN, Want(kitchen.island, chance=0.35), Want(_of(sitting.dining, (2, 4)), chance=0.85),
-         Want(_piece("cabinet", width=(0.6, 1.0), height=1.9), chance=0.25), BIN, PLANT),
+        (KITCHEN, Spec(kitchen.island, chance=0.35), Spec(_of(sitting.dining, (2, 4)), chance=0.85),
+         Spec(_piece("cabinet", width=(0.6, 1.0), height=1.9), chance=0.25), BIN, PLANT),
         windows=(1, 2), doors=(1, 2), lux=(180, 300), sills=(1.05, 1.1, 1.15), glazed=0.0,
         hangs=(("wall_shelf", 0, 1), ("picture", 0, 2), ("clock", 0, 1)),
         curtains=0.5,
     ),
-    "laundry_room": Program(
+    "laundry_room": RoomProgram(
         (4.5, 8, 15),
-        (WASHING, Want(_of(wet.fixture, "sink", beside=0.05), chance=0.6),
-         Want(_piece("cabinet", width=(0.6, 1.2), before=0.5, tops=("basket", "bottle"))),
-         Want(_of(wet.counters, ("counter",), ("basket", "bottle", "jar")), chance=0.6),
-         Want(_piece("ironing_board", before=0.5, tops=()), chance=0.5),
-         Want(_thing("basket"), 1, 2), BIN),
+        (WASHING, Spec(_of(wet.fixture, "sink", beside=0.05), chance=0.6),
+         Spec(_piece("cabinet", width=(0.6, 1.2), before=0.5, tops=("basket", "bottle"))),
+         Spec(_of(wet.counters, ("counter",), ("basket", "bottle", "jar")), chance=0.6),
+         Spec(_piece("ironing_board", before=0.5, tops=()), chance=0.5),
+         Spec(_thing("basket"), 1, 2), BIN),
         _PLAIN, (1.0, 1.8), doors=(1, 2), windows=(0, 1), hangs=_BARE, lux=(150, 250),
     ),
-    "lounge": Program(
+    "lounge": RoomProgram(
         (22, 36, 70),
-        (Want(sitting.sofa_place, 1, 3, each=18.0), Want(sitting.reading_corner, 0, 2),
-         Want(_of(sitting.dining, (2, 4)), 0, 2, each=25.0), MEDIA, SHELF,
-         Want(_of(wet.counters, ("counter", "refrigerator")), chance=0.4),
-         Want(_thing("plant_pot"), 1, 3), BIN, FLOOR_LAMP),
+        (Spec(sitting.sofa_place, 1, 3, each=18.0), Spec(sitting.reading_corner, 0, 2),
+         Spec(_of(sitting.dining, (2, 4)), 0, 2, each=25.0), MEDIA, SHELF,
+         Spec(_of(wet.counters, ("counter", "refrigerator")), chance=0.4),
+         Spec(_thing("plant_pot"), 1, 3), BIN, FLOOR_LAMP),
         height=(2.6, 3.2), glazed=0.4, windows=(1, 4),
         curtains=0.3,
     ),
-    "living_room": Program(
+    "living_room": RoomProgram(
         (15, 24, 45),
-        (SOFA, MEDIA, Want(_of(sitting.dining, (4, 6)), chance=0.45), READING, PIANO,
-         Want(_piece("fireplace", before=0.7, width=(1.1, 1.5), title="fireplace"), chance=0.2),
-         SHELF, CABINET, Want(_thing("plant_pot"), 0, 3), FLOOR_LAMP, GUITAR, FAN, OTTOMAN,
+        (SOFA, MEDIA, Spec(_of(sitting.dining, (4, 6)), chance=0.45), READING, PIANO,
+         Spec(_piece("fireplace", before=0.7, width=(1.1, 1.5), title="fireplace"), chance=0.2),
+         SHELF, CABINET, Spec(_thing("plant_pot"), 0, 3), FLOOR_LAMP, GUITAR, FAN, OTTOMAN,
          BASKET),
         glazed=0.3, windows=(1, 3),
         hangs=(("wall_shelf", 0, 1), ("picture", 0, 4), ("clock", 0, 1)),
         curtains=0.7,
     ),
-    "lobby": Program(
+    "lobby": RoomProgram(
         (30, 55, 110),
-        (Want(_of(wet.counters, ("counter", "counter"), ("telephone", "laptop", "jar"),
+        (Spec(_of(wet.counters, ("counter", "counter"), ("telephone", "laptop", "jar"),
               "reception"), 1),
-         Want(sitting.sofa_place, 1, 3, each=22.0), Want(sitting.reading_corner, 0, 2),
-         Want(_piece("bench", before=0.4, tops=()), 0, 2), MEDIA, Want(_thing("plant_pot"), 1, 5),
+         Spec(sitting.sofa_place, 1, 3, each=22.0), Spec(sitting.reading_corner, 0, 2),
+         Spec(_piece("bench", before=0.4, tops=()), 0, 2), MEDIA, Spec(_thing("plant_pot"), 1, 5),
          BIN),
         height=(2.8, 4.2), doors=(2, 3), windows=(1, 5), glazed=0.6,
         curtains=0.15,
     ),
-    "office": Program(
+    "office": RoomProgram(
         (9, 16, 32),
-        (Want(_of(working.desk_place), 1, 3, each=8.0), FILES, SHELF,
-         Want(_of(sitting.dining, (2, 4), "chair", False, ("laptop", "bottle"), "meeting"),
-              chance=0.4), CABINET, COPIER, Want(_thing("water_cooler"), chance=0.25), FAN,
+        (Spec(_of(working.desk_place), 1, 3, each=8.0), FILES, SHELF,
+         Spec(_of(sitting.dining, (2, 4), "chair", False, ("laptop", "bottle"), "meeting"),
+              chance=0.4), CABINET, COPIER, Spec(_thing("water_cooler"), chance=0.25), FAN,
          PLANT, BIN),
         hangs=_WORK, lux=(220, 350),
         curtains=0.6,
     ),
-    "stairs": Program(
+    "stairs": RoomProgram(
         (9, 15, 26),
-        (Want(storing.stairs, 1), Want(_piece("cabinet", width=(0.6, 1.0), before=0.45),
-              chance=0.6), Want(_piece("bench", before=0.4, tops=()), chance=0.4),
+        (Spec(storing.stairs, 1), Spec(_piece("cabinet", width=(0.6, 1.0), before=0.45),
+              chance=0.6), Spec(_piece("bench", before=0.4, tops=()), chance=0.4),
          PLANT, FLOOR_LAMP),
         {"rectangle": 6, "L": 1, "slant": 0.5}, (1.2, 2.2), (3.6, 5.2), (1, 2), (0, 2),
         hangs=(("picture", 0, 3), ("wall_lamp", 1, 3)), lux=(90, 180),
     ),
-    "storage": Program(
+    "storage": RoomProgram(
         (5, 11, 26),
-        (RACKS, Want(_of(storing.aisle, "bookshelf", 3), 0, 2, each=14.0), STACKS,
-         Want(_of(storing.row, "file_cabinet", 3), chance=0.4), LADDER, SUITCASE,
-         Want(_piece("cabinet", width=(0.8, 1.2), height=1.9), chance=0.4), BASKET, BIN),
+        (RACKS, Spec(_of(storing.aisle, "bookshelf", 3), 0, 2, each=14.0), STACKS,
+         Spec(_of(storing.row, "file_cabinet", 3), chance=0.4), LADDER, SUITCASE,
+         Spec(_piece("cabinet", width=(0.8, 1.2), height=1.9), chance=0.4), BASKET, BIN),
         _PLAIN, (1.0, 1.9), doors=(1, 1), windows=(0, 1), high_windows=True, hangs=(),
     ),
-    "basement": Program(
+    "basement": RoomProgram(
         (14, 26, 55),
-        (Want(_of(storing.row, "bookshelf", 4), 1, 2), Want(_of(wet.laundry, 2), chance=0.7),
-         Want(_piece("table", width=(1.2, 1.8), height=0.85, tops=("box", "jar", "bottle"), most=4,
+        (Spec(_of(storing.row, "bookshelf", 4), 1, 2), Spec(_of(wet.laundry, 2), chance=0.7),
+         Spec(_piece("table", width=(1.2, 1.8), height=0.85, tops=("box", "jar", "bottle"), most=4,
               title="bench"), chance=0.8),
-         Want(_piece("refrigerator", before=0.6, tops=()), chance=0.4),
-         Want(_of(storing.boxes, 5), 2, 7, each=5.0), CABINET, BASKET,
-         Want(_thing("stool"), 0, 2)),
+         Spec(_piece("refrigerator", before=0.6, tops=()), chance=0.4),
+         Spec(_of(storing.boxes, 5), 2, 7, each=5.0), CABINET, BASKET,
+         Spec(_thing("stool"), 0, 2)),
         _MIXED, height=(2.2, 2.45), windows=(0, 2), high_windows=True, hangs=_BARE, lux=(90, 180),
     ),
-    "garage": Program(
+    "garage": RoomProgram(
         (18, 30, 50),
-        (Want(_piece("table", width=(1.4, 2.2), height=0.88, tops=("box", "jar", "bottle"), most=4,
-              title="workbench"), 1), Want(_of(storing.row, "bookshelf", 4), 1, 2),
-         Want(_of(storing.row, "cabinet", 3), chance=0.6), Want(_of(storing.boxes, 5), 1, 5,
-              each=6.0), Want(_piece("refrigerator", before=0.6, tops=()), chance=0.3),
-         Want(_thing("stool"), 0, 2), LADDER, BIN, BASKET),
+        (Spec(_piece("table", width=(1.4, 2.2), height=0.88, tops=("box", "jar", "bottle"), most=4,
+              title="workbench"), 1), Spec(_of(storing.row, "bookshelf", 4), 1, 2),
+         Spec(_of(storing.row, "cabinet", 3), chance=0.6), Spec(_of(storing.boxes, 5), 1, 5,
+              each=6.0), Spec(_piece("refrigerator", before=0.6, tops=()), chance=0.3),
+         Spec(_thing("stool"), 0, 2), LADDER, BIN, BASKET),
         {"rectangle": 8, "L": 1}, (1.0, 1.7), (2.4, 2.9), (1, 1), (0, 2), high_windows=True,
         gate=0.8, hangs=_BARE, lux=(120, 220),
     ),
-    "misc": Program(
+    "misc": RoomProgram(
         (8, 18, 40),
-        (Want(_piece("table", width=(1.0, 1.6), height=0.74, most=3), chance=0.6), SHELF, CABINET,
-         Want(_of(sitting.dining, (2, 4)), chance=0.5), READING, DESK,
-         Want(_of(storing.boxes, 4), 0, 3), Want(_thing("chair"), 0, 2), PLANT, BASKET, BIN),
+        (Spec(_piece("table", width=(1.0, 1.6), height=0.74, most=3), chance=0.6), SHELF, CABINET,
+         Spec(_of(sitting.dining, (2, 4)), chance=0.5), READING, DESK,
+         Spec(_of(storing.boxes, 4), 0, 3), Spec(_thing("chair"), 0, 2), PLANT, BASKET, BIN),
         doors=(1, 3), windows=(0, 3),
         curtains=0.2,
     ),

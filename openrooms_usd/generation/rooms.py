@@ -10,7 +10,7 @@ from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
 from openrooms_usd.generation.boxes import Pose
-from openrooms_usd.generation.clutter.living import lived_in
+from openrooms_usd.generation.clutter.living import add_clutter
 from openrooms_usd.generation.coatracks import coat_racks
 from openrooms_usd.generation.curtains import curtains
 from openrooms_usd.generation.finishing import Finishing, finished, finishing, shell_style
@@ -22,7 +22,7 @@ from openrooms_usd.generation.moments import closes
 from openrooms_usd.generation.openings import openings
 from openrooms_usd.generation.placement import Arrangement
 from openrooms_usd.generation.polygons import floor_plan
-from openrooms_usd.generation.programs import PROGRAMS, Program, Want
+from openrooms_usd.generation.programs import PROGRAMS, RoomProgram, Spec
 from openrooms_usd.generation.shapes import Shapes
 from openrooms_usd.generation.shell import WALL_THICKNESS, Shell
 from openrooms_usd.generation.walls import ceiling_lamps, hang
@@ -146,7 +146,7 @@ class Generated:
         return INTERIORS[self.style] if self.style else None
 
 
-def program_of(room_type: str) -> Program:
+def program_of(room_type: str) -> RoomProgram:
     """What a kind of room is like.
 
     Raises:
@@ -217,7 +217,7 @@ def generate(
 
 def _lived_in(room: Generated, arrangement: Arrangement, shapes: Shapes, clutter: int) -> Generated:
     """The same room with what lies about in it."""
-    groups = lived_in(
+    groups = add_clutter(
         room.furnishing.groups, arrangement, shapes, room.room_type, room.seed, clutter
     )
     made = Furnishing(groups, room.furnishing.missing)
@@ -306,7 +306,7 @@ def _furnished(
     return Furnishing([group for group in groups if group[1]], missing), room
 
 
-def _count(want: Want, area: float, kit: Kit) -> int:
+def _count(want: Spec, area: float, kit: Kit) -> int:
     """How many groups of a kind a room gets."""
     if want.least == 0 and not kit.chance(want.chance):
         return 0
@@ -317,7 +317,7 @@ def _count(want: Want, area: float, kit: Kit) -> int:
     return int(np.clip(number, want.least, want.most))
 
 
-def _place(room: Arrangement, kit: Kit, want: Want, needed: bool) -> bool:
+def _place(room: Arrangement, kit: Kit, want: Spec, needed: bool) -> bool:
     facing = _pose_of(room, want.faces)
     for modesty in _MODESTY[needed]:
         kit.modesty = modesty

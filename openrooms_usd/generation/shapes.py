@@ -9,7 +9,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from openrooms_usd.draws import generator
-from openrooms_usd.furniture import NOTHING_ORDERED, Order, Size, make
+from openrooms_usd.furniture import NOTHING_ORDERED, FitOptions, Size, make
 from openrooms_usd.generation.boxes import Array
 from openrooms_usd.geometry.mesh import Mesh
 
@@ -25,7 +25,7 @@ _FOOT_HEIGHT_M: Final = 0.0065
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class BuiltForm:
     """An object of the library as it will be built.
 
     Attributes:
@@ -55,7 +55,7 @@ class Shape:
         """(T, 3, 3) likewise, without those of panes that one sees through."""
         panes = {id(mesh) for word in _PANES for mesh in self.named(word)}
         kept = [mesh for mesh in self.meshes if id(mesh) not in panes]
-        return Shape(tuple(kept)).corners if panes else self.corners
+        return BuiltForm(tuple(kept)).corners if panes else self.corners
 
     @cached_property
     def foot(self) -> Foot:
@@ -158,18 +158,20 @@ class Shapes:
     """
 
     seed: int
-    _known: dict[tuple[str, Size, str, Order], Shape] = field(default_factory=dict)
+    _known: dict[tuple[str, Size, str, FitOptions], BuiltForm] = field(default_factory=dict)
 
-    def know(self, category: str, size: Size, style: str, shape: Shape) -> None:
+    def know(self, category: str, size: Size, style: str, shape: BuiltForm) -> None:
         """Take the form of an object of people's own."""
         self._known[category, size, style, NOTHING_ORDERED] = shape
 
-    def of(self, category: str, size: Size, style: str, order: Order = NOTHING_ORDERED) -> Shape:
+    def of(
+        self, category: str, size: Size, style: str, order: FitOptions = NOTHING_ORDERED
+    ) -> BuiltForm:
         """The form of an object."""
         key = (category, size, style, order)
         if key not in self._known:
             # The key of the alignment stage: the same draws give the same details.
             rng = generator(self.seed, "alignment", "details", category, repr(size), style)
             parts = make(category, size, style, rng, order).parts
-            self._known[key] = Shape(tuple(parts.values()), tuple(parts))
+            self._known[key] = BuiltForm(tuple(parts.values()), tuple(parts))
         return self._known[key]

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.looks import Look, Rating, Views, look_of
+from openrooms_usd.geometry.looks import Rating, Views, ViewThumbnails, look_of
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
 
@@ -103,7 +103,7 @@ def photographic_rating(
         diagonal: Of the room in plan, metres.
     """
 
-    def rating(look: Look) -> Array:
+    def rating(look: ViewThumbnails) -> Array:
         return np.asarray(
             _shown(caster, subjects, look)
             * _full(subjects, look)
@@ -116,7 +116,7 @@ def photographic_rating(
     return rating
 
 
-def _shown(caster: RayCaster, subjects: Subjects, look: Look) -> Array:
+def _shown(caster: RayCaster, subjects: Subjects, look: ViewThumbnails) -> Array:
     """(C,) how much of the subjects is whole and unhidden in each picture, by their weights."""
     if not subjects.weights.sum() > 0.0:
         return np.ones(len(look.views))
@@ -152,7 +152,7 @@ def _extent(values: Array) -> Array:
     return np.where(known.any(axis=-1), high - low, 0.0)
 
 
-def _full(subjects: Subjects, look: Look) -> Array:
+def _full(subjects: Subjects, look: ViewThumbnails) -> Array:
     """(C,) much of the picture shows subjects, and its frame cuts through few of them."""
     subject = np.where(look.seen, subjects.of_triangle[look.triangles], NO_SUBJECT)
     # The last weights are those of `BARE` and `NO_SUBJECT`.
@@ -166,7 +166,7 @@ def _full(subjects: Subjects, look: Look) -> Array:
     return np.asarray(full * np.exp(-cut / _CUT_SHARE))
 
 
-def _uncluttered(look: Look) -> Array:
+def _uncluttered(look: ViewThumbnails) -> Array:
     """(C,) little of the picture is taken by what is right before the lens."""
     close = (look.seen & (look.depth < _CLOSE_M)).mean(axis=(1, 2))
     foreground = (look.seen & (look.depth < _FOREGROUND_M)).mean(axis=(1, 2))
@@ -180,7 +180,7 @@ def _uncluttered(look: Look) -> Array:
     )
 
 
-def _not_bare(subjects: Subjects, look: Look) -> Array:
+def _not_bare(subjects: Subjects, look: ViewThumbnails) -> Array:
     """(C,) neither floor, walls and ceiling nor one upright plane fill the picture."""
     bare = (look.seen & (subjects.of_triangle[look.triangles] == BARE)).mean(axis=(1, 2))
     floor = (look.normals[..., 2] > _LEVEL_COSINE).mean(axis=(1, 2))
@@ -197,7 +197,7 @@ def _bearable(share: Array, most: float, step: float = _TOO_MUCH_SHARE) -> Array
     return np.asarray(np.exp(-np.clip((share - most) / step, 0.0, None)))
 
 
-def _largest_plane(look: Look) -> Array:
+def _largest_plane(look: ViewThumbnails) -> Array:
     """(C,) the share of the pixels that see one and the same upright plane."""
     upright = look.seen & (np.abs(look.normals[..., 2]) < 1.0 - _LEVEL_COSINE)
     turn = np.round(np.arctan2(look.normals[..., 1], look.normals[..., 0]) / np.radians(15.0))
@@ -212,11 +212,11 @@ def _largest_plane(look: Look) -> Array:
     return np.asarray(runs.max(axis=1) / ordered.shape[1])
 
 
-def _median_depth(look: Look) -> Array:
+def _median_depth(look: ViewThumbnails) -> Array:
     return np.asarray(np.median(look.depth.reshape(len(look.views), -1), axis=1))
 
 
-def _has_footing(caster: RayCaster, look: Look, floor: float) -> NDArray[np.bool_]:
+def _has_footing(caster: RayCaster, look: ViewThumbnails, floor: float) -> NDArray[np.bool_]:
     """(C,) whether a person could stand below the camera."""
     eyes = look.views.eyes
     below = caster.first_hit(eyes, np.tile([0.0, 0.0, -1.0], (len(eyes), 1)))
@@ -252,7 +252,7 @@ def focus_distance(
     return float(np.median(depth[at])) if at.any() else 0.0
 
 
-def _of_subject(subjects: Subjects | None, look: Look) -> NDArray[np.bool_]:
+def _of_subject(subjects: Subjects | None, look: ViewThumbnails) -> NDArray[np.bool_]:
     """(H, W) where the picture shows the subject that fills most of it, by its weight."""
     if subjects is None or not len(subjects.weights):
         return np.zeros_like(look.seen[0])

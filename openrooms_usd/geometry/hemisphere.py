@@ -22,7 +22,7 @@ _PARALLEL_SINE: Final = 1e-4
 
 
 @dataclass(frozen=True)
-class Cells:
+class HemisphereGrid:
     """A division of directions into cells of equal angles.
 
     Attributes:
@@ -60,7 +60,7 @@ class Cells:
         return spherical(*np.meshgrid(theta, phi, indexing="ij"))
 
 
-HEMISPHERE: Final = Cells(16, 32, 0.5 * math.pi)
+HEMISPHERE: Final = HemisphereGrid(16, 32, 0.5 * math.pi)
 """What a point of a grid receives; polar angles about its shading normal."""
 
 
@@ -69,9 +69,9 @@ PANORAMA: Final = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
 around +Z, the middle column along -Y, a quarter from the left along +X, as in UsdLux."""
 
 
-def panorama_cells(panorama: NDArray[Any]) -> Cells:
+def panorama_cells(panorama: NDArray[Any]) -> HemisphereGrid:
     """The cells of a (height, width, ...) picture of all directions."""
-    return Cells(panorama.shape[0], panorama.shape[1], math.pi)
+    return HemisphereGrid(panorama.shape[0], panorama.shape[1], math.pi)
 
 
 def spherical(theta: ArrayLike, phi: ArrayLike) -> Array:
@@ -106,7 +106,7 @@ def _across(direction: Array, normals: Array) -> Array:
     return np.asarray(direction - (normals @ direction)[:, None] * normals)
 
 
-def cosine_weights(cells: Cells, normal: ArrayLike) -> Array:
+def cosine_weights(cells: HemisphereGrid, normal: ArrayLike) -> Array:
     """(rows, columns) what radiance in the cells is worth for the irradiance about any normal.
 
     The cosine is that of the cells' middles, about the mean where cells are small.
@@ -155,9 +155,11 @@ def irradiance_bound(radiance: NDArray[Any]) -> Array:
     return _weighted(radiance, cells.solid_angles * -0.5 * np.diff(cells.edges))
 
 
-def _hemisphere(radiance: NDArray[Any]) -> Cells:
+def _hemisphere(radiance: NDArray[Any]) -> HemisphereGrid:
     rows, columns = radiance.shape[-3:-1]
-    return HEMISPHERE if (rows, columns) == (16, 32) else Cells(rows, columns, 0.5 * math.pi)
+    return (
+        HEMISPHERE if (rows, columns) == (16, 32) else HemisphereGrid(rows, columns, 0.5 * math.pi)
+    )
 
 
 def _weighted(radiance: NDArray[Any], weights: Array) -> Array:
@@ -179,7 +181,9 @@ def tiled(grid: NDArray[np.float32]) -> NDArray[np.float32]:
     return tiles.reshape(rows * elevations, columns * azimuths, depth)
 
 
-def untiled(picture: NDArray[np.float32], cells: Cells = HEMISPHERE) -> NDArray[np.float32]:
+def untiled(
+    picture: NDArray[np.float32], cells: HemisphereGrid = HEMISPHERE
+) -> NDArray[np.float32]:
     """The hemispheres of `tiled`.
 
     Args:

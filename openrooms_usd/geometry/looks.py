@@ -56,7 +56,7 @@ class Views:
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class ViewThumbnails:
     """Small pictures of what C views see, of H x W pixels.
 
     Attributes:
@@ -81,7 +81,7 @@ class Look:
         return self.triangles >= 0
 
 
-Rating = Callable[[Look], Array]
+Rating = Callable[[ViewThumbnails], Array]
 """(C,) how good views are, from a look at them."""
 
 
@@ -111,7 +111,7 @@ def rated(
     return scores, np.concatenate(parts)
 
 
-def _rate(look: Look, rating: Rating) -> tuple[Array, NDArray[np.int64]]:
+def _rate(look: ViewThumbnails, rating: Rating) -> tuple[Array, NDArray[np.int64]]:
     """Scores, -inf for views that are blocked or empty; and the parts of the room."""
     blocked = (look.seen & (look.depth < NEAR)).mean(axis=(1, 2)) > BLOCKED
     empty = (~look.seen).mean(axis=(1, 2)) > OPEN
@@ -119,7 +119,7 @@ def _rate(look: Look, rating: Rating) -> tuple[Array, NDArray[np.int64]]:
     return np.where(blocked | empty, -np.inf, rating(look)), parts
 
 
-def look_of(caster: Caster, views: Views, fov: float, width: int, height: int) -> Look:
+def look_of(caster: Caster, views: Views, fov: float, width: int, height: int) -> ViewThumbnails:
     """What views see of a scene, through lenses so many degrees wide, in so many pixels."""
     rays = pixel_directions(intrinsics(fov, width, height), width, height).reshape(-1, 3)
     lengths = np.linalg.norm(rays, axis=1)
@@ -136,7 +136,7 @@ def look_of(caster: Caster, views: Views, fov: float, width: int, height: int) -
     away = np.einsum("chwi,chwi->chw", normals, directions.reshape(*shape, 3)) > 0
     normals[away] *= -1.0
     places = (origins + distance[:, None] * directions.reshape(-1, 3)).reshape(*shape, 3)
-    return Look(views, fov, depth, normals, hits.triangle.reshape(shape), places)
+    return ViewThumbnails(views, fov, depth, normals, hits.triangle.reshape(shape), places)
 
 
 @dataclass(frozen=True, eq=False)

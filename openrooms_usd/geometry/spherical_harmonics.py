@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from openrooms_usd.geometry.hemisphere import Cells
+from openrooms_usd.geometry.hemisphere import HemisphereGrid
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ def basis(directions: ArrayLike, order: int) -> Array:
     )
 
 
-def project(radiance: NDArray[Any], cells: Cells, order: int) -> Array:
+def project(radiance: NDArray[Any], cells: HemisphereGrid, order: int) -> Array:
     """The harmonics nearest to means over cells, by least squares over solid angle.
 
     Light of no higher degree is found exactly. A hemisphere has no light below its horizon.
@@ -50,7 +50,7 @@ def project(radiance: NDArray[Any], cells: Cells, order: int) -> Array:
     """
     whole = cells
     if cells.extent < math.pi:
-        whole = Cells(round(cells.rows * math.pi / cells.extent), cells.columns, math.pi)
+        whole = HemisphereGrid(round(cells.rows * math.pi / cells.extent), cells.columns, math.pi)
     integrals = cell_integrals(whole, order)
     sizes = np.repeat(whole.solid_angles, whole.columns)
     gram = integrals.T @ (integrals / sizes[:, None])
@@ -71,7 +71,7 @@ def turned(coefficients: ArrayLike, frame: ArrayLike) -> Array:
     """
     values = np.asarray(coefficients, dtype=np.float64)
     order = math.isqrt(values.shape[-2]) - 1
-    spread = Cells(order + 2, 2 * order + 3, math.pi).directions.reshape(-1, 3)
+    spread = HemisphereGrid(order + 2, 2 * order + 3, math.pi).directions.reshape(-1, 3)
     local = basis(spread @ np.asarray(frame, dtype=np.float64).T, order)
     matrix = np.linalg.lstsq(basis(spread, order), local, rcond=None)[0]
     return np.asarray(np.matmul(matrix, values))
@@ -93,7 +93,7 @@ def irradiance(coefficients: ArrayLike) -> Array:
 
 
 @cache
-def cell_integrals(cells: Cells, order: int) -> Array:
+def cell_integrals(cells: HemisphereGrid, order: int) -> Array:
     """(cells, (order + 1)^2) the functions' integrals over cells.
 
     They are exact by azimuth, and by Gauss's rule across rows.

@@ -15,7 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.floorplan import inside, room_centre
-from openrooms_usd.geometry.looks import Look, Rating, Sights, Views, rated, sights_of, visible
+from openrooms_usd.geometry.looks import (
+    Rating,
+    Sights,
+    Views,
+    ViewThumbnails,
+    rated,
+    sights_of,
+    visible,
+)
 from openrooms_usd.geometry.raycast import Caster
 
 Array = NDArray[np.float64]
@@ -163,7 +171,7 @@ def rate_views(
     return rated(caster, views, fov_degrees, resolution, paper_scores)[0]
 
 
-def paper_scores(look: Look) -> Array:
+def paper_scores(look: ViewThumbnails) -> Array:
     """(C,) the score of each view as the paper has it."""
     return score(look.normals, look.depth)
 

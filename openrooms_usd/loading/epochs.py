@@ -25,7 +25,7 @@ class Epoch:
         self._number.fill_(number)
 
 
-class Order:
+class EpochOrder:
     """The order of views by number in an epoch, or a replica's share of it.
 
     It is that of ``DistributedSampler``: each replica has as many views, some twice where they

@@ -11,8 +11,8 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files, LocalFiles
 from openrooms_usd.loading.rendered import full_name, needed_files, sample_of
 from openrooms_usd.loading.sample import Sample
-from openrooms_usd.loading.source import Selection, refuse_nothing
-from openrooms_usd.names import in_order
+from openrooms_usd.loading.source import ViewSelection, refuse_nothing
+from openrooms_usd.names import natural_sort_key
 from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.rendering.manifest_schema import Manifest, read_manifest
 from openrooms_usd.rendering.reading import RenderedView
@@ -79,14 +79,16 @@ class RenderForm:
 
     options: Mapping[str, str] = {}
 
-    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> RenderSource:
+    def open(
+        self, files: Files, selection: ViewSelection, options: Mapping[str, str]
+    ) -> RenderSource:
         """Its views; it has no variants, rooms and splits to choose by.
 
         Raises:
             InputError: It is not a finished render, or has no such view.
         """
         _manifest.cache_clear()
-        views = sorted(_manifest(files, "").views, key=in_order)
+        views = sorted(_manifest(files, "").views, key=natural_sort_key)
         rows = [Row("", name, {}, {}) for name in views if selection.admits("", "", "", name)]
         refuse_nothing(len(rows), files, selection)
         return RenderSource(files, rows)
@@ -97,7 +99,9 @@ class DatasetForm:
 
     options: Mapping[str, str] = {}
 
-    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> RenderSource:
+    def open(
+        self, files: Files, selection: ViewSelection, options: Mapping[str, str]
+    ) -> RenderSource:
         """Its views that are wanted, in the order of the index.
 
         Raises:

@@ -10,7 +10,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.loading import shards
 from openrooms_usd.loading.files import MOST_CACHED, Files, files_of
 from openrooms_usd.loading.folder import INDEX
-from openrooms_usd.loading.source import Form, Selection, Shards, Source
+from openrooms_usd.loading.source import Form, Shards, Source, ViewSelection
 from openrooms_usd.rendering.contract import NO_OPTIONS
 from openrooms_usd.rendering.folder import MANIFEST
 from openrooms_usd.urls import MissingFileError
@@ -55,7 +55,7 @@ def open_source(
     """
     files = files_of(root, None if cache is None else Path(cache), most_cached)
     splits = (split,) if isinstance(split, str) else tuple(split)
-    selection = Selection(splits, tuple(variants), tuple(rooms), tuple(views))
+    selection = ViewSelection(splits, tuple(variants), tuple(rooms), tuple(views))
     named = form or _form_of(files)
     opener: Form = adapters.load(adapters.SOURCES, named)
     adapters.check_options(adapters.SOURCES, named, opener.options, options)

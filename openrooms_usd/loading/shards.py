@@ -20,7 +20,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.loading.files import Files
 from openrooms_usd.loading.rendered import needed_files, sample_of
 from openrooms_usd.loading.sample import Sample
-from openrooms_usd.loading.source import Selection, refuse_nothing
+from openrooms_usd.loading.source import ViewSelection, refuse_nothing
 from openrooms_usd.rendering.manifest_schema import Manifest
 from openrooms_usd.rendering.reading import RenderedView
 
@@ -40,7 +40,7 @@ class TarShards:
 
     files: Files
     counts: Mapping[str, int]
-    selection: Selection
+    selection: ViewSelection
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -124,7 +124,7 @@ class ShardsForm:
 
     options: Mapping[str, str] = {}
 
-    def open(self, files: Files, selection: Selection, options: Mapping[str, str]) -> TarShards:
+    def open(self, files: Files, selection: ViewSelection, options: Mapping[str, str]) -> TarShards:
         """The shards of the splits that are wanted.
 
         Raises:

@@ -61,7 +61,7 @@ class Shards(Protocol):
 
 
 @dataclass(frozen=True)
-class Selection:
+class ViewSelection:
     """Which views of a dataset are wanted; what is empty admits all.
 
     Attributes:
@@ -92,7 +92,7 @@ class Form(Protocol):
     options: Mapping[str, str]
 
     def open(
-        self, files: Files, selection: Selection, options: Mapping[str, str]
+        self, files: Files, selection: ViewSelection, options: Mapping[str, str]
     ) -> Source | Shards:
         """The views that are there.
 
@@ -107,7 +107,7 @@ class Form(Protocol):
         ...
 
 
-def refuse_nothing(count: int, files: Files, selection: Selection) -> None:
+def refuse_nothing(count: int, files: Files, selection: ViewSelection) -> None:
     """See that there are views.
 
     Raises:
@@ -115,7 +115,9 @@ def refuse_nothing(count: int, files: Files, selection: Selection) -> None:
     """
     if not count:
         raise InputError(
-            f"there is no view of {selection}" if selection != Selection() else "there is no view",
+            f"there is no view of {selection}"
+            if selection != ViewSelection()
+            else "there is no view",
             place=files,
             remedy="check the path, and the names of splits, variants, rooms and views",
         )

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from openrooms_usd.loading.epochs import Epoch, Order
+from openrooms_usd.loading.epochs import Epoch, EpochOrder
 from openrooms_usd.loading.source import Shards, Source
 from openrooms_usd.loading.streaming import ViewStream
 from openrooms_usd.loading.tensors import Tensors, collate, tensors_of, torch
@@ -109,7 +109,7 @@ def loader(
         dataset = ViewStream(source, channels, transform, seed, shuffle=held, **shares)
     else:
         dataset = ViewDataset(source, channels, transform, seed)
-        order = Order(len(dataset), dataset.epoch, seed, shuffle=shuffle, **shares)
+        order = EpochOrder(len(dataset), dataset.epoch, seed, shuffle=shuffle, **shares)
     working = {"multiprocessing_context": start, "persistent_workers": True} if workers else {}
     return torch.utils.data.DataLoader(
         dataset,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.physics.components import Component
-from openrooms_usd.physics.surfaces import Surface, balls, halved, squared_distances
+from openrooms_usd.physics.surfaces import TriangleSurface, balls, halved, squared_distances
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -37,15 +37,15 @@ class Solid:
         self._closed = [c.corners for c in self.components if c.closed]
         self._low = np.array([c.min(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
         self._high = np.array([c.max(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
-        self._surfaces: dict[str | None, tuple[Surface, Rows]] = {}
+        self._surfaces: dict[str | None, tuple[TriangleSurface, Rows]] = {}
         self._casters: dict[int, RayCaster] = {}
         self._planes = [c.planes for c in self.components if c.closed]
 
-    def surface(self, contact: str | None = None) -> Surface:
+    def surface(self, contact: str | None = None) -> TriangleSurface:
         """All its triangles, or those of one contact material."""
         return self._owned(contact)[0]
 
-    def _owned(self, contact: str | None) -> tuple[Surface, Rows]:
+    def _owned(self, contact: str | None) -> tuple[TriangleSurface, Rows]:
         """A surface, and the closed component that each of its triangles is of; -1 for none."""
         if contact is not None and all(c.contact == contact for c in self.components):
             contact = None
@@ -54,7 +54,7 @@ class Solid:
             mine = [k for k, c in enumerate(self.components) if contact in (None, c.contact)]
             owners = [number[k] if self.components[k].closed else -1 for k in mine]
             sizes = [len(self.components[k].corners) for k in mine]
-            surface = Surface(np.concatenate([self.components[k].corners for k in mine]))
+            surface = TriangleSurface(np.concatenate([self.components[k].corners for k in mine]))
             self._surfaces[contact] = surface, np.repeat(owners, sizes)
         return self._surfaces[contact]
 

@@ -41,7 +41,7 @@ class Nearest:
     least: Array
 
 
-class Surface:
+class TriangleSurface:
     """Triangles that distances are measured to, exactly.
 
     Each triangle is cut into small pieces; the pieces' centres, in a k-d tree, say which triangles

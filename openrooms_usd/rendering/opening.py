@@ -8,7 +8,7 @@ from pxr import Usd
 
 from openrooms_usd import adapters
 from openrooms_usd.description.rendering import RenderSettings
-from openrooms_usd.exporters import conclude
+from openrooms_usd.exporters import add_composition_errors
 from openrooms_usd.rendering.channel_plan import ChannelPlan
 from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.contract import Renderer
@@ -17,7 +17,7 @@ from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import set_field_of_view
 from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.files.layers import open_stage
-from openrooms_usd.usd.moments import hold
+from openrooms_usd.usd.moments import freeze_time
 from openrooms_usd.usd.rendersettings import asked_cameras
 from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 
@@ -89,7 +89,7 @@ def open_for_rendering(
     began = time.perf_counter()
     with reading(path):
         read_mtlx_layers(opened)
-        lost = hold(opened, settings.time_code)
+        lost = freeze_time(opened, settings.time_code)
         if settings.field_of_view is not None:
             set_field_of_view(opened, settings.field_of_view)
         scene = translate(
@@ -97,7 +97,7 @@ def open_for_rendering(
         )
         context = RenderContext(path, opened, scene, adapter, plan)
         context.report.lose(lost)
-        conclude(context.report, opened)
+        add_composition_errors(context.report, opened)
     context.translation = time.perf_counter() - began
     asked = cameras or asked_cameras(opened)
     context.views = choose_cameras(asked, context.cameras, spares=spares)

@@ -256,7 +256,7 @@ def read_render(folder: Path, channels: tuple[str, ...] = ()) -> RenderedScene:
     manifest = read_manifest(folder)
     views = {
         name: RenderedView(name, folder / name, manifest.views[name])
-        for name in sorted(manifest.views, key=names.in_order)
+        for name in sorted(manifest.views, key=names.natural_sort_key)
     }
     found = RenderedScene(folder, manifest, views)
     found.check(channels)

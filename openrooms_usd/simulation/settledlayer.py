@@ -102,7 +102,7 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
 
 def _is_composed(path: Path, root: Sdf.Layer) -> bool:
     """Whether this is the root layer of a room of ours: sublayers in their folder, and no prim."""
-    known = (path.parent / names.LAYERS / f"{names.STAGES[0]}.usda").is_file()
+    known = (path.parent / names.LAYERS / f"{names.STEPS[0]}.usda").is_file()
     return path.name == names.SCENE and known and not root.rootPrims
 
 

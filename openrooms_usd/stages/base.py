@@ -35,7 +35,7 @@ _COUNTED: Final = re.compile(r"openrooms_usd(\.[a-z_]\w*)+(\.\*)?")
 
 
 @dataclass(frozen=True)
-class StageContext:
+class StepContext:
     """What a stage is given.
 
     Attributes:
@@ -52,7 +52,7 @@ class StageContext:
 
     room: Room
     source: Path
-    stage: "Usd.Stage"
+    stage: "Usd.Step"
     folder: Path
     workers: int = 1
     progress: Progress = silent
@@ -158,11 +158,11 @@ def input_file(source: Path, relative: str, *, folders: bool = False) -> Path:
     return path
 
 
-class Stage(Protocol):
+class Step(Protocol):
     """One step of the pipeline: writes one layer and the files that only this layer refers to."""
 
     name: str
-    """One of `openrooms_usd.names.STAGES`."""
+    """One of `openrooms_usd.names.STEPS`."""
 
     reads: tuple[str, ...]
     """The weaker stages whose prims this one looks at."""
@@ -176,7 +176,7 @@ class Stage(Protocol):
         """
         ...
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         """Write the layer through ``context.stage``.
 
         Raises:
@@ -185,7 +185,7 @@ class Stage(Protocol):
         ...
 
 
-def fingerprint(stage: Stage, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
+def fingerprint(stage: Step, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
     """A hash of everything that a stage's layer depends on, before it has run.
 
     That is: the code that it runs, the stage's section, the room type, the seed, the style, its
@@ -247,7 +247,7 @@ def record_of(layer: "Sdf.Layer", stage: str) -> dict[str, Any]:
     return data if isinstance(data, dict) else {}
 
 
-def code_of(stage: Stage) -> tuple[str, ...]:
+def code_of(stage: Step) -> tuple[str, ...]:
     """The modules that a stage's layer hangs on, beside those that it asks for by name."""
     return type(stage).__module__, _RUNNER
 

@@ -9,7 +9,7 @@ from openrooms_usd.capture import Capture, option_paths, read_capture
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.scanned import CapturedSection
 from openrooms_usd.library.models.meshfile import dependencies
-from openrooms_usd.stages.base import StageContext, input_file
+from openrooms_usd.stages.base import StepContext, input_file
 from openrooms_usd.untrusted import check_path
 
 
@@ -19,7 +19,7 @@ def captured_section(room: Room) -> CapturedSection | None:
     return next((section for section in sections if isinstance(section, CapturedSection)), None)
 
 
-def capture_of(context: StageContext, section: CapturedSection) -> Capture:
+def capture_of(context: StepContext, section: CapturedSection) -> Capture:
     """Read the capture of a section.
 
     Raises:
@@ -29,7 +29,7 @@ def capture_of(context: StageContext, section: CapturedSection) -> Capture:
     return read_capture(section.reader, path, section.asked, context.source)
 
 
-def capture_path(context: StageContext, section: CapturedSection) -> Path:
+def capture_path(context: StepContext, section: CapturedSection) -> Path:
     """The file or folder that a section's capture is read from.
 
     Raises:

@@ -87,7 +87,7 @@ class Draft:
         """
         self._draft(layer, self._place(name))
         # The folder of any other layer holds what people put into it.
-        if name in names.STAGES:
+        if name in names.STEPS:
             self.keep(name, kept)
 
     def check_unchanged(self, name: str) -> None:
@@ -124,7 +124,7 @@ class Draft:
         """Remove everything that is new."""
         for beside in self._new.values():
             removal.remove_file(beside)
-        for name in names.STAGES:
+        for name in names.STEPS:
             self.ledger.remove(self.ledger.created_below(self.folder(name)))
         # Workers that fail at the same time leave folders to each other.
         for folder in sorted(_folders(self.layers) - self._folders, reverse=True):
@@ -157,7 +157,7 @@ class Draft:
 
 def _folders(layers: Path) -> frozenset[Path]:
     """The folders of stages and those in them."""
-    tops = [layers / name for name in names.STAGES if not (layers / name).is_symlink()]
+    tops = [layers / name for name in names.STEPS if not (layers / name).is_symlink()]
     return frozenset(Path(inner) for top in tops for inner, _, _ in os.walk(top))
 
 

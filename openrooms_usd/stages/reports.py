@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from openrooms_usd import atomic, names
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundObject, FoundRoom, as_text
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 
 REPORT: Final = "report.json"
 OVERLAY: Final = "overlay.png"
 
 
-def keep_report(context: StageContext, report: Mapping[str, Any]) -> None:
+def keep_report(context: StepContext, report: Mapping[str, Any]) -> None:
     """Keep what a stage reports.
 
     Raises:
@@ -29,7 +29,7 @@ def keep_report(context: StageContext, report: Mapping[str, Any]) -> None:
 
 
 def keep_overlay(
-    context: StageContext,
+    context: StepContext,
     cloud: Cloud,
     rooms: Sequence[FoundRoom],
     objects: Sequence[FoundObject] = (),
@@ -55,7 +55,7 @@ def keep_overlay(
         _keep(context, path.read_bytes(), OVERLAY)
 
 
-def _keep(context: StageContext, data: bytes, name: str) -> None:
+def _keep(context: StepContext, data: bytes, name: str) -> None:
     stem, _, suffix = name.partition(".")
     digest = hashlib.sha256(data).hexdigest()[:16]
     atomic.write_bytes(context.keep(f"{stem}-{digest}.{suffix}"), data)
@@ -77,8 +77,8 @@ def gather(out: Path) -> tuple[Path, ...]:
         OutputError: It cannot be written.
     """
     layers = out / names.LAYERS
-    parts = {name: file for name in names.STAGES for file in layers.glob(f"{name}/report-*.json")}
-    pictures = [file for name in names.STAGES for file in layers.glob(f"{name}/overlay-*.png")]
+    parts = {name: file for name in names.STEPS for file in layers.glob(f"{name}/report-*.json")}
+    pictures = [file for name in names.STEPS for file in layers.glob(f"{name}/overlay-*.png")]
     written = []
     if parts:
         whole = {name: json.loads(file.read_text("utf-8")) for name, file in parts.items()}

@@ -12,7 +12,7 @@ from openrooms_usd.codedigest import counting
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import StageError, writing
 from openrooms_usd.progress import Progress, silent
-from openrooms_usd.stages.base import Stage, StageContext, completed, record_of
+from openrooms_usd.stages.base import Step, StepContext, completed, record_of
 from openrooms_usd.stages.draft import Draft
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.files import layers as usd_layers
@@ -21,12 +21,12 @@ from openrooms_usd.usd.files.preflight import check_stage_file
 from openrooms_usd.version import __version__
 
 
-def stages() -> list[Stage]:
+def stages() -> list[Step]:
     """One of each stage, from the weakest to the strongest layer."""
-    modules = [import_module(f"openrooms_usd.stages.{name}.stage") for name in names.STAGES]
+    modules = [import_module(f"openrooms_usd.stages.{name}.stage") for name in names.STEPS]
     return [
         getattr(module, f"{name.capitalize()}Stage")()
-        for name, module in zip(names.STAGES, modules, strict=True)
+        for name, module in zip(names.STEPS, modules, strict=True)
     ]
 
 
@@ -45,7 +45,7 @@ def create_edits(draft: Draft) -> None:
         draft.export(layer, names.EDITS)
 
 
-def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
+def is_current(stage: Step, wanted: str, draft: Draft) -> bool:
     """Whether a stage's layer is as it would be written now, and all its files are there.
 
     If so, the draft keeps these files.
@@ -73,7 +73,7 @@ def is_current(stage: Stage, wanted: str, draft: Draft) -> bool:
 
 
 def run(
-    stage: Stage,
+    stage: Step,
     room: Room,
     source: Path,
     draft: Draft,
@@ -104,10 +104,10 @@ def run(
     try:
         with draft.scratch(stage.name) as layer, _edits(stage.name, draft) as edits:
             usd_layers.apply_metadata(layer)
-            position = names.STAGES.index(stage.name)
-            weaker = [draft.layer(name) for name in reversed(names.STAGES[:position])]
+            position = names.STEPS.index(stage.name)
+            weaker = [draft.layer(name) for name in reversed(names.STEPS[:position])]
             with usd_layers.stacked(layer, [edits], weaker) as composed:
-                context = StageContext(room, source, composed, folder, workers, progress)
+                context = StepContext(room, source, composed, folder, workers, progress)
                 with counting() as counted:
                     stage.author(context)
                 whole = completed(fingerprint, counted)

@@ -31,7 +31,7 @@ _DRIVERS: Final = {
 }
 
 
-def hold(stage: Usd.Stage, time_code: float | None = None) -> dict[str, str]:
+def freeze_time(stage: Usd.Stage, time_code: float | None = None) -> dict[str, str]:
     """Hold what moves at one time, and put skinned meshes into their pose at that time.
 
     Between samples values are USD's own: linear or held as the stage says, by velocities where

@@ -275,7 +275,7 @@ def _sentence(complaint: Complaint) -> str:
     return f"{complaint[0].rpartition('/')[2]} {complaint[1]}"
 
 
-def told(subject: Subject) -> Iterator[str]:
+def findings_of(subject: Subject) -> Iterator[str]:
     """One sentence about each rule that the room breaks, of the first few complaints."""
     for rule in ROOM_RULES:
         # To look for all may take long.

@@ -15,7 +15,7 @@ from openrooms_usd.usd.files.diagnostics import UNREADABLE, plain, reason
 from openrooms_usd.usd.files.layers import prim_specs
 from openrooms_usd.usd.light.inputs import old_names
 from openrooms_usd.usd.light.lights import read_lights
-from openrooms_usd.usd.places.metrics import find_misfits
+from openrooms_usd.usd.places.metrics import find_unit_mismatches
 from openrooms_usd.validation.model import (
     Complaint,
     Finding,
@@ -227,7 +227,7 @@ def plausible(subject: Subject) -> Iterator[Complaint]:
 
 def referenced_units(subject: Subject) -> Iterator[Complaint]:
     """What is referred to has the stage's units and up axis, or operations that correct it."""
-    for misfit in find_misfits(subject.stage):
+    for misfit in find_unit_mismatches(subject.stage):
         yield misfit.path, misfit.said
 
 

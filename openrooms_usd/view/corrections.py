@@ -15,7 +15,7 @@ from openrooms_usd.description import load_room
 from openrooms_usd.description.alignment import ScanAlignment
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.editing import History
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
@@ -158,7 +158,7 @@ class Hints(Fields):
     """Changes of a room that is found in a scan; what it lists besides are fields as elsewhere."""
 
     def place(
-        self, name: str, spot: Spot, *, size: tuple[float, float, float] | None, snap: bool
+        self, name: str, spot: PlanPoint, *, size: tuple[float, float, float] | None, snap: bool
     ) -> Standing:
         """Say where an instance is, roughly."""
         stage, instance = self._found(name)

@@ -12,7 +12,7 @@ from pxr import Sdf, Usd
 from openrooms_usd import names
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.assigning import Assigned
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import Scope, furniture, object_of, parts_meant
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.styles.assignment.kinds import kind_of
@@ -61,7 +61,7 @@ class Fields:
         return self.described.scene
 
     def place(
-        self, name: str, spot: Spot, *, size: tuple[float, float, float] | None, snap: bool
+        self, name: str, spot: PlanPoint, *, size: tuple[float, float, float] | None, snap: bool
     ) -> Standing:
         """Move, turn or resize an object."""
         stage = open_stage(self.scene)
@@ -150,7 +150,7 @@ class Fields:
         return standing(furniture(stage, name))
 
 
-def _placed(stage: Usd.Stage, row: Mapping[str, Any], spot: Spot) -> dict[str, Any]:
+def _placed(stage: Usd.Stage, row: Mapping[str, Any], spot: PlanPoint) -> dict[str, Any]:
     """``at`` and ``yaw`` of an object; relative to another one where it is so described."""
     place, yaw = np.array([spot.x, spot.y]), spot.yaw
     if other := row.get("relative_to"):

@@ -12,7 +12,7 @@ from openrooms_usd.description.model import Model
 from openrooms_usd.description.units import Angle, Length
 from openrooms_usd.edits.arranging import Standing, settled, standing
 from openrooms_usd.edits.remaking import choices
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.stages.alignment.surroundings import surroundings
@@ -80,7 +80,7 @@ def objects_app(held: Corrections) -> App:
 
     def changed(change: Callable[[], Standing]) -> dict[str, Any]:
         """Tell of an object that was changed, and what is wrong with where it stands now."""
-        done = held.done(lambda: _told(change()))
+        done = held.done(lambda: _object_record(change()))
         with quiet():
             return {**done, "warnings": about(open_stage(scene), done["object"]["path"])}
 
@@ -128,17 +128,17 @@ def _state(held: Corrections) -> dict[str, Any]:
     return {
         **room_state(scene),
         **held.told(),
-        "objects": [_told(standing(prim))["object"] for prim in all_furniture(stage)],
+        "objects": [_object_record(standing(prim))["object"] for prim in all_furniture(stage)],
         "categories": {name: list(CATEGORIES[name].styles) for name in sorted(CATEGORIES)},
         "floor": surroundings(stage).floor,
     }
 
 
-def _spot(given: _Spot) -> Spot:
-    return Spot(given.x, given.y, given.yaw)
+def _spot(given: _Spot) -> PlanPoint:
+    return PlanPoint(given.x, given.y, given.yaw)
 
 
-def _told(thing: Standing) -> dict[str, Any]:
+def _object_record(thing: Standing) -> dict[str, Any]:
     """An object, with the styles in which the library would make it."""
     styles = choices(thing.category, thing.size)
     path = f"{names.FURNITURE}/{thing.name}"

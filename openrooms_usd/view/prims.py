@@ -39,7 +39,7 @@ def prims_of(stage: Usd.Stage) -> list[dict[str, Any]]:
         if any(prim.IsA(kind) for kind in _NOWHERE) or _is_guide(prim):
             walk.PruneChildren()
         else:
-            found.append(_told(prim, home))
+            found.append(_prim_record(prim, home))
     return found
 
 
@@ -63,7 +63,7 @@ def _is_guide(prim: Usd.Prim) -> bool:
     return bool(purpose) and purpose.Get() in (UsdGeom.Tokens.guide, UsdGeom.Tokens.proxy)
 
 
-def _told(prim: Usd.Prim, home: Path) -> dict[str, Any]:
+def _prim_record(prim: Usd.Prim, home: Path) -> dict[str, Any]:
     material = bound_material(prim) if prim.IsA(UsdGeom.Gprim) else None
     known = physics.read(material.GetPrim()) if material else None
     said = {

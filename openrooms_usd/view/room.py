@@ -32,7 +32,7 @@ _OF_A_BAKE: Final = (
 )
 
 
-class Look(Model):
+class LookRequest(Model):
     """A request to show a look."""
 
     path: str
@@ -41,7 +41,7 @@ class Look(Model):
     """The variant."""
 
 
-class OfPrim(Model):
+class PrimRequest(Model):
     """A request for a prim."""
 
     path: str
@@ -73,7 +73,7 @@ def room_app(
     from openrooms_usd.view.light import light_of
     from openrooms_usd.view.moments import Moment, moments_of
     from openrooms_usd.view.prims import opinions_of
-    from openrooms_usd.view.shots import Spot, hemisphere
+    from openrooms_usd.view.shots import ViewPoint, hemisphere
     from openrooms_usd.view.tracing import PICTURE, Trace, Tracing
 
     stage = open_stage(path)
@@ -91,10 +91,10 @@ def room_app(
     tracing = Tracing(path)
     looks: dict[str, str] = {}
 
-    def opinions(asked: OfPrim) -> dict[str, Any]:
+    def opinions(asked: PrimRequest) -> dict[str, Any]:
         return {"opinions": opinions_of(open_stage(path), asked.path)}
 
-    def look(asked: Look) -> dict[str, Any]:
+    def look(asked: LookRequest) -> dict[str, Any]:
         check_look(path, asked)
         looks[asked.path] = asked.look
         return {}
@@ -111,9 +111,13 @@ def room_app(
         },
         live={PICTURE: tracing.picture},
         commands={
-            "look": Command(Look, look),
-            "opinions": Command(OfPrim, opinions),
-            **({"hemisphere": Command(Spot, partial(hemisphere, finished))} if finished else {}),
+            "look": Command(LookRequest, look),
+            "opinions": Command(PrimRequest, opinions),
+            **(
+                {"hemisphere": Command(ViewPoint, partial(hemisphere, finished))}
+                if finished
+                else {}
+            ),
             "trace": Command(Trace, tracing.start),
             "traced": Command(Nothing, tracing.told),
             "trace_stop": Command(Nothing, tracing.stop),
@@ -182,7 +186,7 @@ def room_state(path: Path) -> dict[str, Any]:
         }
 
 
-def check_look(path: Path, asked: Look) -> None:
+def check_look(path: Path, asked: LookRequest) -> None:
     """Refuse a look that an object does not have.
 
     Raises:

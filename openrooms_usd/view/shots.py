@@ -29,7 +29,7 @@ _HEMISPHERES: Final = "environment"
 _ENLARGED: Final = 8
 
 
-class Spot(Model):
+class ViewPoint(Model):
     """A place in a view of a render."""
 
     camera: str
@@ -101,7 +101,7 @@ def has_hemispheres(render: RenderedScene) -> list[str]:
     return [str(view.entry.camera) for view in found]
 
 
-def hemisphere(render: RenderedScene, spot: Spot) -> dict[str, Any]:
+def hemisphere(render: RenderedScene, spot: ViewPoint) -> dict[str, Any]:
     """The light that arrives at a place, as a picture of the hemisphere above it.
 
     Raises:

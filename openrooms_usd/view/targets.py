@@ -7,7 +7,7 @@ from typing import Any, Protocol, TypeAlias
 
 from openrooms_usd import names
 from openrooms_usd.edits import arranging, assigning, remaking
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import Scope
 
 # What something is made of, as a room.yaml says it.
@@ -28,7 +28,7 @@ class Target(Protocol):
         ...
 
     def place(
-        self, name: str, spot: Spot, *, size: tuple[float, float, float] | None, snap: bool
+        self, name: str, spot: PlanPoint, *, size: tuple[float, float, float] | None, snap: bool
     ) -> arranging.Standing:
         """Move, turn or resize an object."""
         ...
@@ -78,7 +78,7 @@ class Edits:
         return self.scene.parent / names.LAYERS / f"{names.EDITS}.usda"
 
     def place(
-        self, name: str, spot: Spot, *, size: tuple[float, float, float] | None, snap: bool
+        self, name: str, spot: PlanPoint, *, size: tuple[float, float, float] | None, snap: bool
     ) -> arranging.Standing:
         """See `arranging.place`."""
         return arranging.place(self.scene, name, spot, size=size, snap=snap)

@@ -14,13 +14,13 @@ from openrooms_usd.rendering.scene.digest import light_digest
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.files.diagnostics import quiet
-from openrooms_usd.usd.moments import hold
+from openrooms_usd.usd.moments import freeze_time
 
 
 def scene_of(stage: Usd.Stage) -> Scene:
     """A stage as every renderer receives it."""
     with quiet():
-        hold(stage)
+        freeze_time(stage)
         return translate(stage)
 
 

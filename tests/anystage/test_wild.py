@@ -23,13 +23,13 @@ def translated(path: Path) -> str:
     from openrooms_usd.usd.cameras import framing_camera, list_cameras, read_camera
     from openrooms_usd.usd.files.diagnostics import quiet, reading
     from openrooms_usd.usd.files.layers import open_stage
-    from openrooms_usd.usd.moments import hold
+    from openrooms_usd.usd.moments import freeze_time
 
     try:
         with quiet():
             stage = open_stage(path)
             with reading(path):
-                hold(stage)
+                freeze_time(stage)
                 scene = translate(stage)
             cameras = list_cameras(stage)
             for camera in cameras:

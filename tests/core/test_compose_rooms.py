@@ -7,7 +7,7 @@ import pytest
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room, parse_room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.names import STAGES
+from openrooms_usd.names import STEPS
 
 ROOM = """\
 room: office
@@ -43,7 +43,7 @@ def test_a_room_finds_its_files_however_it_is_given(
     monkeypatch.chdir(described)
     compose_room(parse_room(ROOM), tmp_path / "d")
     first = layers(tmp_path / "a")
-    assert f"{STAGES[1]}.usda" in first
+    assert f"{STEPS[1]}.usda" in first
     assert all(layers(tmp_path / name) == first for name in "bcd")
 
 
@@ -61,6 +61,6 @@ def test_progress_goes_from_nothing_to_the_whole(described: Path, tmp_path: Path
     compose_room(
         described / "room.yaml", tmp_path, progress=lambda what, part: seen.append((what, part))
     )
-    assert list(dict.fromkeys(what for what, _ in seen)) == list(STAGES)
+    assert list(dict.fromkeys(what for what, _ in seen)) == list(STEPS)
     assert [part for _, part in seen] == sorted(part for _, part in seen)
     assert seen[0][1] == 0.0 and seen[-1][1] == 1.0

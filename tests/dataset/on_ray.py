@@ -9,7 +9,7 @@ from typing import Any
 from executor_tasks import work
 
 from openrooms_usd.dataset.cluster import RayExecutor
-from openrooms_usd.dataset.executor import Crew, Lost, Wanted
+from openrooms_usd.dataset.executor import Crew, Lost, WorkerDemand
 
 
 def told(crew: Crew, names: list[str]) -> list[tuple[str, Any]]:
@@ -46,7 +46,7 @@ def listening() -> list[str]:
 
 
 if __name__ == "__main__":
-    with RayExecutor().hired(Wanted(2, options={"cpus": "1"})) as crew:
+    with RayExecutor().hired(WorkerDemand(2, options={"cpus": "1"})) as crew:
         found = {
             "told": told(crew, ["a", "dies", "raises", "b", "c"]),
             "taken": taken(crew, 20),

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from openrooms_usd.dataset.cluster import RayExecutor
-from openrooms_usd.dataset.executor import Wanted
+from openrooms_usd.dataset.executor import WorkerDemand
 from openrooms_usd.dataset.status import status_of
 from openrooms_usd.errors import InputError, MissingPackageError
 from tests.dataset.conftest import PATIENCE_S, Checksums, Made, Start, wait_for
@@ -26,13 +26,16 @@ HERE = Path(__file__).parent
     [({"cpus": "many"}, "not an amount"), ({"address": "ray://head:10001"}, "Ray's client")],
 )
 def test_options_that_make_no_sense_are_refused(options: dict[str, str], said: str) -> None:
-    with pytest.raises(InputError, match=said), RayExecutor().hired(Wanted(options=options)):
+    with pytest.raises(InputError, match=said), RayExecutor().hired(WorkerDemand(options=options)):
         pass
 
 
 def test_without_the_package_it_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ray", None)
-    with pytest.raises(MissingPackageError, match="'ray'") as raised, RayExecutor().hired(Wanted()):
+    with (
+        pytest.raises(MissingPackageError, match="'ray'") as raised,
+        RayExecutor().hired(WorkerDemand()),
+    ):
         pass
     assert "openrooms-usd[ray]" in str(raised.value)
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from openrooms_usd.dataset.executor import Lost, Wanted
+from openrooms_usd.dataset.executor import Lost, WorkerDemand
 from openrooms_usd.dataset.local import LocalExecutor
 
 
@@ -27,7 +27,7 @@ def work() -> Any:
 
 def told(names: list[str], workers: int) -> list[tuple[str, Any]]:
     tasks = [{"name": name} for name in names]
-    with LocalExecutor().hired(Wanted(workers)) as crew:
+    with LocalExecutor().hired(WorkerDemand(workers)) as crew:
         return [(task["name"], what) for task, what in crew.run(tasks, work())]
 
 
@@ -55,7 +55,10 @@ def test_tasks_are_taken_when_a_worker_is_free() -> None:
             taken.append(name)
             yield {"name": name}
 
-    with LocalExecutor().hired(Wanted(2)) as crew, closing(crew.run(tasks(), work())) as running:
+    with (
+        LocalExecutor().hired(WorkerDemand(2)) as crew,
+        closing(crew.run(tasks(), work())) as running,
+    ):
         next(running)
         assert len(taken) <= 3
 

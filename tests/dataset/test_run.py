@@ -11,7 +11,7 @@ import pytest
 
 from openrooms_usd import adapters, atomic
 from openrooms_usd.dataset import run
-from openrooms_usd.dataset.executor import Lost, Task, Wanted
+from openrooms_usd.dataset.executor import Lost, Task, WorkerDemand
 from openrooms_usd.dataset.plan import Job, PlannedRoom, job_of
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.status import CHANGED, EXTRA, MISSING, Damage, status_of, verify
@@ -34,7 +34,7 @@ class Pretending:
         self.begun: Counter[str] = Counter()
 
     @contextmanager
-    def hired(self, wanted: Wanted) -> Iterator["Pretending"]:
+    def hired(self, wanted: WorkerDemand) -> Iterator["Pretending"]:
         yield self
 
     def run(self, tasks: Iterable[Task], work: Any) -> Iterator[tuple[Task, Any]]:

@@ -14,7 +14,7 @@ from openrooms_usd.description.alignment import FileObject, LibraryCategory, Lib
 from openrooms_usd.description.cameras import LookAtCamera, PoseCamera, SelectedCameras
 from openrooms_usd.description.layout import Opening, PolygonLayout
 from openrooms_usd.description.lights import ConstantEnvironment, FileEnvironment
-from openrooms_usd.description.materials import Look
+from openrooms_usd.description.materials import MaterialChoice
 from openrooms_usd.errors import DescriptionError
 
 
@@ -66,12 +66,12 @@ def test_only_selected_cameras_need_a_from(text: str, kind: type) -> None:
 
 def test_a_family_alone_is_a_look() -> None:
     materials = parse_room("materials: {floor: fabric, overrides: {}}").materials
-    assert materials.floor == Look(family="fabric")
+    assert materials.floor == MaterialChoice(family="fabric")
     assert materials.walls is None
     given = "{floor: oak_planks, walls: {substance: paint, number: 3}, ceiling: {color: [1, 1, 1]}}"
     materials = parse_room(f"materials: {given}").materials
-    assert materials.floor == Look(family="oak_planks")
-    assert materials.walls == Look(substance="paint", number=3)
+    assert materials.floor == MaterialChoice(family="oak_planks")
+    assert materials.walls == MaterialChoice(substance="paint", number=3)
     assert materials.ceiling is not None and materials.ceiling.is_constant
 
 

@@ -15,15 +15,15 @@ from openrooms_usd.edits.arranging import beside, duplicate, place, relabel, rem
 from openrooms_usd.edits.editing import History
 from openrooms_usd.edits.orphans import orphans_of
 from openrooms_usd.edits.remaking import remake
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import DescriptionError, InputError, OrusdError
 from openrooms_usd.usd.semantics import read_label
 from tests.edits.test_assigning import others
 
 CHANGES: dict[str, Callable[[Path], object]] = {
-    "move": lambda scene: place(scene, "chair_1", Spot(3.0, 2.2, 45.0)),
-    "resize": lambda scene: place(scene, "desk", Spot(1.5, 1.5, 0.0), size=(1.8, 0.7, 0.9)),
+    "move": lambda scene: place(scene, "chair_1", PlanPoint(3.0, 2.2, 45.0)),
+    "resize": lambda scene: place(scene, "desk", PlanPoint(1.5, 1.5, 0.0), size=(1.8, 0.7, 0.9)),
     "duplicate": lambda scene: duplicate(scene, "chair_1"),
     "remove": lambda scene: remove(scene, "table_lamp_0"),
     "relabel": lambda scene: relabel(scene, "chair_1", "stool"),
@@ -93,7 +93,7 @@ def test_a_change_survives_compositions_and_writes_no_other_layer(
 
 def test_it_stands_where_it_was_put_and_what_is_on_it_follows(scene: Path) -> None:
     lamp = box(scene, "table_lamp_0")
-    place(scene, "desk", Spot(2.5, 1.9, 0.0))
+    place(scene, "desk", PlanPoint(2.5, 1.9, 0.0))
     assert box(scene, "desk").mean(axis=0)[:2] == pytest.approx((2.5, 1.9), abs=1e-5)
     compose_room(scene.parents[1] / "room.yaml", scene.parent)
     assert box(scene, "table_lamp_0") - lamp == pytest.approx(
@@ -103,24 +103,24 @@ def test_it_stands_where_it_was_put_and_what_is_on_it_follows(scene: Path) -> No
 
 def test_it_turns_about_itself_and_gets_its_size(scene: Path) -> None:
     before = np.ptp(box(scene, "desk"), axis=0)
-    place(scene, "desk", Spot(2.0, 1.5, 90.0), snap=False)
+    place(scene, "desk", PlanPoint(2.0, 1.5, 90.0), snap=False)
     assert np.ptp(box(scene, "desk"), axis=0) == pytest.approx(before[[1, 0, 2]], abs=1e-4)
-    place(scene, "desk", Spot(2.0, 1.5, 90.0), size=(2.0, 0.6, 0.5), snap=False)
+    place(scene, "desk", PlanPoint(2.0, 1.5, 90.0), size=(2.0, 0.6, 0.5), snap=False)
     assert np.ptp(box(scene, "desk"), axis=0) == pytest.approx((0.6, 2.0, 0.5), abs=1e-4)
     assert box(scene, "desk")[0, 2] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_it_comes_flush_to_walls_that_are_near(scene: Path) -> None:
     # The room is 4 m by 3 m, its inner corner in the origin.
-    place(scene, "chair_1", Spot(0.33, 0.4, 4.0))
+    place(scene, "chair_1", PlanPoint(0.33, 0.4, 4.0))
     low = box(scene, "chair_1")[0]
     assert low[:2] == pytest.approx((0.0, 0.0), abs=1e-5)
-    place(scene, "chair_1", Spot(4.1, 1.5, 85.0))
+    place(scene, "chair_1", PlanPoint(4.1, 1.5, 85.0))
     low, high = box(scene, "chair_1")
     assert high[0] == pytest.approx(4.0, abs=1e-5) and (low[1] + high[1]) / 2 == pytest.approx(
         1.5, abs=1e-5
     )
-    done = place(scene, "chair_1", Spot(2.0, 1.0, 30.0))
+    done = place(scene, "chair_1", PlanPoint(2.0, 1.0, 30.0))
     assert (done.x, done.y, done.yaw) == pytest.approx((2.0, 1.0, 30.0), abs=1e-5)
 
 
@@ -153,7 +153,7 @@ def test_another_category_has_its_labels_and_its_model(scene: Path) -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        lambda scene: place(scene, "chair_9", Spot(1, 1, 0)),
+        lambda scene: place(scene, "chair_9", PlanPoint(1, 1, 0)),
         lambda scene: duplicate(scene, "../x"),
         lambda scene: relabel(scene, "chair_1", "chiar"),
         lambda scene: remake(scene, "chair_1", "rococo"),

@@ -12,7 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom
 from openrooms_usd.edits.fitting import fit, misfits_of
 from openrooms_usd.errors import InputError
 from openrooms_usd.rules import validate_stage
-from openrooms_usd.usd.places.metrics import SCALE, TURN, find_misfits
+from openrooms_usd.usd.places.metrics import SCALE, TURN, find_unit_mismatches
 from openrooms_usd.usd.shapes.meshes import read_meshes
 from tests.commands import run
 
@@ -201,7 +201,7 @@ def test_a_room_without_such_files_is_not_touched(place) -> None:
     before = place.tree()
     assert fit(place.out).fitted == ()
     assert place.tree() == before
-    assert find_misfits(Usd.Stage.Open(str(place.scene))) == []
+    assert find_unit_mismatches(Usd.Stage.Open(str(place.scene))) == []
 
 
 def test_what_is_no_room_is_refused_and_left_as_it_is(tmp_path: Path) -> None:

@@ -12,9 +12,9 @@ from pxr import Usd
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.description.alignment import LibraryObject, ObjectList, named_objects
-from openrooms_usd.furniture import Order, category
+from openrooms_usd.furniture import FitOptions, category
 from openrooms_usd.generation.rooms import Generated, named
-from openrooms_usd.generation.shapes import Shape, Shapes
+from openrooms_usd.generation.shapes import BuiltForm, Shapes
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.stages.alignment.placement import Placement, Supports
 from openrooms_usd.stages.alignment.poses import matrix_of
@@ -35,7 +35,7 @@ def assembled(text: str, shapes: Shapes, folder: Path) -> Scene:
     scene = read(composed)
     room = parse_room(text)
     assert isinstance(room.alignment, ObjectList)
-    known: dict[Shape, Form] = {}
+    known: dict[BuiltForm, Form] = {}
     placements = _placements(room, shapes)
     stands = Supports(placements, surroundings(Usd.Stage.Open(str(composed))), []).stands()
     for (name, stand), shape in zip(stands.items(), _shapes(room, shapes), strict=True):
@@ -49,7 +49,7 @@ def assembled(text: str, shapes: Shapes, folder: Path) -> Scene:
 
 def arranged(room: Generated, shapes: Shapes) -> tuple[Scene, dict[str, str]]:
     """The objects alone of a room from nothing, as they were arranged, and what carries them."""
-    known: dict[Shape, Form] = {}
+    known: dict[BuiltForm, Form] = {}
     scene = Scene([], [], [], [], [], room.shell.corners, room.shell.height)
     supports = {}
     for _, name, item, on in named(room.furnishing.groups):
@@ -62,12 +62,12 @@ def arranged(room: Generated, shapes: Shapes) -> tuple[Scene, dict[str, str]]:
     return scene, supports
 
 
-def _shapes(room: Room, shapes: Shapes) -> list[Shape]:
+def _shapes(room: Room, shapes: Shapes) -> list[BuiltForm]:
     return [_shape(item, shapes) for _, item in named_objects(room.alignment.objects)]
 
 
-def _shape(item: LibraryObject, shapes: Shapes) -> Shape:
-    order = Order(item.fronts, item.cutouts)
+def _shape(item: LibraryObject, shapes: Shapes) -> BuiltForm:
+    order = FitOptions(item.fronts, item.cutouts)
     return shapes.of(item.category, item.size, item.style, order)
 
 
@@ -94,7 +94,7 @@ def _placements(room: Room, shapes: Shapes) -> dict[str, Placement]:
     return placements
 
 
-def _form(shape: Shape) -> Form:
+def _form(shape: BuiltForm) -> Form:
     counts = np.cumsum([0, *(len(mesh.points) for mesh in shape.meshes)])
     triangles = [
         fans(mesh.counts, mesh.indices) + first

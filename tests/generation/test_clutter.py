@@ -11,7 +11,7 @@ from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.furniture.placements import DRAPED_WALL_M
 from openrooms_usd.generation import generate, write
 from openrooms_usd.generation.clutter.draping import Edge, edges, hang_over
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.hooks import pegs
 from openrooms_usd.generation.clutter.laying import posed_object
 from openrooms_usd.generation.clutter.levels import along_edges, crossings, levels_of
@@ -20,7 +20,7 @@ from openrooms_usd.generation.clutter.resting import rest_on
 from openrooms_usd.generation.clutter.settling import settle, vessels
 from openrooms_usd.generation.items import Item
 from openrooms_usd.generation.rooms import Generated
-from openrooms_usd.generation.shapes import Shape, Shapes
+from openrooms_usd.generation.shapes import BuiltForm, Shapes
 from openrooms_usd.generation.shell import Gap, Shell
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_x
@@ -29,7 +29,7 @@ from openrooms_usd.geometry.solids import box
 SIZE = (0.4, 0.18, 1.05)
 
 
-def shelf(front: bool = False) -> Shape:
+def shelf(front: bool = False) -> BuiltForm:
     """A case of 80 x 30 x 60 cm with a board in its middle, walls of 2 cm, perhaps a front."""
     walls = [
         box((0.8, 0.3, 0.02), (0.0, 0.0, 0.01)),
@@ -40,7 +40,7 @@ def shelf(front: bool = False) -> Shape:
         box((0.76, 0.02, 0.56), (0.0, 0.14, 0.3)),
     ]
     doors = [box((0.76, 0.02, 0.56), (0.0, -0.16, 0.3))] if front else []
-    return Shape((joined([*walls, *doors]),))
+    return BuiltForm((joined([*walls, *doors]),))
 
 
 def test_boards_and_tops_are_found() -> None:
@@ -61,7 +61,7 @@ def test_boards_behind_a_front_are_closed() -> None:
 def test_what_is_thinner_than_a_cell_takes_its_place() -> None:
     plate = box((0.4, 0.4, 0.02), (0.0, 0.0, 0.01))
     rim = box((0.4, 0.001, 0.05), (0.0, 0.1037, 0.04))
-    (level,) = levels_of(Shape((plate, rim)))
+    (level,) = levels_of(BuiltForm((plate, rim)))
     assert level.within(np.array([0.0]), np.array([0.1037]))[0] <= 0.05
     assert np.isinf(level.within(np.array([0.0]), np.array([0.0]))[0])
     assert level.within(np.array([0.5]), np.array([0.0]))[0] == 0.0
@@ -123,7 +123,7 @@ def test_things_stand_on_sills_within_their_reveals() -> None:
     ("name", "style"), [("coat", "coat"), ("towel", "hung"), ("coat", "jacket")]
 )
 def test_loops_lie_on_the_crooks_of_hooks(name: str, style: str) -> None:
-    surfaces = Surfaces(Shapes(1))
+    surfaces = LevelFinder(Shapes(1))
     rack = Item("rack", "coat_rack", (0.7, 0.075, 0.11), "plank", z=1.6, on="wall")
     (peg, *others) = pegs([("by the door", [rack])], surfaces)
     assert len(others) == 3 and peg.at[1] < 0.0  # before the board
@@ -140,7 +140,7 @@ def test_loops_lie_on_the_crooks_of_hooks(name: str, style: str) -> None:
 
 
 def test_fruit_settles_in_its_bowl() -> None:
-    surfaces = Surfaces(Shapes(1))
+    surfaces = LevelFinder(Shapes(1))
     bowl = Item("bowl", "bowl", (0.28, 0.28, 0.1), "round", z=0.7)
     (vessel,) = vessels([(0, bowl)], surfaces)
     apple = posed_object(surfaces, "fruit", ((0.078, 0.078, 0.08), "apple"))
@@ -165,7 +165,7 @@ def test_boards_behind_panes_are_seen() -> None:
 @pytest.mark.parametrize("width", [0.49, 0.6])
 def test_towels_hang_between_the_posts_of_their_rails(width: float) -> None:
     rail = Item("rail", "towel_rail", (width, 0.075, 0.05), "bar", z=1.1, on="wall")
-    (edge,) = edges([("bath", [rail])], Surfaces(Shapes(1)))
+    (edge,) = edges([("bath", [rail])], LevelFinder(Shapes(1)))
     for seed in range(20):
         fit = hang_over(edge, 0.45, 0.45, np.random.default_rng(seed))
         assert fit is not None
@@ -176,7 +176,7 @@ def test_towels_hang_between_the_posts_of_their_rails(width: float) -> None:
 def test_cloths_hang_between_posts_that_are_higher_than_the_back() -> None:
     posts = [box((0.04, 0.03, 0.5), (side * 0.2, 0.2, 0.57)) for side in (-1, 1)]
     chair = Item("chair", "chair", (0.44, 0.45, 0.82), "slats")
-    corners = Shape((box((0.36, 0.02, 0.35), (0.0, 0.2, 0.625)), *posts)).corners
+    corners = BuiltForm((box((0.36, 0.02, 0.35), (0.0, 0.2, 0.625)), *posts)).corners
     edge = Edge("chair_back", chair, 0, along_edges(corners))
     for seed in range(20):
         fit = hang_over(edge, 0.38, 0.4, np.random.default_rng(seed))
@@ -211,5 +211,5 @@ SPIKE = Mesh(
 def test_things_rest_where_they_meet_first(
     below: Mesh, upper: Mesh, lifted: float, near: float
 ) -> None:
-    found = rest_on(Shape((below,)).corners, Shape((upper,)).corners)
+    found = rest_on(BuiltForm((below,)).corners, BuiltForm((upper,)).corners)
     assert found == pytest.approx(lifted, abs=near)

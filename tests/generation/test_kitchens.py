@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 from openrooms_usd.errors import InputError
-from openrooms_usd.furniture import CATEGORIES, Order, make
+from openrooms_usd.furniture import CATEGORIES, FitOptions, make
 from openrooms_usd.furniture.categories.worktop import plate
 from openrooms_usd.furniture.registry import records
 from openrooms_usd.generation import generate
@@ -112,9 +112,15 @@ def test_a_slab_with_holes_is_closed_and_has_the_area_that_is_left() -> None:
 
 def test_orders_are_refused_where_there_is_nothing_to_choose() -> None:
     with pytest.raises(InputError, match="a chair of the style slat has no fronts to choose"):
-        make("chair", (0.45, 0.5, 0.9), "slat", RNG(0), Order(fronts="slab"))
+        make("chair", (0.45, 0.5, 0.9), "slat", RNG(0), FitOptions(fronts="slab"))
     with pytest.raises(InputError, match="no cutouts to choose"):
-        make("kitchen_unit", (0.6, 0.6, 0.87), "doors", RNG(0), Order(cutouts=((0, 0, 0.1, 0.1),)))
+        make(
+            "kitchen_unit",
+            (0.6, 0.6, 0.87),
+            "doors",
+            RNG(0),
+            FitOptions(cutouts=((0, 0, 0.1, 0.1),)),
+        )
 
 
 def test_a_suite_has_one_finish_on_the_fronts_of_all_its_categories() -> None:
@@ -135,6 +141,6 @@ def test_what_is_ordered_is_built(fronts: str) -> None:
         for style, made in CATEGORIES[name].styles.items():
             if "fronts" in made.takes:
                 size = made.size or CATEGORIES[name].size
-                parts = make(name, size, style, RNG(3), Order(fronts=fronts)).parts
+                parts = make(name, size, style, RNG(3), FitOptions(fronts=fronts)).parts
                 handles = [part for part in parts if part.startswith("handle")]
                 assert bool(handles) == (fronts != "handleless"), (name, style)

@@ -9,12 +9,12 @@ from openrooms_usd.draws import generator
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.furniture.placements import on
 from openrooms_usd.furniture.registry import BUILT
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.laying import Taken, posed_object
 from openrooms_usd.generation.clutter.levels import Level
 from openrooms_usd.generation.clutter.making import ProductVariants
 from openrooms_usd.generation.clutter.scatter import Scatter
-from openrooms_usd.generation.clutter.spots import Spot
+from openrooms_usd.generation.clutter.spots import SupportSurface
 from openrooms_usd.generation.groups import sleeping, wet, working
 from openrooms_usd.generation.items import Item
 from openrooms_usd.generation.kit import Kit
@@ -68,10 +68,12 @@ def test_a_second_washing_machine_is_a_dryer() -> None:
 def row_of(name: str, count: int, seed: int, variants: int = 2) -> list[Item]:
     """A row on a board of 1.2 by 0.3 m."""
     rng = generator(seed, "a row")
-    surfaces = Surfaces(Shapes(seed))
+    surfaces = LevelFinder(Shapes(seed))
     scatter = Scatter(rng, surfaces, ProductVariants(rng), Taken(), "storage", 2.5, Counter())
     board = Level(0.0, np.array([-0.6, -0.15]), np.full((30, 120), 0.4), True)
-    spot = Spot("shelf", Item("board", "bookshelf", (1.2, 0.3, 0.02), "", z=1.0), 0, board)
+    spot = SupportSurface(
+        "shelf", Item("board", "bookshelf", (1.2, 0.3, 0.02), "", z=1.0), 0, board
+    )
     placement = on("shelf", pose="row", count=(count, count), max_variants=variants)
     make = scatter.variants.draw(name, placement)
     assert make is not None
@@ -94,7 +96,7 @@ def test_things_in_a_row_are_not_copies_in_line() -> None:
 
 def test_a_room_has_no_more_of_a_thing_than_its_record_says() -> None:
     rng = generator(0, "few")
-    scatter = Scatter(rng, Surfaces(Shapes(0)), ProductVariants(rng), Taken(), "kitchen", 2.5,
+    scatter = Scatter(rng, LevelFinder(Shapes(0)), ProductVariants(rng), Taken(), "kitchen", 2.5,
                       Counter())  # fmt: skip
     for kettles in (1, 0):
         scatter.counts["kettle"] = kettles

@@ -6,7 +6,7 @@ import pytest
 from openrooms_usd.geometry.hemisphere import (
     HEMISPHERE,
     PANORAMA,
-    Cells,
+    HemisphereGrid,
     cosine_weights,
     irradiance,
     irradiance_bound,
@@ -21,7 +21,9 @@ RIGHT, UP, FORWARD = np.eye(3)[0], np.array([0.0, 0, 1]), np.array([0.0, 1, 0])
 
 def test_cells_cover_the_hemisphere_and_the_sphere() -> None:
     assert HEMISPHERE.solid_angles.sum() * 32 == pytest.approx(2 * np.pi, rel=1e-14)
-    assert Cells(64, 128, np.pi).solid_angles.sum() * 128 == pytest.approx(4 * np.pi, rel=1e-14)
+    assert HemisphereGrid(64, 128, np.pi).solid_angles.sum() * 128 == pytest.approx(
+        4 * np.pi, rel=1e-14
+    )
     # The released tables' sin theta pi^2 / (16 32) is the same but for the size of a cell.
     theta = (np.arange(16) + 0.5) / 16 * np.pi / 2
     np.testing.assert_allclose(HEMISPHERE.solid_angles, np.sin(theta) * np.pi**2 / 512, rtol=2e-3)
@@ -86,11 +88,11 @@ def test_tiles_are_the_released_layout() -> None:
 
 
 def test_panoramas_are_laid_out_as_skies_are() -> None:
-    ours = Cells(32, 64, np.pi).directions @ PANORAMA
+    ours = HemisphereGrid(32, 64, np.pi).directions @ PANORAMA
     np.testing.assert_allclose(ours, environments.directions(32), atol=1e-12)
 
 
 def test_cosine_weights_of_a_panorama() -> None:
-    cells = Cells(128, 256, np.pi)
+    cells = HemisphereGrid(128, 256, np.pi)
     for normal in ([0, 0, 1.0], [0.6, 0, 0.8], [0, -1.0, 0]):
         assert cosine_weights(cells, normal).sum() == pytest.approx(np.pi, rel=1e-3)

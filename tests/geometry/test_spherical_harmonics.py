@@ -5,9 +5,9 @@ import pytest
 from scipy.special import sph_harm_y
 
 from openrooms_usd.geometry import spherical_harmonics as sh
-from openrooms_usd.geometry.hemisphere import HEMISPHERE, PANORAMA, Cells, irradiance
+from openrooms_usd.geometry.hemisphere import HEMISPHERE, PANORAMA, HemisphereGrid, irradiance
 
-SPHERE = Cells(48, 96, np.pi)
+SPHERE = HemisphereGrid(48, 96, np.pi)
 
 
 def unit(count: int, seed: int = 0) -> np.ndarray:
@@ -45,7 +45,7 @@ def test_higher_ones_are_scipys_without_the_phase() -> None:
 
 
 def test_cell_integrals_are_those_of_a_fine_quadrature() -> None:
-    fine = Cells(16 * 40, 32 * 40, np.pi / 2)
+    fine = HemisphereGrid(16 * 40, 32 * 40, np.pi / 2)
     values = sh.basis(fine.directions[:, :80], 4) * fine.solid_angles[:, None, None]
     blocks = values.reshape(16, 40, 2, 40, 25).sum(axis=(1, 3))
     exact = sh.cell_integrals(HEMISPHERE, 4).reshape(16, 32, 25)[:, :2]
@@ -72,7 +72,7 @@ def test_turning_axes_keeps_the_light() -> None:
 
 def test_irradiance_is_the_cosine_integral() -> None:
     coefficients = np.random.default_rng(4).normal(size=(25, 1))
-    fine = Cells(200, 400, np.pi)
+    fine = HemisphereGrid(200, 400, np.pi)
     light = (sh.basis(fine.directions, 4) @ coefficients)[..., 0] * fine.solid_angles[:, None]
     for normal in unit(6, seed=9):
         wanted = (np.maximum(0, fine.directions @ normal) * light).sum()

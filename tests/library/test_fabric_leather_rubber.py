@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.library.textures import fabric, leather, rubber
-from openrooms_usd.library.textures.base.family import Family, Order
+from openrooms_usd.library.textures.base.family import Family, TextureParams
 from openrooms_usd.library.textures.base.lattice import cells, whole
 from openrooms_usd.library.textures.base.maps import ALBEDO_RANGE, Maps, normals
 from openrooms_usd.library.textures.base.noise import apart
@@ -26,8 +26,8 @@ from openrooms_usd.library.textures.rubber.sheets import MOULDS
 FAMILIES: dict[str, Family] = {**fabric.FAMILIES, **leather.FAMILIES, **rubber.FAMILIES}
 
 
-def order(seed: int, resolution: int, size: float, **options: object) -> Order:
-    return Order(np.random.Generator(np.random.PCG64(seed)), resolution, size, **options)  # type: ignore[arg-type]
+def order(seed: int, resolution: int, size: float, **options: object) -> TextureParams:
+    return TextureParams(np.random.Generator(np.random.PCG64(seed)), resolution, size, **options)  # type: ignore[arg-type]
 
 
 def made(name: str, seed: int = 0, resolution: int = 96, **options: object) -> Maps:

@@ -13,7 +13,7 @@ from openrooms_usd.library.surroundings.environments import directions, horizont
 from openrooms_usd.library.surroundings.outside import SCENES, Site, outside_panorama
 from openrooms_usd.library.surroundings.outside.canvas import Canvas
 from openrooms_usd.library.surroundings.outside.daylight import Daylight, daylight_of
-from openrooms_usd.library.surroundings.outside.facades import Plain, Surfaces
+from openrooms_usd.library.surroundings.outside.facades import FacadeMaterials, Plain
 from openrooms_usd.library.surroundings.outside.faces import Face, World
 from openrooms_usd.library.surroundings.outside.foliage import PLANTS, lobe
 from openrooms_usd.library.surroundings.outside.houses import House
@@ -85,7 +85,7 @@ def test_clouds_are_brighter_than_the_sky_and_leave_the_sun_alone() -> None:
 @pytest.mark.parametrize("elevation", [15.0, 40.0, 70.0])
 def test_a_wall_sends_back_its_albedo_times_irradiance_over_pi(elevation: float) -> None:
     """A wall 20 m before the eye, lit by a sun before it; nothing stands between."""
-    moment, flat = day(elevation), Surfaces(generator(1, "test"))
+    moment, flat = day(elevation), FacadeMaterials(generator(1, "test"))
     flat.rough[:] = 0.0
     canvas, albedo = Canvas(HEIGHT, -1.0, 1.0), (0.5, 0.4, 0.3)
     # The sun stands in the south, along -Y; the wall looks there from the north.
@@ -224,7 +224,7 @@ def test_nothing_stands_in_a_large_room_or_at_its_walls(name: str) -> None:
 def test_it_has_few_triangles(name: str) -> None:
     for seed in range(6):
         near, _ = parted(scene_of(name, seed), EYE, np.array(ROOM) - [2.2, 1.8], ALL_ROUND)
-        surfaces = Surfaces(generator(seed, "outside", "surfaces"))
+        surfaces = FacadeMaterials(generator(seed, "outside", "surfaces"))
         made = solid(near, surfaces, generator(seed))
         kinds = {placed.kind for placed in made.placed}
         grown = [PLANTS[kind](generator(seed, kind)) for kind in kinds]
@@ -255,7 +255,7 @@ def test_scenes_are_the_same_without_pictures_of_plants() -> None:
 
 def test_the_picture_of_a_face_is_its_reflectance() -> None:
     """Whatever way it looks: it is lit by the scene, not by its picture."""
-    flat = Surfaces(generator(1, "test"))
+    flat = FacadeMaterials(generator(1, "test"))
     flat.rough[:] = 0.0
     for normal in ((0.0, -1.0), (1.0, 0.0)):
         first = np.array([-normal[1], normal[0], 0.0])

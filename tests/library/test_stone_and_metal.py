@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from openrooms_usd.library.textures import metal, rough_stone, specular_stone
 from openrooms_usd.library.textures.base.cells import hexagons, scales, scattered_cells
 from openrooms_usd.library.textures.base.courses import bond, random_courses
-from openrooms_usd.library.textures.base.family import Family, Order
+from openrooms_usd.library.textures.base.family import Family, TextureParams
 from openrooms_usd.library.textures.base.maps import Maps, encoded
 from openrooms_usd.library.textures.base.recipe import covered, displaced, fractal, whole
 from openrooms_usd.library.textures.base.strewn import chips, lines, pits
@@ -23,8 +23,8 @@ FAMILIES: dict[str, Family] = {**rough_stone.FAMILIES, **specular_stone.FAMILIES
 
 def order(
     size: float = 1.0, resolution: int = 256, seed: int = 0, **asked: tuple[float, ...] | float
-) -> Order:
-    return Order(np.random.default_rng(seed), resolution, size, **asked)  # type: ignore[arg-type]
+) -> TextureParams:
+    return TextureParams(np.random.default_rng(seed), resolution, size, **asked)  # type: ignore[arg-type]
 
 
 @cache

@@ -11,7 +11,7 @@ import pytest
 
 from openrooms_usd.furniture import CATEGORIES, part_of
 from openrooms_usd.furniture.joinery.books import BINDINGS, Shelf, bound
-from openrooms_usd.furniture.joinery.fronts import HANDLES, Look, leaf
+from openrooms_usd.furniture.joinery.fronts import HANDLES, FrontDesign, leaf
 from openrooms_usd.library.textures import cache
 from openrooms_usd.library.textures.cache import Material, cached
 from openrooms_usd.usercache import VARIABLE, cache_folder
@@ -211,7 +211,7 @@ def test_framed_fronts_have_the_depth_of_their_panel() -> None:
 
 @pytest.mark.parametrize("handle", sorted(HANDLES))
 def test_handles_stand_out_by_28_mm(handle: str) -> None:
-    extent = HANDLES[Look(handle).handle](0.16).extent
+    extent = HANDLES[FrontDesign(handle).handle](0.16).extent
     assert extent[0, 1] == pytest.approx(-0.028, abs=1e-3)
     assert extent[1, 1] == pytest.approx(0.0, abs=1e-6)
 

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from openrooms_usd.library.textures import FAMILIES, Order, TextureSet, make
+from openrooms_usd.library.textures import FAMILIES, TextureParams, TextureSet, make
 from openrooms_usd.library.textures.wood.boards import blocks, chevron, herringbone, planks, staves
 
 NAMES = [name for families in FAMILIES.values() for name in families]
@@ -94,8 +94,8 @@ def test_the_smallest_resolution(name: str) -> None:
     assert material.albedo.dtype == np.uint8 and material.roughness.shape == (16, 16)
 
 
-def ordered(size: float, resolution: int = 512) -> Order:
-    return Order(np.random.Generator(np.random.PCG64(5)), resolution, size)
+def ordered(size: float, resolution: int = 512) -> TextureParams:
+    return TextureParams(np.random.Generator(np.random.PCG64(5)), resolution, size)
 
 
 @pytest.mark.parametrize("size", [1.0, 2.0, 3.3])

@@ -25,9 +25,11 @@ def flat(nearness: float = 0.5) -> Array:
 
 
 def smooth(plane: Array, guides: Array, light: str = "irradiance") -> Array:
-    from orusd_mitsuba.complete.smoothing import Slowness, smoothed
+    from orusd_mitsuba.complete.smoothing import IrradianceGradient, smoothed
 
-    how = {"irradiance": Slowness.of_irradiance, "lobes": Slowness.of_lobes}[light](guides)
+    how = {"irradiance": IrradianceGradient.of_irradiance, "lobes": IrradianceGradient.of_lobes}[
+        light
+    ](guides)
     return smoothed([np.asarray(plane, np.float32)], guides, how)[0]
 
 

@@ -17,7 +17,7 @@ from openrooms_usd.physics.hulls import (
     volume,
 )
 from openrooms_usd.physics.solid import Solid
-from openrooms_usd.physics.surfaces import Surface
+from openrooms_usd.physics.surfaces import TriangleSurface
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
 
@@ -129,7 +129,7 @@ def box(*sides: float, at: tuple[float, float, float] = (0, 0, 0)) -> trimesh.Tr
 def test_distances_are_those_of_trimesh() -> None:
     mesh = trimesh.creation.torus(0.03, 0.01, major_sections=24, minor_sections=12)
     points = np.random.default_rng(0).uniform(-0.6, 0.6, (400, 3))
-    found = Surface(mesh.triangles).nearest(points)
+    found = TriangleSurface(mesh.triangles).nearest(points)
     triangles = np.repeat(np.arange(len(mesh.faces))[None], len(points), axis=0)
     feet = trimesh.triangles.closest_point(
         mesh.triangles[triangles.ravel()], np.repeat(points, len(mesh.faces), axis=0)

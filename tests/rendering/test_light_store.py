@@ -14,7 +14,7 @@ from pxr import UsdLux
 
 from openrooms_usd import atomic, claims, ledger
 from openrooms_usd.rendering.light_store import FOLDER, content_key, load, places, save
-from openrooms_usd.rendering.scene.arrays import Piece, Scene
+from openrooms_usd.rendering.scene.arrays import PixelLabels, Scene
 from openrooms_usd.rendering.scene.translate import translate
 from tests.small import Stage
 
@@ -114,7 +114,7 @@ def test_labels_and_places_do_not_count(scene: Scene, tmp_path: Path) -> None:
     named = replace(
         scene, pieces=tuple(replace(p, semantic=9) for p in scene.pieces), folder=tmp_path
     )
-    assert all(isinstance(piece, Piece) for piece in named.pieces)
+    assert all(isinstance(piece, PixelLabels) for piece in named.pieces)
     assert content_key(named, MAKERS, 7) == content_key(scene, MAKERS, 7)
 
 

@@ -17,7 +17,7 @@ from openrooms_usd.scan.registration.fitting import FINE, AnnealingLevel, refine
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.hypotheses import box_of, from_box, true_size
 from openrooms_usd.scan.registration.priors import PoseHypothesis
-from openrooms_usd.scan.registration.surroundings import Surroundings, walls_of
+from openrooms_usd.scan.registration.surroundings import ObjectSurroundings, walls_of
 from openrooms_usd.scan.registration.template import (
     Template,
     directions,
@@ -237,7 +237,7 @@ def test_contacts_and_their_derivatives_agree() -> None:
     """Standing above the floor, with one corner in a wall; which side is there only chooses."""
     template, _ = case()
     template.__dict__["flat"] = np.ones(4)
-    around = Surroundings(None, 0.0, walls_of([room()]).near(np.array([2.4, 0.0]), 0.5))
+    around = ObjectSurroundings(None, 0.0, walls_of([room()]).near(np.array([2.4, 0.0]), 0.5))
     place = np.array([2.35, 0.0, 0.03, 0.4, 0.1, 0.0, -0.1])
     rows = around.rows(template, place, np.zeros(4, dtype=np.bool_))
 
@@ -260,7 +260,7 @@ def test_a_fit_returns_from_every_side(axis: int) -> None:
     stages = (AnnealingLevel(0.1, 500, 8, 1.0), *FINE)
     begins = np.array([truth + off, truth - off])
     evidence = Evidence(points, 0.02)
-    fits = refined(template, evidence, Surroundings(), [prior] * 2, begins, stages)
+    fits = refined(template, evidence, ObjectSurroundings(), [prior] * 2, begins, stages)
     assert [fit.parameters for fit in fits] == pytest.approx(np.array([truth] * 2), abs=0.012)
 
 
@@ -270,7 +270,7 @@ def test_poses_that_are_fitted_together_are_fitted_as_alone() -> None:
     cloud = scan([placed], SENSOR_ORIGINS)
     template = template_of(cad("cabinet", CABINET), np.eye(3), np.ones(3))
     panoramas = look_around(cloud.points, SENSOR_ORIGINS)
-    around = Surroundings(panoramas, 0.0, walls_of([room()]))
+    around = ObjectSurroundings(panoramas, 0.0, walls_of([room()]))
     evidence = gathered(cloud.points[cloud.instance == 1])
     truth = np.array([0.0, 1.6, 0.0, 0.3, 0.0, 0.0, 0.0])
     begins = truth + np.array([np.zeros(7), np.full(7, 0.05), np.eye(7)[3] * 1.5])

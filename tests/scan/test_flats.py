@@ -20,7 +20,7 @@ from openrooms_usd.scan.reconstruction import elsewhere, find_rooms
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import flat_of
 from openrooms_usd.stages.alignment.furnished import segmented
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.scanned import scanned
 from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scan.scanned_rooms import RoomScan
@@ -116,7 +116,7 @@ def two_rooms(tmp_path: Path, *, boxes: bool = False) -> Path:
 def author(file: Path, more: str) -> tuple[Usd.Stage, list[str]]:
     room = parse_room(f"layout: {{from: scan, scan: {file.name}, {more}}}")
     stage = Usd.Stage.CreateInMemory()
-    context = StageContext(room, file.parent, stage, file.parent / "layout")
+    context = StepContext(room, file.parent, stage, file.parent / "layout")
     LayoutStage().author(context)
     return stage, context.notes
 
@@ -152,7 +152,7 @@ def test_what_stands_in_a_joined_room_is_not_elsewhere(
     room = parse_room(
         f"layout: {{from: scan, scan: {file.name}, room: {wanted}}}\nalignment: {{from: scan}}"
     )
-    context = StageContext(room, file.parent, Usd.Stage.CreateInMemory(), tmp_path / "alignment")
+    context = StepContext(room, file.parent, Usd.Stage.CreateInMemory(), tmp_path / "alignment")
     assert isinstance(room.layout, ScanLayout)
     assert isinstance(room.alignment, ScanAlignment)
     found = scanned(room.layout, file, file.parent).found()

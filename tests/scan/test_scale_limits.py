@@ -11,7 +11,7 @@ from openrooms_usd.scan.registration.alignment import align
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.scalelimits import SCALES, sizes_of, turns_of
-from openrooms_usd.scan.registration.selection import Selection
+from openrooms_usd.scan.registration.selection import CadSelection
 from openrooms_usd.stages.alignment.captured import sizes_of as sizes_of_category
 from tests.scan.alignment_cases import CHAIR, SENSOR_ORIGINS, Block, Placed, cad, room, scan
 
@@ -57,7 +57,7 @@ def test_headings_and_styles_are_those_that_are_natural() -> None:
     """A pedestal desk is no narrower than 1 m, and a bunk bed no lower than a door handle."""
     desk = next(model for model in built("desk") if model.id == "desk.pedestal")
     assert turns_of(desk, UP, np.array([0.63, 1.16, 0.75])) == [1]
-    beds = Selection(Cloud(np.zeros((1, 3))), built("bed"), {})
+    beds = CadSelection(Cloud(np.zeros((1, 3))), built("bed"), {})
     size = np.array([1.5, 1.94, 0.9])
     box = Box(0.5 * size, size, np.array([1.0, 0.0, 0.0, 0.0]))
     evidence = Evidence(np.random.default_rng(1).random((200, 3)) * size, 0.02)

@@ -10,7 +10,7 @@ from openrooms_usd.scan.registration.fitting import AnnealingLevel, Fit, energie
 from openrooms_usd.scan.registration.priors import PoseHypothesis
 from openrooms_usd.scan.registration.scalelimits import Candidate, Sizes, sized
 from openrooms_usd.scan.registration.supportheights import supports
-from openrooms_usd.scan.registration.surroundings import Surroundings, walls_of
+from openrooms_usd.scan.registration.surroundings import ObjectSurroundings, walls_of
 from openrooms_usd.scan.registration.template import Template, posed, template_of
 from tests.scan.alignment_cases import CABINET, CHAIR, cad, room
 
@@ -36,7 +36,7 @@ def test_a_few_points_of_a_scan_lie_as_well_on_a_thin_cad_as_many() -> None:
         energies(
             template,
             evidence,
-            Surroundings(),
+            ObjectSurroundings(),
             [start],
             PLACE[None],
             AnnealingLevel(0.07, count, 0, 1.0),
@@ -50,7 +50,7 @@ def test_a_few_points_of_a_scan_lie_as_well_on_a_thin_cad_as_many() -> None:
 def sizes(more: float, any_size: float = 30.0) -> Sizes:
     start = PoseHypothesis(PLACE, np.full(7, 0.1), np.zeros(3))
     free, true = (
-        Candidate(SHAPE, start, Surroundings(), Fit(PLACE, value))
+        Candidate(SHAPE, start, ObjectSurroundings(), Fit(PLACE, value))
         for value in (any_size, any_size + more)
     )
     return Sizes(free, true)
@@ -83,7 +83,7 @@ def test_without_a_true_size_any_is_taken() -> None:
 
 
 def test_which_side_is_at_the_wall_counts_whether_it_was_hidden_or_not() -> None:
-    around = Surroundings(None, 0.0, walls_of([room()]).near(np.array([2.0, 0.0]), 1.0))
+    around = ObjectSurroundings(None, 0.0, walls_of([room()]).near(np.array([2.0, 0.0]), 1.0))
     template = shape_of()
     place = np.array([2.5 - 0.5 * template.size[0], 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     seen, hidden = (

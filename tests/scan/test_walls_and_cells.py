@@ -8,7 +8,7 @@ import pytest
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import surfels
 from openrooms_usd.scan.rooms.candidates import wall_lines
-from openrooms_usd.scan.rooms.cells import Cells, cut_plan, inside_by_cut
+from openrooms_usd.scan.rooms.cells import FloorCells, cut_plan, inside_by_cut
 from openrooms_usd.scan.rooms.directions import angle_between, wall_directions
 from openrooms_usd.scan.rooms.outline import outline_of
 from openrooms_usd.scan.rooms.roomoutline import refitted
@@ -100,7 +100,9 @@ def test_the_cut_is_the_cheapest_of_all_labellings(seed):
     angles, offsets = rng.uniform(0.0, 180.0, 4), rng.uniform(-1.0, 1.0, 4)
     lines = [line(a, o) for a, o in zip(angles, offsets, strict=True)]
     cells = cut_plan(lines, np.array([-3.0, -3.0]), np.array([3.0, 3.0]))
-    cells = Cells(cells.shapes, cells.pairs, rng.uniform(0.0, 2.0, len(cells.pairs)), cells.rim)
+    cells = FloorCells(
+        cells.shapes, cells.pairs, rng.uniform(0.0, 2.0, len(cells.pairs)), cells.rim
+    )
     gain = rng.normal(0.0, 1.5, len(cells))
     none = np.zeros(len(cells), bool)
     inner, outer = none.copy(), none.copy()

@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.stages.alignment.surroundings import surroundings
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.validation.roomview import RoomView
 
@@ -19,7 +19,7 @@ CORNERS = [[0, 0], [5, 0], [5, 4], [0, 4]]
 def author(path: Path, more: str = "") -> tuple[Usd.Stage, list[str]]:
     room = parse_room(f"layout: {{from: roomplan, file: {path.name}{more}}}")
     stage = Usd.Stage.CreateInMemory()
-    context = StageContext(room, path.parent, stage, path.parent / "layout")
+    context = StepContext(room, path.parent, stage, path.parent / "layout")
     LayoutStage().author(context)
     return stage, context.notes
 

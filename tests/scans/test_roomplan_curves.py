@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from openrooms_usd.description import parse_room
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scans.roomplan_usdz import read
 
@@ -119,7 +119,7 @@ def _authored(path: Path):
 
     stage = Usd.Stage.CreateInMemory()
     room = parse_room(f"layout: {{from: roomplan, file: {path.name}}}")
-    LayoutStage().author(StageContext(room, path.parent, stage, path.parent / "layout"))
+    LayoutStage().author(StepContext(room, path.parent, stage, path.parent / "layout"))
     return stage
 
 

@@ -12,7 +12,7 @@ from pxr import Sdf, Usd
 
 from openrooms_usd.description import parse_room
 from openrooms_usd.stages.alignment.stage import AlignmentStage
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from tests.scans.roomplan_usdz import (
     HEAD,
@@ -283,7 +283,7 @@ def test_both_formats_give_the_same_prims(scanner, tmp_path: Path) -> None:
         section = f"{{from: roomplan, file: {path.name}}}"
         room = parse_room(f"layout: {section}\nalignment: {section}")
         stage = Usd.Stage.CreateInMemory()
-        context = StageContext(room, path.parent, stage, tmp_path / path.suffix[1:])
+        context = StepContext(room, path.parent, stage, tmp_path / path.suffix[1:])
         LayoutStage().author(context)
         AlignmentStage().author(context)
         stages.append({str(prim.GetPath()) for prim in stage.Traverse()})

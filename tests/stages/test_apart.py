@@ -7,10 +7,10 @@ from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.stages.alignment.apart import moved_apart
 from openrooms_usd.stages.alignment.placement import Placement
-from openrooms_usd.stages.alignment.surroundings import Surroundings
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry
 
 CORNERS = np.array([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]])
-ROOM = Surroundings(0.0, 2.5, np.stack([CORNERS, np.roll(CORNERS, -1, axis=0)], axis=1))
+ROOM = RoomGeometry(0.0, 2.5, np.stack([CORNERS, np.roll(CORNERS, -1, axis=0)], axis=1))
 
 
 def item(
@@ -61,4 +61,4 @@ def test_what_nobody_can_part_stays_within_reach() -> None:
 
 def test_without_walls_nothing_is_moved() -> None:
     things = [item("one", 2.0, 2.0), item("other", 2.3, 2.0)]
-    assert moved_apart(things, Surroundings(), []) == things
+    assert moved_apart(things, RoomGeometry(), []) == things

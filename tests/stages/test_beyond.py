@@ -11,7 +11,7 @@ from openrooms_usd import names
 from openrooms_usd.building.hallways import Hallway, door_space, hallway
 from openrooms_usd.description import parse_room
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.beyond import author_beyond_lamps, decor
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.daylight import author_portals
@@ -33,11 +33,11 @@ layout:
 """
 
 
-def author(more: str = "", polygon: str = L_SHAPE) -> tuple[Usd.Stage, StageContext]:
+def author(more: str = "", polygon: str = L_SHAPE) -> tuple[Usd.Stage, StepContext]:
     stage = Usd.Stage.CreateInMemory()
     apply_metadata(stage.GetRootLayer())
     text = ROOM.format(polygon=polygon, more=more)
-    context = StageContext(parse_room(text), Path(), stage, Path("layout"))
+    context = StepContext(parse_room(text), Path(), stage, Path("layout"))
     LayoutStage().author(context)
     UsdGeom.Scope.Define(stage, names.LIGHTS)
     stage.DefinePrim(names.ENVIRONMENT, "DomeLight")

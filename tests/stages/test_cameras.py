@@ -16,9 +16,9 @@ from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.viewpoints import PITCH_DEG
 from openrooms_usd.geometry.views import clear
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.cameras import selection as stage_module
-from openrooms_usd.stages.cameras.selection import Selection
+from openrooms_usd.stages.cameras.selection import ViewCandidates
 from openrooms_usd.stages.cameras.stage import CamerasStage
 from openrooms_usd.usd.cameras import list_cameras, read_camera
 from openrooms_usd.usd.files.layers import apply_metadata
@@ -69,10 +69,10 @@ def room_stage(height: float = 2.6, *, polygon: bool = True) -> Usd.Stage:
     return composed
 
 
-def author(stage: Usd.Stage, *views: dict[str, Any], seed: int = 0, **cameras: Any) -> StageContext:
+def author(stage: Usd.Stage, *views: dict[str, Any], seed: int = 0, **cameras: Any) -> StepContext:
     section = {"views": list(views), **cameras} if views else cameras
     room = Room.model_validate({"seed": seed, "cameras": section})
-    context = StageContext(room, Path(), stage, Path("cameras"))
+    context = StepContext(room, Path(), stage, Path("cameras"))
     CamerasStage().author(context)
     return context
 
@@ -220,7 +220,7 @@ def test_walls_and_ceilings_are_bare_and_furniture_is_what_is_photographed() -> 
     stage = room_stage()
     for path, category in ((f"{names.WALLS}/wall_0", "wall"), (names.CEILING, "ceiling")):
         label(stage.GetPrimAtPath(path), category)
-    found = Selection.of(stage)
+    found = ViewCandidates.of(stage)
     heights = found.points[found.subjects.of_triangle == BARE][..., 2]
     assert heights.min() == 0.0
     assert heights.max() == pytest.approx(2.6)

@@ -29,7 +29,7 @@ from openrooms_usd.stages.physics import cache as physics_cache
 from openrooms_usd.stages.physics import stage as physics
 
 ROOT = Path(__file__).parents[2]
-ALL = set(names.STAGES)
+ALL = set(names.STEPS)
 
 Plant = Callable[..., None]
 
@@ -151,7 +151,7 @@ def test_other_rooms_before_it_do_not_change_what_a_room_asks_for(tmp_path: Path
     rooms = [furnished("toaster"), furnished("chair", "toaster")]
     for out, room in zip((alone, tmp_path / "other", second), (*rooms, rooms[0]), strict=True):
         compose_room(room, out, workers=2)
-    for name in names.STAGES:
+    for name in names.STEPS:
         layers = [(out / f"layers/{name}.usda").read_bytes() for out in (alone, second)]
         assert layers[0] == layers[1], name
 
@@ -165,7 +165,7 @@ def test_words_that_are_no_modules_are_not_read_from_a_layer() -> None:
 
 
 def asset_names(folder: Path) -> dict[str, str]:
-    context = base.StageContext(Room(), folder, Usd.Stage.CreateInMemory(), folder)
+    context = base.StepContext(Room(), folder, Usd.Stage.CreateInMemory(), folder)
     catalogue = Catalogue(context)
     return {name: catalogue.furniture(name, CATEGORIES[name].size).name for name in CATEGORIES}
 
@@ -326,7 +326,7 @@ def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(ROOT / "openrooms_usd", code / "openrooms_usd", ignore=ignored)
     (tmp_path / "room.yaml").write_text(DESCRIPTION)
-    assert run(code, tmp_path) == list(names.STAGES)
+    assert run(code, tmp_path) == list(names.STEPS)
     assert run(code, tmp_path) == []
     scene = str(tmp_path / "out" / names.SCENE)
     before = prims(Usd.Stage.Open(scene))
@@ -346,7 +346,7 @@ def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path
         file = code / "openrooms_usd" / name
         file.write_text(file.read_text() + "# more\n")
     # All that stand on the furniture; a comment changes nothing.
-    assert run(code, tmp_path) == list(names.STAGES)[1:]
+    assert run(code, tmp_path) == list(names.STEPS)[1:]
     stage = Usd.Stage.Open(scene)
     stage.Reload()
     gone = before - prims(stage)

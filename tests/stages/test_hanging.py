@@ -8,14 +8,14 @@ from openrooms_usd import names
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports
-from openrooms_usd.stages.alignment.surroundings import Gap, Surroundings, surroundings
+from openrooms_usd.stages.alignment.placement import Placement, ResolvedPose, Supports
+from openrooms_usd.stages.alignment.surroundings import Gap, RoomGeometry, surroundings
 
 SQUARE = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
 
 
-def room(corners: np.ndarray = SQUARE, *gaps: Gap) -> Surroundings:
-    return Surroundings(0.5, 3.0, np.stack([corners, np.roll(corners, -1, axis=0)], axis=1), gaps)
+def room(corners: np.ndarray = SQUARE, *gaps: Gap) -> RoomGeometry:
+    return RoomGeometry(0.5, 3.0, np.stack([corners, np.roll(corners, -1, axis=0)], axis=1), gaps)
 
 
 def item(name: str, x: float, y: float, **more: object) -> Placement:
@@ -26,8 +26,8 @@ def item(name: str, x: float, y: float, **more: object) -> Placement:
 
 
 def stands(
-    *items: Placement, of: Surroundings | None = None, notes: list[str] | None = None
-) -> dict[str, Stand]:
+    *items: Placement, of: RoomGeometry | None = None, notes: list[str] | None = None
+) -> dict[str, ResolvedPose]:
     kept = [] if notes is None else notes
     return Supports({thing.name: thing for thing in items}, of or room(), kept).stands()
 
@@ -75,7 +75,7 @@ def test_what_is_too_wide_or_hangs_before_an_opening_is_noted() -> None:
 
 def test_a_room_without_walls_refuses() -> None:
     with pytest.raises(StageError, match="no walls"):
-        stands(item("a", 1, 1, on="wall"), of=Surroundings())
+        stands(item("a", 1, 1, on="wall"), of=RoomGeometry())
 
 
 def test_frames_of_others_go_on_from_one_to_the_next() -> None:

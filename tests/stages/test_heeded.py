@@ -210,14 +210,14 @@ def written(out: Path, stage: str) -> tuple[str, set[str]]:
 def below(text: str, stage: str, source: Path) -> Path:
     """A folder with all layers below a stage of a room."""
     out = Path(mkdtemp(dir=source))
-    for name in names.STAGES[: names.STAGES.index(stage)]:
+    for name in names.STEPS[: names.STEPS.index(stage)]:
         compose_room(room_of(json.loads(text)), out, only=name, base=source)
     return out
 
 
 def composed(data: Data, stage: str, source: Path) -> tuple[tuple[str, set[str]], list[str]]:
     """What one stage writes for a room, and what it notes."""
-    weaker = names.STAGES[: names.STAGES.index(stage)]
+    weaker = names.STEPS[: names.STEPS.index(stage)]
     kept = {key: data[key] for key in ("room", "seed", "style", *weaker) if key in data}
     out = Path(mkdtemp(dir=source)) / "out"
     room = room_of(data)

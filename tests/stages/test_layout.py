@@ -8,7 +8,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.raycast import RayCaster
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label
@@ -28,10 +28,10 @@ OPENINGS = """
 """
 
 
-def author(text: str, source: Path = Path()) -> tuple[Usd.Stage, StageContext]:
+def author(text: str, source: Path = Path()) -> tuple[Usd.Stage, StepContext]:
     stage = Usd.Stage.CreateInMemory()
     apply_metadata(stage.GetRootLayer())
-    context = StageContext(parse_room(text), source, stage, source / "layout")
+    context = StepContext(parse_room(text), source, stage, source / "layout")
     LayoutStage().author(context)
     return stage, context
 

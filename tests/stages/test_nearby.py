@@ -10,7 +10,7 @@ from openrooms_usd import names
 from openrooms_usd.description import parse_room
 from openrooms_usd.library.surroundings.outside.ledges import NET, NET_PASSES, ledges
 from openrooms_usd.rendering.scene.translate import translate
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.daylight import author_nearby, portals, site_of
 from openrooms_usd.usd.files.layers import apply_metadata
@@ -40,7 +40,7 @@ def author(
     stage = Usd.Stage.CreateInMemory()
     apply_metadata(stage.GetRootLayer())
     room = parse_room(ROOM.format(scene=scene, storey=storey, near=near, sill=sill, seed=seed))
-    context = StageContext(room, Path(), stage, folder)
+    context = StepContext(room, Path(), stage, folder)
     LayoutStage().author(context)
     site = site_of(context, room.lights.environment, portals(stage))
     windows = {Path(portal.path).name: portal for portal in portals(stage, "window")}

@@ -8,7 +8,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.stages.lights.daylight import author_portals
 from openrooms_usd.usd.files.layers import apply_metadata
@@ -26,10 +26,10 @@ layout:
 """
 
 
-def author(text: str) -> tuple[Usd.Stage, StageContext]:
+def author(text: str) -> tuple[Usd.Stage, StepContext]:
     stage = Usd.Stage.CreateInMemory()
     apply_metadata(stage.GetRootLayer())
-    context = StageContext(parse_room(text), Path(), stage, Path("layout"))
+    context = StepContext(parse_room(text), Path(), stage, Path("layout"))
     LayoutStage().author(context)
     return stage, context
 

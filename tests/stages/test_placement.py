@@ -6,8 +6,8 @@ import pytest
 from openrooms_usd.errors import DescriptionError, StageError
 from openrooms_usd.geometry.solids import box, sphere
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.alignment.placement import Placement, Stand, Supports, top_at
-from openrooms_usd.stages.alignment.surroundings import Surroundings
+from openrooms_usd.stages.alignment.placement import Placement, ResolvedPose, Supports, top_at
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry
 
 
 def _item(name: str, x: float = 0.0, y: float = 0.0, **more: object) -> Placement:
@@ -23,9 +23,9 @@ def _heights(*items: Placement, ceiling: float | None = 2.5) -> dict[str, float]
 
 def _stands(
     *items: Placement, ceiling: float | None = 2.5, notes: list[str] | None = None
-) -> dict[str, Stand]:
+) -> dict[str, ResolvedPose]:
     kept = [] if notes is None else notes
-    room = Surroundings(0.0, ceiling)
+    room = RoomGeometry(0.0, ceiling)
     return Supports({item.name: item for item in items}, room, kept).stands()
 
 

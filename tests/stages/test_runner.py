@@ -12,7 +12,7 @@ from openrooms_usd.composing import ComposeSummary, compose_room
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError, OutputError, StageError
 from openrooms_usd.stages import base, runner
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.usd.files.diagnostics import composition_errors
 
 
@@ -24,7 +24,7 @@ class FakeLayout:
     def inputs(self, room: Room, source: Path) -> Iterator[str]:
         yield "input.txt"
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         text = context.input("input.txt").read_text()
         context.notes.append(f"a guess by {text}")
         UsdGeom.Xform.Define(context.stage, "/World")
@@ -42,7 +42,7 @@ class FakeAlignment:
     def inputs(self, room: Room, source: Path) -> Iterator[str]:
         yield from ()
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         points = UsdGeom.Mesh(context.stage.GetPrimAtPath("/World/Room")).GetPointsAttr().Get()
         prim = UsdGeom.Xform.Define(context.stage, "/World/Furniture").GetPrim()
         prim.CreateAttribute("seen", Sdf.ValueTypeNames.Int).Set(len(points))

@@ -18,7 +18,7 @@ from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 from openrooms_usd.scan.segmentation.contract import Segments
 from openrooms_usd.stages.alignment.captured import UNKNOWN
-from openrooms_usd.stages.alignment.furnished import _told, segmented
+from openrooms_usd.stages.alignment.furnished import _furniture_notes, segmented
 
 
 def scan_of(cloud: Cloud, **known: Any) -> FoundScan:
@@ -64,7 +64,7 @@ def test_a_desk_of_no_desk_s_size_is_a_box_for_its_size_alone() -> None:
         FoundObject(number, UNKNOWN, "box", pose, 0.0, 1.0, word=word)
         for number, word in enumerate(("desk", "small desk", "sculpture"), 1)
     ]
-    assert list(_told(FoundFurniture(tuple(boxes)), 0)) == [
+    assert list(_furniture_notes(FoundFurniture(tuple(boxes)), 0)) == [
         "no category fits, so boxes replace: sculpture",
         "impossible sizes for their categories, so boxes replace: desk, small desk",
     ]
@@ -82,7 +82,7 @@ def test_what_is_wrong_still_is_said_with_its_place(kind: Any, support: str, sai
     pose = Pose(np.eye(3), np.zeros(3), np.ones(3))
     thing = FoundObject(1, "pillow", "pillow", pose, 0.0, 1.0, word="pillow", support=support)
     found = FoundFurniture((thing,), unresolved=(Unresolved(kind, 1, None, 0.03),))
-    assert list(_told(found, 0)) == [f"not resolved: the pillow (instance 1) is {said}"]
+    assert list(_furniture_notes(found, 0)) == [f"not resolved: the pillow (instance 1) is {said}"]
 
 
 def test_nothing_is_looked_for_where_that_is_asked_but_it_is_said() -> None:

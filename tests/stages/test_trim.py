@@ -12,7 +12,7 @@ from openrooms_usd.composing import compose_room
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.stage import LayoutStage
 from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import read_label, read_number
@@ -38,7 +38,7 @@ TRIM = """\
 def author(text: str) -> Usd.Stage:
     stage = Usd.Stage.CreateInMemory()
     apply_metadata(stage.GetRootLayer())
-    LayoutStage().author(StageContext(parse_room(text), Path(), stage, Path("layout")))
+    LayoutStage().author(StepContext(parse_room(text), Path(), stage, Path("layout")))
     return stage
 
 

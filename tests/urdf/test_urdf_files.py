@@ -19,7 +19,7 @@ from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 from openrooms_usd.usd.shading.textures import read_texture
 from orusd_urdf import MjcfExporter, UrdfExporter, UsdPhysicsExporter
 from orusd_urdf.assets import Assets, picture_bytes
-from orusd_urdf.looks import Look, look_of
+from orusd_urdf.looks import RobotMaterial, look_of
 from orusd_urdf.mjcf import write_mjcf
 from orusd_urdf.urdf import write_urdf
 from tests.engines import NO_PYBULLET, needs_pybullet
@@ -225,7 +225,7 @@ def test_a_picture_in_metres_repeats_as_often_as_it_should(
     texture = Texture(four, color_space="sRGB", uv_scale=(1.0, 1.0))
     link = Link("Room", "/World/Room", np.eye(4), None, (), (quad(metres),))
     world = World((Body("Room", "/World/Room", np.eye(4), (link,), (), True),))
-    looks = {"/World/Materials/four": Look((1.0, 1.0, 1.0), texture=texture)}
+    looks = {"/World/Materials/four": RobotMaterial((1.0, 1.0, 1.0), texture=texture)}
     write_urdf(world, tmp_path / "urdf", looks=looks)
     load_bullet(tmp_path / "urdf", client)
     picture = seen_from_above(client).astype(int)
@@ -239,7 +239,7 @@ def test_a_picture_in_metres_repeats_as_often_as_it_should(
 def test_the_mapping_of_a_texture_is_worked_in(four: str) -> None:
     texture = Texture(four, uv_scale=(2.0, 0.5), uv_rotation=30.0, uv_translation=(3.2, -9.7))
     st = np.random.default_rng(1).uniform(-40.0, 40.0, (4, 2))
-    found = Look((1.0, 1.0, 1.0), texture=texture).coordinates(quad(st))
+    found = RobotMaterial((1.0, 1.0, 1.0), texture=texture).coordinates(quad(st))
     turn = np.radians(30.0)
     scaled = st * [2.0, 0.5]
     s = np.cos(turn) * scaled[:, 0] - np.sin(turn) * scaled[:, 1] + 3.2
@@ -254,7 +254,7 @@ def test_the_mapping_of_a_texture_is_worked_in(four: str) -> None:
 def test_a_clamped_picture_is_not_moved(four: str) -> None:
     texture = Texture(four, wrap_s="clamp", wrap_t="clamp")
     st = np.array([[-2.0, -2.0], [3.0, -2.0], [3.0, 3.0], [-2.0, 3.0]])
-    found = Look((1.0, 1.0, 1.0), texture=texture).coordinates(quad(st))
+    found = RobotMaterial((1.0, 1.0, 1.0), texture=texture).coordinates(quad(st))
     np.testing.assert_allclose(found, st[ROWS])
 
 
@@ -282,7 +282,7 @@ def test_constant_colours_are_as_screens_show_them() -> None:
 
 def test_a_picture_that_is_missing_is_reported(tmp_path: Path) -> None:
     assets = Assets(tmp_path)
-    look = Look((1.0, 1.0, 1.0), texture=Texture(str(tmp_path / "gone.png")))
+    look = RobotMaterial((1.0, 1.0, 1.0), texture=Texture(str(tmp_path / "gone.png")))
     assets.visual("quad", quad(QUAD[:, :2]), look)
     assert [outcome for _, outcome, _ in assets.losses] == ["skipped"]
     assert "map_Kd" not in (tmp_path / "meshes/four.mtl").read_text()
@@ -293,7 +293,7 @@ def test_equal_pictures_under_two_names_are_one_file(four: str, tmp_path: Path) 
     twin.write_bytes(Path(four).read_bytes())
     assets = Assets(tmp_path / "out")
     for number, file in enumerate((four, str(twin))):
-        look = Look((1.0, 1.0, 1.0), texture=Texture(file, color_space="sRGB"))
+        look = RobotMaterial((1.0, 1.0, 1.0), texture=Texture(file, color_space="sRGB"))
         assets.visual(f"quad_{number}", quad(QUAD[:, :2]), look)
     assert len(list((tmp_path / "out/textures").iterdir())) == 1
 
@@ -308,7 +308,9 @@ def test_mujoco_gets_the_picture_and_the_coordinates(
     link = Link("Room", "/World/Room", np.eye(4), None, (), (quad(QUAD[:, :2] / 2 + 0.5),))
     world = World((Body("Room", "/World/Room", np.eye(4), (link,), (), True),))
     texture = Texture(four, color_space="sRGB")
-    looks: dict[str, Any] = {"/World/Materials/four": Look((1.0, 1.0, 1.0), texture=texture)}
+    looks: dict[str, Any] = {
+        "/World/Materials/four": RobotMaterial((1.0, 1.0, 1.0), texture=texture)
+    }
     write_mjcf(world, tmp_path / "mjcf", looks=looks)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "mjcf/scene.xml"))
     assert model.geom_contype.tolist() == [0] and model.geom_conaffinity.tolist() == [0]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 from scipy.interpolate import BSpline, CubicHermiteSpline
 
-from openrooms_usd.usd.shapes.gprims import Surface, read_surface
+from openrooms_usd.usd.shapes.gprims import GprimSurface, read_surface
 from openrooms_usd.usd.shapes.meshes import TriangleMesh, read_meshes
 
 Array = NDArray[np.float64]
@@ -19,7 +19,9 @@ THICK = 20.0
 BENT = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 2, 1), (1, 3, 0), (2, 3, 0)]
 
 
-def surface(kind: str, interpolations: Mapping[str, str] | None = None, **said: Any) -> Surface:
+def surface(
+    kind: str, interpolations: Mapping[str, str] | None = None, **said: Any
+) -> GprimSurface:
     stage = Usd.Stage.CreateInMemory()
     prim = stage.DefinePrim("/prim", kind)
     for name, value in said.items():
@@ -29,7 +31,7 @@ def surface(kind: str, interpolations: Mapping[str, str] | None = None, **said: 
     return read_surface(prim)
 
 
-def curves(points: Any, kind: str = "BasisCurves", width: float = 0.1, **said: Any) -> Surface:
+def curves(points: Any, kind: str = "BasisCurves", width: float = 0.1, **said: Any) -> GprimSurface:
     counts = said.pop("counts", [len(points)])
     return surface(
         kind,
@@ -41,13 +43,13 @@ def curves(points: Any, kind: str = "BasisCurves", width: float = 0.1, **said: A
     )
 
 
-def axis(found: Surface, sides: int = 12) -> Array:
+def axis(found: GprimSurface, sides: int = 12) -> Array:
     """(S, 3) the middles of a tube's sections."""
     assert found.mesh is not None, found.losses
     return np.asarray(found.mesh.points.reshape(-1, sides, 3).mean(axis=1))
 
 
-def volume(found: Surface) -> float:
+def volume(found: GprimSurface) -> float:
     assert found.mesh is not None, found.losses
     a, b, c = np.moveaxis(found.mesh.points[found.mesh.triangles], 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)

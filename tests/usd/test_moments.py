@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdSkel, Vt
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import read_camera
-from openrooms_usd.usd.moments import hold
+from openrooms_usd.usd.moments import freeze_time
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.shapes.meshes import read_meshes
 
@@ -76,7 +76,7 @@ def still_stage(done: float) -> Usd.Stage:
 @pytest.mark.parametrize("time_code", [None, 0.0, 10.0, 17.5, 30.0, 40.0, 99.0])
 def test_a_stage_held_still_is_one_written_still(time_code: float | None) -> None:
     moving = moving_stage()
-    assert hold(moving, time_code) == {}
+    assert freeze_time(moving, time_code) == {}
     at = 10.0 if time_code is None else min(max(time_code, 10.0), 40.0)
     still = still_stage((at - 10.0) / 30.0)
     ours, theirs = translate(moving), translate(still)
@@ -94,17 +94,17 @@ def test_a_stage_held_still_is_one_written_still(time_code: float | None) -> Non
 
 def test_a_still_stage_stays_as_it_is() -> None:
     stage = still_stage(0.5)
-    hold(stage)
+    freeze_time(stage)
     assert stage.GetSessionLayer().empty
     before = points(stage)
-    hold(stage, 3.0)
+    freeze_time(stage, 3.0)
     assert all(np.array_equal(before[path], now) for path, now in points(stage).items())
 
 
 def test_values_that_are_held_between_samples() -> None:
     stage = moving_stage()
     stage.SetInterpolationType(Usd.InterpolationTypeHeld)
-    hold(stage, 39.0)
+    freeze_time(stage, 39.0)
     assert np.allclose(points(stage)["/flying"], SQUARE)
 
 
@@ -119,7 +119,7 @@ def test_splines() -> None:
         knot.SetNextInterpolation(Ts.InterpLinear)
         spline.SetKnot(knot)
     radius.SetSpline(spline)
-    hold(stage, 3.5)
+    freeze_time(stage, 3.5)
     assert radius.Get(TIME) == pytest.approx(8.0)
 
 
@@ -131,7 +131,7 @@ def test_velocities_carry_points_away_from_their_samples() -> None:
     velocity = (1.0, -2.0, 4.0)
     for at in (24.0, 48.0):
         mesh.CreateVelocitiesAttr().Set([velocity] * 4, at)
-    hold(stage, 30.0)  # a quarter of a second later
+    freeze_time(stage, 30.0)  # a quarter of a second later
     assert np.allclose(points(stage)["/cloth"], np.array(SQUARE) + np.array(velocity) / 4)
 
 
@@ -147,7 +147,7 @@ def test_velocities_turn_and_carry_instances() -> None:
         swarm.CreateScalesAttr().Set([(1, 1, 1), (2, 2, 2)], at)
         swarm.CreateOrientationsAttr().Set([Gf.Quath(1), Gf.Quath(1)], at)
         swarm.CreateAngularVelocitiesAttr().Set([(0, 0, 0), (0, 0, 60)], at)
-    hold(stage, 36.0)  # half a second later: 30 degrees
+    freeze_time(stage, 36.0)  # half a second later: 30 degrees
     found = points(stage)
     assert np.allclose(found["/swarm[0]"], np.add(SQUARE, (0, 0, 1)), atol=1e-6)
     c, s = math.cos(math.pi / 6), math.sin(math.pi / 6)
@@ -175,7 +175,7 @@ def test_what_moves_inside_of_instances() -> None:
         car.GetPrim().GetReferences().AddInternalReference("/Car")
         car.GetPrim().SetInstanceable(True)
         car.AddTranslateOp().Set((10 * number, 0, 0))
-    hold(stage, 2.0)
+    freeze_time(stage, 2.0)
     found = points(stage)
     for number in range(2):
         shift = (10 * number, 0, 0)
@@ -193,7 +193,7 @@ def test_references_that_are_late() -> None:
         prim = stage.DefinePrim(f"/{name}", "Xform")
         prim.GetReferences().AddInternalReference("/Source", Sdf.LayerOffset(offset))
         prim.SetInstanceable(True)
-    hold(stage, 5.0)
+    freeze_time(stage, 5.0)
     assert points(stage)["/now/Part"][0, 2] == pytest.approx(5.0)
     assert points(stage)["/late/Part"][0, 2] == pytest.approx(2.0)
 
@@ -239,7 +239,7 @@ def test_value_clips(tmp_path: Path, time_code: float, height: float) -> None:
     (tmp_path / "manifest.usda").write_text(MANIFEST)
     (tmp_path / "stage.usda").write_text(CLIPPED.format())
     stage = Usd.Stage.Open(str(tmp_path / "stage.usda"))
-    hold(stage, time_code)
+    freeze_time(stage, time_code)
     assert np.allclose(points(stage)["/cloth"], np.add(SQUARE, (0, 0, height)))
 
 
@@ -257,7 +257,7 @@ def test_pictures_that_change_are_found_from_their_own_layer(tmp_path: Path) -> 
     )
     found = stage.GetPrimAtPath("/Here").GetAttribute("file")
     for at, name in ((1.0, "a.png"), (6.0, "a.<UDIM>.png")):
-        hold(stage, at)
+        freeze_time(stage, at)
         assert found.Get(TIME).path == str(tmp_path / "deep" / name)
         stage.GetSessionLayer().Clear()
 
@@ -271,18 +271,18 @@ def test_a_shutter_that_is_open_while_something_moves_is_told() -> None:
         for attribute in stage.GetPrimAtPath(name).GetAuthoredAttributes():
             if attribute.GetNumTimeSamples():
                 stage.GetPrimAtPath(name).RemoveProperty(attribute.GetName())
-    lost = hold(stage, 20.0)
+    lost = freeze_time(stage, 20.0)
     assert list(lost) == ["/camera"]
     assert "motion blur" in lost["/camera"]
     assert "-0.25 to 0.25" in lost["/camera"]
     assert "2 values" in lost["/camera"]  # the third vanishes at 30
-    assert hold(stage, 90.0) == {}  # everything has come to rest
+    assert freeze_time(stage, 90.0) == {}  # everything has come to rest
 
 
 @pytest.mark.parametrize("time_code", [math.nan, math.inf])
 def test_a_time_that_is_none(time_code: float) -> None:
     with pytest.raises(InputError, match="time code"):
-        hold(new_stage(), time_code)
+        freeze_time(new_stage(), time_code)
 
 
 def test_arrays_that_are_blocked() -> None:
@@ -290,7 +290,7 @@ def test_arrays_that_are_blocked() -> None:
     attribute = square(stage, "/mesh").GetPointsAttr()
     attribute.Set(Vt.Vec3fArray(SQUARE), 0.0)
     attribute.GetPrim().GetAttribute("points").Set(Sdf.ValueBlock(), 4.0)
-    hold(stage, 5.0)
+    freeze_time(stage, 5.0)
     assert attribute.Get(TIME) is None
 
 
@@ -364,7 +364,7 @@ def only(stage: Usd.Stage) -> Array:
 @pytest.mark.parametrize("time_code", [None, 0.0, 5.0, 10.0])
 def test_a_pose_is_what_linear_blend_skinning_gives(time_code: float | None) -> None:
     stage = puppet()
-    assert hold(stage, time_code) == {}
+    assert freeze_time(stage, time_code) == {}
     assert np.allclose(only(stage), expected((time_code or 0.0) / 10.0), atol=1e-5)
 
 
@@ -375,7 +375,7 @@ def test_instances_of_what_is_skinned() -> None:
         prim = stage.DefinePrim(f"/World/puppet_{number}", "Xform")
         prim.GetReferences().AddInternalReference("/Puppets")
         prim.SetInstanceable(True)
-    hold(stage, 5.0)
+    freeze_time(stage, 5.0)
     found = [mesh.world_points() for mesh in read_meshes(stage)]
     assert len(found) == 3
     assert all(np.allclose(one, expected(0.5), atol=1e-5) for one in found)
@@ -385,7 +385,7 @@ def test_skinning_that_does_not_fit_is_told() -> None:
     stage = puppet()
     primvar = UsdSkel.BindingAPI(stage.GetPrimAtPath("/World/Puppet/Mesh")).GetJointIndicesPrimvar()
     primvar.Set([0, 7] * len(POINTS))
-    lost = hold(stage, 5.0)
+    lost = freeze_time(stage, 5.0)
     assert list(lost) == ["/World/Puppet/Mesh"]
     assert "rest pose" in lost["/World/Puppet/Mesh"]
     assert np.isfinite(only(stage)).all()

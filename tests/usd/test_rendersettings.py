@@ -9,7 +9,7 @@ from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.rendering.context import RenderContext as OpenedStage
 from openrooms_usd.rendering.opening import open_for_rendering
 from openrooms_usd.usd.cameras import read_camera, set_field_of_view
-from openrooms_usd.usd.moments import hold
+from openrooms_usd.usd.moments import freeze_time
 from openrooms_usd.usd.rendersettings import (
     asked_cameras,
     asked_purposes,
@@ -124,12 +124,12 @@ def test_lenses_and_shutters_that_are_switched_off() -> None:
     turn.Set(0.0, 0.0)
     turn.Set(90.0, 10.0)
     assert read_camera(camera.GetPrim(), 4, 3).lens_radius > 0.0
-    assert list(hold(stage, 3.0)) == ["/a"]
+    assert list(freeze_time(stage, 3.0)) == ["/a"]
     stage.GetSessionLayer().Clear()
     settings.CreateDisableDepthOfFieldAttr(True)
     settings.CreateDisableMotionBlurAttr(True)
     assert read_camera(camera.GetPrim(), 4, 3).lens_radius == 0.0
-    assert hold(stage, 3.0) == {}
+    assert freeze_time(stage, 3.0) == {}
 
 
 def test_what_pictures_do_not_have_is_told() -> None:

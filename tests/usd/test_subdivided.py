@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, Vt
 from scipy.interpolate import BSpline
 
-from openrooms_usd.usd.shapes.gprims import Surface, read_surface
+from openrooms_usd.usd.shapes.gprims import GprimSurface, read_surface
 from openrooms_usd.usd.shapes.subdivided import Topologies
 
 Array = NDArray[np.float64]
@@ -17,7 +17,7 @@ POINTS = [(i, j, 0.0) for j in (-1, 0, 1) for i in (-1, 0, 1)]
 FACES = [0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7]
 
 
-def surface(change: Callable[[UsdGeom.Mesh], object] = lambda mesh: None) -> Surface:
+def surface(change: Callable[[UsdGeom.Mesh], object] = lambda mesh: None) -> GprimSurface:
     stage = Usd.Stage.CreateInMemory()
     mesh = UsdGeom.Mesh.Define(stage, "/mesh")
     mesh.CreatePointsAttr(POINTS)
@@ -27,7 +27,7 @@ def surface(change: Callable[[UsdGeom.Mesh], object] = lambda mesh: None) -> Sur
     return read_surface(mesh.GetPrim())
 
 
-def area(found: Surface) -> Array:
+def area(found: GprimSurface) -> Array:
     assert found.mesh is not None
     a, b, c = np.moveaxis(found.mesh.points[found.mesh.triangles], 1, 0)
     return np.asarray(0.5 * np.cross(b - a, c - a).sum(axis=0))

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from openrooms_usd.description import load_room
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.errors import OrusdError
 from openrooms_usd.view.corrections import corrections
 from openrooms_usd.view.describing import Described
@@ -31,7 +31,7 @@ def fields(composed_demo: Path, tmp_path: Path) -> Fields:
 
 def test_an_object_is_moved_and_all_else_stays(fields: Fields) -> None:
     before = fields.file.read_text()
-    fields.place("chair_1", Spot(3.0, 2.2, 45.0), size=None, snap=False)
+    fields.place("chair_1", PlanPoint(3.0, 2.2, 45.0), size=None, snap=False)
     assert box(fields.scene, "chair_1").mean(axis=0)[:2] == pytest.approx((3.0, 2.2), abs=2e-3)
     text = fields.file.read_text()
     assert text.startswith(COMMENT) and text.split("objects:")[0] == before.split("objects:")[0]
@@ -46,7 +46,7 @@ def test_an_object_is_moved_and_all_else_stays(fields: Fields) -> None:
 def test_edits_have_no_part_in_it(fields: Fields) -> None:
     edits = fields.scene.parent / "layers/edits.usda"
     before = hashlib.sha256(edits.read_bytes()).hexdigest()
-    fields.place("desk", Spot(1.5, 2.7, 0.0), size=(1.4, 0.7, 0.8), snap=True)
+    fields.place("desk", PlanPoint(1.5, 2.7, 0.0), size=(1.4, 0.7, 0.8), snap=True)
     assert box(fields.scene, "desk")[1] == pytest.approx((2.2, 3.0, 0.8), abs=1e-4)
     fields.assign(SEAT, "category", OAK)
     assert hashlib.sha256(edits.read_bytes()).hexdigest() == before
@@ -98,7 +98,7 @@ def test_materials_are_fields_of_their_section(
         (lambda f: f.remake("chair_1", "rococo", None, keep_size=True), "no chair has the style"),
         (lambda f: f.remove("desk"), "no object is named 'desk'"),
         (lambda f: f.assign(SEAT, "part", {"family": "oak_plank"}), "did you mean 'oak_planks'"),
-        (lambda f: f.place("door_0", Spot(1, 1, 0), size=None, snap=True), "no such object"),
+        (lambda f: f.place("door_0", PlanPoint(1, 1, 0), size=None, snap=True), "no such object"),
     ],
 )
 def test_what_compose_refuses_is_refused_in_its_words_and_nothing_is_written(
@@ -128,7 +128,7 @@ def test_relative_places_stay_relative(fields: Fields) -> None:
     )
     fields.file.write_text(text)
     fields.described.compose()
-    fields.place("chair_1", Spot(2.5, 0.9, 30.0), size=None, snap=False)
+    fields.place("chair_1", PlanPoint(2.5, 0.9, 30.0), size=None, snap=False)
     assert box(fields.scene, "chair_1").mean(axis=0)[:2] == pytest.approx((2.5, 0.9), abs=1e-3)
     row = load_room(fields.file).as_dict()["alignment"]["objects"][2]
     assert row["relative_to"] == "desk" and row["at"] == pytest.approx([1.0, -0.6])

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from openrooms_usd.cli import orusd
 from openrooms_usd.description import load_room
-from openrooms_usd.edits.snapping import Spot
+from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.corrections import Hints, corrections
@@ -57,7 +57,7 @@ def test_a_thing_is_called_something_else_moved_copied_and_left_out(hints: Hints
     centers = []
     for x in (one.x, one.x + 0.1):
         (name,) = objects(hints.scene)
-        hints.place(name, Spot(x, one.y, one.yaw), size=None, snap=False)
+        hints.place(name, PlanPoint(x, one.y, one.yaw), size=None, snap=False)
         (row,) = listed(hints)
         centers.append(row["box"]["center"])
         if x == one.x:

@@ -11,7 +11,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.reading import read_render
 from openrooms_usd.view.room import room_app
 from openrooms_usd.view.scanned import packed, scan_app
-from openrooms_usd.view.shots import Spot, hemisphere
+from openrooms_usd.view.shots import ViewPoint, hemisphere
 from tests.chromium import Page, needs_chromium
 from tests.view.conftest import Shown
 
@@ -69,7 +69,7 @@ def test_hemispheres_are_those_of_the_render(rendered: Path) -> None:
     for row in range(rows):
         for column in range(columns):
             x, y = (column + 0.5) / columns, (row + 0.5) / rows
-            told = hemisphere(render, Spot(camera=str(view.entry.camera), x=x, y=y))
+            told = hemisphere(render, ViewPoint(camera=str(view.entry.camera), x=x, y=y))
             assert (told["row"], told["column"]) == (row, column)
             found.append(told["irradiance"])
             known.append(view.pixels["irradiance"][int(y * view.height), int(x * view.width)])
@@ -77,7 +77,7 @@ def test_hemispheres_are_those_of_the_render(rendered: Path) -> None:
     ratio = np.array(found)[lit].sum(axis=1) / np.array(known)[lit].sum(axis=1)
     assert np.median(ratio) == pytest.approx(1.0, abs=0.15)
     with pytest.raises(InputError, match="no hemispheres"):
-        hemisphere(render, Spot(camera="/World/Cameras/none", x=0.5, y=0.5))
+        hemisphere(render, ViewPoint(camera="/World/Cameras/none", x=0.5, y=0.5))
 
 
 def test_a_render_finds_its_stage(composed_demo: Path, rendered: Path, tmp_path: Path) -> None:

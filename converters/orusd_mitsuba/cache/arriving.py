@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import CacheData
 from orusd_mitsuba.cache.surfels import SurfelIndex
-from orusd_mitsuba.cache.tracing import CHANCE_PER_ALBEDO, Surroundings, follow
+from orusd_mitsuba.cache.tracing import CHANCE_PER_ALBEDO, TracingScene, follow
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.plugins.openrooms_bsdf import Reflection
 from orusd_mitsuba.transport.arrival import Begin, Start
@@ -57,7 +57,7 @@ class LookedUpArrival:
         tabulated: (patches,) whether each has a row in the table of materials.
     """
 
-    def __init__(self, scene: Scene, around: Surroundings, data: CacheData, tabulated: Any) -> None:
+    def __init__(self, scene: Scene, around: TracingScene, data: CacheData, tabulated: Any) -> None:
         self._around, self._built = around, around.built
         self._light = SurfelLight(scene, around.built, data, tabulated)
         strong = data.lobe >= _LEAST_LOBE_ALBEDO
@@ -94,7 +94,7 @@ class LookedUpArrival:
                 self._around,
                 sampler,
                 onto.ray,
-                EverySum(straight, color, rest),
+                UncountedSums(straight, color, rest),
                 active=onto.active & active,
                 begun=(onto.at, onto.density),
             )
@@ -220,7 +220,7 @@ class RaySums:
             )
 
 
-class EverySum(RaySums):
+class UncountedSums(RaySums):
     """The same of paths that are not counted yet."""
 
     def add(self, value: Any, light: Any, scatterings: Any, active: Any) -> None:
@@ -246,7 +246,7 @@ def _sampler(seed: int, count: int) -> Any:
     return sampler
 
 
-class Met:
+class SurfelHit:
     """What rays meet.
 
     No dataclass: Dr.Jit would carry its arrays through loops.
@@ -291,7 +291,7 @@ class SurfelLight:
         rows = np.column_stack([normals.astype(np.float32), pieces.view(np.float32)])
         self._triangles = mi.Float(aligned(rows))
 
-    def meet(self, ray: Any, hit: Any, active: Any) -> Met:
+    def meet(self, ray: Any, hit: Any, active: Any) -> SurfelHit:
         """The surfels that rays meet.
 
         Args:
@@ -308,7 +308,7 @@ class SurfelLight:
         foreign = active & ((piece & _FOREIGN) != 0)
         asked = active & ~foreign
         surfel, known = self._index.find_at(ray(hit.t), normal, piece & (_FOREIGN - 1), asked)
-        return Met(surfel, known, emits, foreign)
+        return SurfelHit(surfel, known, emits, foreign)
 
     def sent(self, scattered: int, lobes: Floats, last: Floats) -> Any:
         """A table of what surfels send on.

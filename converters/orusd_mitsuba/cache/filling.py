@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.rendering.scene.arrays import Scene
-from orusd_mitsuba.cache.links import LINKED_VERTICES, NONE, Found, Links, Straight
+from orusd_mitsuba.cache.links import LINKED_VERTICES, NONE, FoundLinks, Links, Straight
 from orusd_mitsuba.cache.population import Rays, reached
 from orusd_mitsuba.cache.surfels import NEAREST_PER_SIZE, SurfelIndex, SurfelTable, tabulate
-from orusd_mitsuba.cache.tracing import Surroundings, follow
+from orusd_mitsuba.cache.tracing import TracingScene, follow
 from orusd_mitsuba.plugins import microfacet
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.lattice import FirstDimensions
@@ -52,7 +52,7 @@ class Transport:
             belongs to that.
     """
 
-    def __init__(self, links: Found, count: int, elsewhere: int) -> None:
+    def __init__(self, links: FoundLinks, count: int, elsewhere: int) -> None:
         self._elsewhere = elsewhere
         self._all, self._crossing = [], []
         for vertex in range(LINKED_VERTICES):
@@ -79,7 +79,7 @@ class Transport:
                 into[:, opening, color] += matrices[color] @ irradiance[:, self._elsewhere, color]
 
 
-def _matrices(links: Found, which: NDArray[np.bool_], count: int) -> list[Any]:
+def _matrices(links: FoundLinks, which: NDArray[np.bool_], count: int) -> list[Any]:
     """By colour."""
     from scipy.sparse import csr_matrix
 
@@ -133,7 +133,7 @@ class CacheData:
 
 
 def fill(
-    scene: Scene, built: Any, around: Surroundings, white: Any, scatterings: int, seed: int
+    scene: Scene, built: Any, around: TracingScene, white: Any, scatterings: int, seed: int
 ) -> CacheData:
     """Fill the cache of a room.
 
@@ -190,7 +190,7 @@ class Points:
 
 
 def _points(
-    around: Surroundings, index: SurfelIndex, rays: Rays, size_m: float
+    around: TracingScene, index: SurfelIndex, rays: Rays, size_m: float
 ) -> tuple[Points, SurfelTable] | None:
     """The rays by surfels, and these; None where none comes from far enough.
 
@@ -232,7 +232,7 @@ def _points(
 
 
 def _divided(
-    around: Surroundings, index: SurfelIndex, rays: Rays, surfels: NDArray[np.int64], size_m: float
+    around: TracingScene, index: SurfelIndex, rays: Rays, surfels: NDArray[np.int64], size_m: float
 ) -> NDArray[np.bool_]:
     """Whether something stands between the points of a ray's surfel: two rooms may meet there.
 
@@ -259,7 +259,7 @@ def _divided(
 
 
 def _gathered(
-    around: Surroundings, index: SurfelIndex, white: Any, points: Points, orders: int, seed: int
+    around: TracingScene, index: SurfelIndex, white: Any, points: Points, orders: int, seed: int
 ) -> tuple[Floats, Transport]:
     """(orders, N, L, 3) what lights send, and what surfels send to each other."""
     count, lights = len(points.starts) - 1, around.index.count
@@ -284,15 +284,18 @@ def _gathered(
         met = links.found()
         found.append(replace(met, row=surfels[met.row // _PATHS_A_SURFEL]))
     scale = np.float32(np.pi / _PATHS_A_SURFEL)
-    every = Found(
-        *(np.concatenate([getattr(part, field.name) for part in found]) for field in fields(Found))
+    every = FoundLinks(
+        *(
+            np.concatenate([getattr(part, field.name) for part in found])
+            for field in fields(FoundLinks)
+        )
     )
     every = replace(every, weight=scale * every.weight)
     return scale * straight, Transport(every, count, around.index.elsewhere)
 
 
 def _matter(
-    around: Surroundings, index: SurfelIndex, points: Points
+    around: TracingScene, index: SurfelIndex, points: Points
 ) -> tuple[Floats, Floats, Floats, NDArray[np.uint32]]:
     """See `CacheData`: what surfels are made of, in the mean over some of their points."""
     surfels = np.arange(len(points.starts) - 1)

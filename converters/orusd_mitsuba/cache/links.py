@@ -23,7 +23,7 @@ _SIDES: Final = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundLinks:
     """Links, one a row.
 
     Attributes:
@@ -84,12 +84,12 @@ class Links:
         for plane, value in zip(self._weights, weight, strict=True):
             dr.scatter(plane, value, slot, active)
 
-    def found(self) -> Found:
+    def found(self) -> FoundLinks:
         """What was met."""
         surfels = np.asarray(self._surfels.numpy())
         slots = np.flatnonzero(surfels != NONE)
         weights = np.column_stack([np.asarray(plane.numpy())[slots] for plane in self._weights])
-        return Found(
+        return FoundLinks(
             slots // (self._paths * _SIDES),
             slots % self._paths,
             surfels[slots].astype(np.int64),

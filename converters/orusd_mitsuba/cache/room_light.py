@@ -14,7 +14,7 @@ from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.arriving import LookedUpArrival
 from orusd_mitsuba.cache.filling import CacheData, fill
 from orusd_mitsuba.cache.surfels import NEAREST_PER_SIZE, SurfelIndex, SurfelTable
-from orusd_mitsuba.cache.tracing import Surroundings, follow
+from orusd_mitsuba.cache.tracing import TracingScene, follow
 from orusd_mitsuba.plugins.build import Builder
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.light_index import LightIndex
@@ -80,10 +80,10 @@ class RoomLight:
         light_store.save(key, _arrays_of(data), places)
         return data
 
-    def _around(self, known: Any, depth: int) -> Surroundings:
+    def _around(self, known: Any, depth: int) -> TracingScene:
         table = self._builder.table
         assert table is not None, "without a table of materials there is nothing to look up"
-        return Surroundings(self._built, self._index, table, self._tabulated, known, depth)
+        return TracingScene(self._built, self._index, table, self._tabulated, known, depth)
 
     @cached_property
     def _tabulated(self) -> Any:
@@ -98,7 +98,7 @@ class CachedPaths:
         around: The scene and its cache.
     """
 
-    def __init__(self, around: Surroundings) -> None:
+    def __init__(self, around: TracingScene) -> None:
         self._around = around
 
     def follow(
@@ -176,7 +176,7 @@ def _data_of(arrays: dict[str, NDArray[Any]], limits: int, lights: int) -> Cache
 
 
 @runtime_checkable
-class Noting(Protocol):
+class LinkRecorder(Protocol):
     """Sums that have a place for what the cache had."""
 
     def looked_up(self, value: Any, active: Any) -> None:
@@ -272,7 +272,7 @@ class LightCache:
             sums.add(color, source, scatterings, active)
             total += color
             light += 1
-        if dr.hint(isinstance(sums, Noting), mode="scalar"):
+        if dr.hint(isinstance(sums, LinkRecorder), mode="scalar"):
             sums.looked_up(total, active)
 
 

@@ -29,7 +29,7 @@ _ROULETTE_FROM_SEGMENT: Final = 5
 _MOST_SURVIVAL: Final = 0.95
 
 
-class Known(Protocol):
+class CacheLookup(Protocol):
     """What is known of surfaces."""
 
     passing: bool
@@ -75,7 +75,7 @@ class Known(Protocol):
         ...
 
 
-class Surroundings:
+class TracingScene:
     """What paths are followed in.
 
     No dataclass: Dr.Jit would carry its arrays through loops.
@@ -95,7 +95,7 @@ class Surroundings:
         index: LightIndex,
         materials: MaterialTable,
         rows: Any,
-        known: Known,
+        known: CacheLookup,
         depth: int,
     ) -> None:
         self.built, self.index, self.materials = built, index, materials
@@ -103,9 +103,9 @@ class Surroundings:
         self._rows = rows
         self.mixed = not bool(np.asarray(rows.numpy()).all())
 
-    def knowing(self, known: Known) -> "Surroundings":
+    def knowing(self, known: CacheLookup) -> "TracingScene":
         """The same with another cache."""
-        return Surroundings(self.built, self.index, self.materials, self._rows, known, self.depth)
+        return TracingScene(self.built, self.index, self.materials, self._rows, known, self.depth)
 
     def tabulated(self, shape: Any, active: Any) -> Any:
         """Whether shapes have a row in the table of materials."""
@@ -117,7 +117,7 @@ class Surroundings:
 
 @dr.syntax
 def follow(
-    around: Surroundings,
+    around: TracingScene,
     sampler: Any,
     ray: Any,
     sums: Any,

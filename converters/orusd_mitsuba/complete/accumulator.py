@@ -265,7 +265,7 @@ class Mirrored:
         self._sums.looked_up(value, active)
 
 
-class EitherOf:
+class SplitAccumulator:
     """Receives the light of one of both kinds of directions: `path_tracing.Accumulator`.
 
     Args:

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.complete.accumulator import (
-    EitherOf,
     Mirrored,
     Received,
     Reflected,
+    SplitAccumulator,
     WholeAccumulator,
     pictures,
     pictures_of,
@@ -59,7 +59,7 @@ _PIXEL_SALT, _LENS_SALT, _COSINE_SALT, _REST_SALT = 1, 2, 3, 4
 
 
 @dataclass(frozen=True)
-class Wanted:
+class RequestedOutputs:
     """Which parts a picture is made for; what is left out costs nothing.
 
     Attributes:
@@ -101,7 +101,7 @@ class CompleteIntegrator(BandedIntegrator):
         width: int,
         height: int,
         depth: int,
-        wanted: Wanted = Wanted(),
+        wanted: RequestedOutputs = RequestedOutputs(),
         paths: Paths | None = None,
     ) -> None:
         self._paths = paths
@@ -182,7 +182,7 @@ class CompleteIntegrator(BandedIntegrator):
             self._go_on(rest, sampler, others)
         else:
             which, either = _either(at, cosine, rest, sampler.next_1d())
-            self._go_on(either, sampler, EitherOf(which, others, onwards))
+            self._go_on(either, sampler, SplitAccumulator(which, others, onwards))
 
     def _in_panes(self, ray: Any, end: Any, sampler: Any, sums: WholeAccumulator) -> None:
         """What the camera sees mirrored in panes; each sample also looks straight through them."""

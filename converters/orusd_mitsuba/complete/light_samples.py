@@ -30,7 +30,7 @@ _LAMP_SALT: Final = 1000
 _OPENING_SALT: Final = 1_000_000
 
 
-class Found(Protocol):
+class LightSampleSink(Protocol):
     """Receives light samples."""
 
     def __call__(
@@ -94,7 +94,9 @@ class LightSamples:
                 row += len(scene.patches[patch].triangles)
         self._starts = mi.UInt32(starts)
 
-    def draw(self, si: Any, crossed: Any, numbers: PixelLattice, active: Any, found: Found) -> None:
+    def draw(
+        self, si: Any, crossed: Any, numbers: PixelLattice, active: Any, found: LightSampleSink
+    ) -> None:
         """Sample every light once, the surroundings by each of their techniques.
 
         Args:
@@ -120,7 +122,9 @@ class LightSamples:
             self._draw_openings(si, crossed, numbers, active, found)
 
     @dr.syntax
-    def _draw_lamps(self, si: Any, numbers: PixelLattice, active: Any, found: Found) -> None:
+    def _draw_lamps(
+        self, si: Any, numbers: PixelLattice, active: Any, found: LightSampleSink
+    ) -> None:
         lamp = mi.UInt32(0)
         while lamp < self._lamps:
             salt = lamp + _LAMP_SALT
@@ -140,7 +144,7 @@ class LightSamples:
 
     @dr.syntax
     def _draw_openings(
-        self, si: Any, crossed: Any, numbers: PixelLattice, active: Any, found: Found
+        self, si: Any, crossed: Any, numbers: PixelLattice, active: Any, found: LightSampleSink
     ) -> None:
         row = mi.UInt32(0)
         while row < self._rectangles:
@@ -153,7 +157,7 @@ class LightSamples:
             row += 1
 
     def _by_sky(
-        self, si: Any, direction: Any, density: Any, light: Any, active: Any, found: Found
+        self, si: Any, direction: Any, density: Any, light: Any, active: Any, found: LightSampleSink
     ) -> None:
         active = active & (density > 0.0)
         towards = dr.zeros(mi.SurfaceInteraction3f, dr.width(direction))

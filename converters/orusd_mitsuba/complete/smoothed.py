@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.channels import numbered
 from orusd_mitsuba.complete.accumulator import GUIDES, OF_LIGHT, ONCE
-from orusd_mitsuba.complete.smoothing import Slowness, smoothed
+from orusd_mitsuba.complete.smoothing import IrradianceGradient, smoothed
 from orusd_mitsuba.pictures import BLOCK_PIXELS, Pick, Pictures
 from orusd_mitsuba.transport.sampling import Halves
 
@@ -41,7 +41,7 @@ class _Part:
 
     name: str
     over: str | None
-    slowness: Callable[[Floats], Slowness]
+    slowness: Callable[[Floats], IrradianceGradient]
     of_light: str
     whole: tuple[str, ...]
 
@@ -50,21 +50,21 @@ _PARTS: Final = (
     _Part(
         "irradiance_indirect",
         None,
-        Slowness.of_irradiance,
+        IrradianceGradient.of_irradiance,
         "irradiance_i",
         ("irradiance", "irradiance_indirect"),
     ),
     _Part(
         "diffuse_indirect",
         "albedo",
-        Slowness.of_irradiance,
+        IrradianceGradient.of_irradiance,
         "radiance_i",
         ("radiance", "indirect", "diffuse"),
     ),
     _Part(
         "rest_indirect",
         "lobe_albedo",
-        Slowness.of_lobes,
+        IrradianceGradient.of_lobes,
         "radiance_i",
         ("radiance", "indirect", "specular"),
     ),

@@ -50,7 +50,7 @@ _MOST_LEVELS: Final = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Slowness:
+class IrradianceGradient:
     """How slowly some light varies at the pixels of a picture.
 
     Attributes:
@@ -66,26 +66,26 @@ class Slowness:
     least_pixels: float
 
     @staticmethod
-    def of_irradiance(guides: Floats) -> "Slowness":
+    def of_irradiance(guides: Floats) -> "IrradianceGradient":
         """Of what arrives indirectly."""
         nearness = guides[GUIDES.index("nearness")]
         coverage = nearness[..., 1]
         change = nearness[..., 0] / np.maximum(coverage, 1e-6) / _RADIUS_PER_DISTANCE
         turn = np.full_like(coverage, _TURN)
-        return Slowness(coverage, change, turn, _LEAST_RADIUS_PIXELS)
+        return IrradianceGradient(coverage, change, turn, _LEAST_RADIUS_PIXELS)
 
     @staticmethod
-    def of_lobes(guides: Floats) -> "Slowness":
+    def of_lobes(guides: Floats) -> "IrradianceGradient":
         """Of what specular lobes mirror indirectly."""
         lobe = guides[GUIDES.index("lobe")]
         coverage = lobe[..., 2]
         width, change = (lobe[..., row] / np.maximum(coverage, 1e-6) for row in range(2))
         width = np.maximum(width, 1e-4)
         change = change / (_RADIUS_PER_FOOTPRINT * width)
-        return Slowness(coverage, change, _TURN_OF_LOBE * width**2, 0.0)
+        return IrradianceGradient(coverage, change, _TURN_OF_LOBE * width**2, 0.0)
 
 
-def smoothed(planes: Iterable[Floats], guides: Floats, how: Slowness) -> list[Floats]:
+def smoothed(planes: Iterable[Floats], guides: Floats, how: IrradianceGradient) -> list[Floats]:
     """Pictures of light, each averaged over neighbours by the same weights.
 
     Args:
@@ -114,7 +114,7 @@ class _Surfaces:
         how: See `smoothed`.
     """
 
-    def __init__(self, guides: Floats, how: Slowness) -> None:
+    def __init__(self, guides: Floats, how: IrradianceGradient) -> None:
         _, self._height, self._width, _ = guides.shape
         normal, point, near = (guides[GUIDES.index(n)] for n in ("normal", "position", "nearness"))
         length = np.maximum(np.linalg.norm(normal, axis=-1), 1e-9)

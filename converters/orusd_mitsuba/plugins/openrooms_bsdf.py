@@ -55,7 +55,7 @@ class Matter:
         return dr.lerp(mi.Color3f(self.f0), self.base_color, self.metallic)
 
 
-class Source(Protocol):
+class TextureSource(Protocol):
     """Where a BSDF has its matter from."""
 
     def __call__(self, si: Any, active: Any) -> Matter:
@@ -153,7 +153,7 @@ class Reflection:
     passage: Any
 
     @staticmethod
-    def at(source: Source, context: Any, si: Any, active: Any) -> "Reflection":
+    def at(source: TextureSource, context: Any, si: Any, active: Any) -> "Reflection":
         """All parts that a context asks for."""
         flags = mi.BSDFFlags
         parts = (flags.GlossyReflection, flags.DiffuseReflection, flags.DiffuseTransmission)

@@ -8,7 +8,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.hemisphere import Cells
+from openrooms_usd.geometry.hemisphere import HemisphereGrid
 from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import TEA_ROUNDS
 
@@ -55,7 +55,7 @@ class Layout:
     size: int
 
     @staticmethod
-    def listed(points: int, cells: Cells) -> "Layout":
+    def listed(points: int, cells: HemisphereGrid) -> "Layout":
         """One point after the other."""
         return Layout(np.arange(points) * cells.count, cells.columns, points * cells.count)
 
@@ -76,15 +76,15 @@ class PointArrays:
         self._geometric = mi.Normal3f(*_columns(points.geometric))
         self._axes = [mi.Vector3f(*_columns(points.frames[:, row])) for row in range(3)]
 
-    def at(self, point: Any) -> tuple[Any, "Frame"]:
+    def at(self, point: Any) -> tuple[Any, "AxisTriple"]:
         """The interactions at some of the points, and the frames there."""
         found = dr.zeros(mi.SurfaceInteraction3f, dr.width(point))
         found.p = dr.gather(mi.Point3f, self._position, point)
         found.n = dr.gather(mi.Normal3f, self._geometric, point)
-        return found, Frame(*(dr.gather(mi.Vector3f, axis, point) for axis in self._axes))
+        return found, AxisTriple(*(dr.gather(mi.Vector3f, axis, point) for axis in self._axes))
 
 
-class Frame:
+class AxisTriple:
     """Three unit vectors, of either handedness, which Mitsuba's own frames have not.
 
     No dataclass: Dr.Jit would carry its arrays through loops.
@@ -103,7 +103,7 @@ class Frame:
 
 
 class CellArrays:
-    """`Cells` as arrays of the active variant.
+    """`HemisphereGrid` as arrays of the active variant.
 
     Args:
         cells: How directions are divided.
@@ -112,7 +112,7 @@ class CellArrays:
         shape: The same.
     """
 
-    def __init__(self, cells: Cells) -> None:
+    def __init__(self, cells: HemisphereGrid) -> None:
         self.shape = cells
         self._edges = mi.Float(1.0 - cells.edges)
         self._solid_angles = mi.Float(cells.solid_angles)
@@ -150,7 +150,7 @@ class CellPictures:
         count: Of pictures.
     """
 
-    def __init__(self, layout: Layout, cells: Cells, count: int) -> None:
+    def __init__(self, layout: Layout, cells: HemisphereGrid, count: int) -> None:
         self._layout, self._cells = layout, cells
         self._pixels = dr.zeros(mi.Float, count * 3 * layout.size)
 

@@ -14,7 +14,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.hemisphere import Cells
+from openrooms_usd.geometry.hemisphere import HemisphereGrid
 from orusd_mitsuba.transport.arrival import Arrival, Start, TracedArrival, reference_light_samples
 from orusd_mitsuba.transport.cells import (
     CellArrays,
@@ -47,7 +47,7 @@ class IncidentRadiance:
         self,
         built: Any,
         index: LightIndex,
-        cells: Cells,
+        cells: HemisphereGrid,
         points: Points,
         depth: int,
         arrival: Arrival | None = None,

@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.geometry.hemisphere import PANORAMA, Cells
+from openrooms_usd.geometry.hemisphere import PANORAMA, HemisphereGrid
 from openrooms_usd.rendering import Image, RenderRequest
 from openrooms_usd.rendering.probes import ProbeRequest
 from openrooms_usd.rendering.scene.pictures import Array
@@ -42,7 +42,7 @@ class ProbeIntegrator:
     def __init__(
         self, built: Any, index: LightIndex, position: Array, size: tuple[int, int], depth: int
     ) -> None:
-        cells = Cells(*size, np.pi)
+        cells = HemisphereGrid(*size, np.pi)
         point = Points(position[None], PANORAMA[None], np.zeros((1, 3)))
         self._incident = IncidentRadiance(built, index, cells, point, depth)
         self.planes, self.size = 1, size

@@ -29,7 +29,7 @@ from orusd_openrooms.scenes.lightboxes import FORM, light_files, panorama
 from orusd_openrooms.scenes.materials import Materials, losses
 from orusd_openrooms.scenes.modelfiles import ModelFiles, plain_steps
 from orusd_openrooms.scenes.objects import Object, Objects, objects_of
-from orusd_openrooms.scenes.records import Bsdf, SceneFile, Shape, Step
+from orusd_openrooms.scenes.records import Bsdf, SceneFile, ShapeRecord, Step
 
 _DECIMALS: Final = 6
 # A turn's axis needs more: an error counts as often as a point is away from it.
@@ -117,7 +117,7 @@ class _Export:
         atomic.write_text(folder / f"{self.variant}.xml", scene_text(file))
         self._report_losses()
 
-    def _write_surfaces(self) -> tuple[dict[str, Bsdf], list[Shape]]:
+    def _write_surfaces(self) -> tuple[dict[str, Bsdf], list[ShapeRecord]]:
         """The meshes and materials of the shell, and of what stands in it."""
         materials = Materials(self.root, _UP)
         bsdfs, shapes = write_layout(
@@ -262,7 +262,7 @@ def _bsdf(bsdf: Bsdf) -> Element:
     return element
 
 
-def _shape(shape: Shape) -> Element:
+def _shape(shape: ShapeRecord) -> Element:
     element = Element("shape", id=shape.id, type="obj")
     SubElement(element, "string", name="filename", value=shape.file)
     if shape.radiance is not None:

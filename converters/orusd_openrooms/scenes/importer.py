@@ -15,7 +15,7 @@ from openrooms_usd.unpickling import read_pickled
 from orusd_openrooms.readers import read_cameras
 from orusd_openrooms.scenes import materials
 from orusd_openrooms.scenes.records import Bsdf, Color, SceneFile, Step, whole
-from orusd_openrooms.scenes.scene import MARK, Placed, Scene, load_scene
+from orusd_openrooms.scenes.scene import MARK, PlacedShape, Scene, load_scene
 
 # A scene of the release has about twenty.
 _MOST_CAMERAS: Final = 10_000
@@ -123,7 +123,7 @@ def _cameras(source: Path, options: Mapping[str, str]) -> Path | None:
     return beside if beside.is_file() else None
 
 
-def _model(scene: Scene, one: Placed) -> capture.CapturedModel:
+def _model(scene: Scene, one: PlacedShape) -> capture.CapturedModel:
     low, high = one.extent
     return capture.CapturedModel(
         id=one.item.id,
@@ -140,7 +140,7 @@ def _model(scene: Scene, one: Placed) -> capture.CapturedModel:
     )
 
 
-def _emitted(one: Placed) -> Color | None:
+def _emitted(one: PlacedShape) -> Color | None:
     """What it emits; lamps of ours that stand for those that do not emit are off, too."""
     stands_in = one.file is None and one.item.kind == "lamp"
     return (0.0, 0.0, 0.0) if stands_in and not one.item.radiance else one.item.radiance

@@ -18,7 +18,7 @@ from openrooms_usd.usd.light.emitters import world_from_prim
 from orusd_openrooms.scenes.materials import Materials, losses, mapping
 from orusd_openrooms.scenes.modelfiles import Faces, obj_bytes
 from orusd_openrooms.scenes.objects import SHELL, Objects
-from orusd_openrooms.scenes.records import Bsdf, Shape, Step
+from orusd_openrooms.scenes.records import Bsdf, ShapeRecord, Step
 
 _LEAST_THICKNESS_M = 0.01
 # How far an opening's middle may lie from the side that it is cut into, metres.
@@ -168,7 +168,7 @@ def write_layout(
     name: str,
     materials: Materials,
     up: str,
-) -> tuple[dict[str, Bsdf], list[Shape]]:
+) -> tuple[dict[str, Bsdf], list[ShapeRecord]]:
     """Write ``uv_mapped.obj`` and ``container.obj``.
 
     Args:
@@ -202,7 +202,7 @@ def write_layout(
     around = outside(floor, thickness)
     inner = shell_faces(floor, 0.0, height, openings, worn)
     outer = shell_faces(around, -thickness, height + thickness, openings, worn)
-    shapes: list[Shape] = []
+    shapes: list[ShapeRecord] = []
     for file, faces in (("uv_mapped.obj", inner), ("container.obj", outer)):
         path = f"layoutMesh/{name}/{file}"
         atomic.write_bytes(root / path, obj_bytes(faces))
@@ -211,7 +211,9 @@ def write_layout(
             Step.rotate(90.0, np.array([-1.0, 0.0, 0.0])),
             Step.translate(0.0, 0.0, 0.0),
         )
-        shapes.append(Shape(len(shapes), f"{name}_object", f"{up}{path}", steps, tuple(bsdfs)))
+        shapes.append(
+            ShapeRecord(len(shapes), f"{name}_object", f"{up}{path}", steps, tuple(bsdfs))
+        )
     return bsdfs, shapes
 
 

@@ -16,7 +16,7 @@ from openrooms_usd.rendering.scene.triangles import Triangles
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
 from orusd_openrooms.scenes.materials import Materials, mapping
 from orusd_openrooms.scenes.objects import Object
-from orusd_openrooms.scenes.records import Bsdf, Shape, Step
+from orusd_openrooms.scenes.records import Bsdf, ShapeRecord, Step
 from orusd_openrooms.scenes.sceneobjects import label_of
 
 # Meshes as OBJ files, as OpenRooms' loaders read them: triangles, single blanks, `usemtl`.
@@ -115,7 +115,7 @@ class ModelFiles:
         """What readers take an object for; the object is written."""
         return self._model(item).label
 
-    def shapes(self, item: Object, first: int) -> Iterator[Shape]:
+    def shapes(self, item: Object, first: int) -> Iterator[ShapeRecord]:
         """The shapes of an object, counted from a number.
 
         Raises:
@@ -124,7 +124,7 @@ class ModelFiles:
         model, radiance = self._model(item), item.radiance
         for number, file in enumerate(model.files, first):
             emits = radiance is not None and file in (_LIT, _WHOLE)
-            yield Shape(
+            yield ShapeRecord(
                 number,
                 f"{model.folder.replace('/', '_')}_object",
                 f"{self.up}uv_mapped/{model.folder}/{file}",

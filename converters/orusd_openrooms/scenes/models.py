@@ -14,7 +14,7 @@ import numpy as np
 from openrooms_usd import names, untrusted
 from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.models.pieces import Piece, prim_names
+from openrooms_usd.library.models.pieces import ModelPart, prim_names
 from openrooms_usd.library.models.wavefront import read_obj
 from orusd_openrooms.scenes.materials import Find, pictures_of, stand_in, surface_of
 from orusd_openrooms.scenes.records import Bsdf
@@ -59,10 +59,10 @@ class CadModel:
                 pieces.append(piece)
                 wears.append(bsdf)
         prims = prim_names(titles)
-        self.pieces: dict[str, Piece] = dict(zip(prims, pieces, strict=True))
+        self.pieces: dict[str, ModelPart] = dict(zip(prims, pieces, strict=True))
         self.wears: dict[str, Bsdf | None] = dict(zip(prims, wears, strict=True))
 
-    def _worn(self, piece: Piece, bsdfs: Mapping[str, Bsdf]) -> Bsdf:
+    def _worn(self, piece: ModelPart, bsdfs: Mapping[str, Bsdf]) -> Bsdf:
         """The material of a piece; of several that its shape may name the one of that name."""
         refs = self.item.refs
         if piece.material in refs:
@@ -134,7 +134,7 @@ def _part(bsdf: Bsdf, item: SceneObject) -> str:
     return bsdf.id.removeprefix(prefix) or "part"
 
 
-def _check(piece: Piece, file: Path) -> None:
+def _check(piece: ModelPart, file: Path) -> None:
     points = piece.mesh.points
     if not np.isfinite(points).all() or (np.abs(points) > _MOST_M).any():
         raise InputError(
@@ -142,7 +142,7 @@ def _check(piece: Piece, file: Path) -> None:
         )
 
 
-def _written(pieces: Mapping[str, Piece], surfaces: Mapping[str, object]) -> bytes:
+def _written(pieces: Mapping[str, ModelPart], surfaces: Mapping[str, object]) -> bytes:
     from pxr import Usd, UsdGeom, UsdShade
 
     from openrooms_usd.usd.files.layers import export

@@ -26,7 +26,7 @@ _SHIFT: Final = "xformOp:translate:placed"
 
 
 @dataclass(eq=False)
-class Part:
+class ObjectPart:
     """The triangles of an object that share a surface.
 
     Attributes:
@@ -62,7 +62,7 @@ class Object:
     world_from_object: Array
     shifts: tuple[Array, ...]
     prototype: str
-    parts: dict[tuple[str, int], Part] = field(default_factory=dict)
+    parts: dict[tuple[str, int], ObjectPart] = field(default_factory=dict)
     baked: str = ""
 
     @property
@@ -124,7 +124,7 @@ def objects_of(stage: Usd.Stage, scene: Scene) -> Objects:
                 members[root] = _object(stage, root)
             item = members[root]
             name = names.LIGHT_BULB if patch.radiance is not None else _name(path)
-            own = item.parts.setdefault((name, id(patch)), Part(name, material, patch))
+            own = item.parts.setdefault((name, id(patch)), ObjectPart(name, material, patch))
             here = np.flatnonzero(patch.triangles.pieces == row)
             own.triangles.append(patch.triangles.rows(here))
     order = sorted(members, key=lambda path: (not path.startswith(names.FURNITURE), path))
@@ -179,7 +179,7 @@ def _shifts(prim: Usd.Prim) -> tuple[Array, ...]:
     return tuple(reversed(found))
 
 
-def _area(part: Part) -> float:
+def _area(part: ObjectPart) -> float:
     corners = np.concatenate([one.corners for one in part.triangles])
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     return float(0.5 * np.linalg.norm(np.cross(a, b), axis=1).sum())

@@ -16,7 +16,7 @@ import numpy as np
 
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.models.plainxml import read_xml
-from orusd_openrooms.scenes.records import Bsdf, Color, SceneFile, Shape, Step
+from orusd_openrooms.scenes.records import Bsdf, Color, SceneFile, ShapeRecord, Step
 
 # The released scenes have some fifty shapes and a thousand elements.
 _MOST_SHAPES: Final = 10_000
@@ -107,12 +107,12 @@ class _Reader:
             uv_scale=self.number(element, "uvScale", where, usual.uv_scale),
         )
 
-    def shape(self, number: int, element: Element) -> Shape:
+    def shape(self, number: int, element: Element) -> ShapeRecord:
         name = element.get("id") or ""
         where = f"shape {number} {name[:80]!r}"
         if element.get("type") != "obj":
             self.notes.append(f"{where} is {str(element.get('type'))[:40]!r}, not obj: left out")
-            return Shape(number, name, "")
+            return ShapeRecord(number, name, "")
         transforms = element.findall("transform")
         if len(transforms) > 1:
             raise self.error(where, "it has more than one transform")
@@ -128,7 +128,7 @@ class _Reader:
             if len(rgb) != 1 or rgb[0].get("name", "radiance") != "radiance":
                 raise self.error(where, "its emitter has no radiance")
             radiance = self.triple(rgb[0].get("value"), where, 0.0, _BRIGHTEST)
-        return Shape(number, name, self.filename(element, where), steps, refs, radiance)
+        return ShapeRecord(number, name, self.filename(element, where), steps, refs, radiance)
 
     def step(self, element: Element, where: str) -> Step:
         get = element.get
@@ -184,7 +184,7 @@ class _Reader:
         where = "environment map"
         return self.filename(maps[0], where), self.number(maps[0], "scale", where, 1.0)
 
-    def check_refs(self, shapes: Iterable[Shape], bsdfs: dict[str, Bsdf]) -> None:
+    def check_refs(self, shapes: Iterable[ShapeRecord], bsdfs: dict[str, Bsdf]) -> None:
         """The renderer refuses materials that are not there."""
         for shape in shapes:
             unknown = next((ref for ref in shape.refs if ref not in bsdfs), None)

@@ -81,7 +81,7 @@ class Bsdf:
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class ShapeRecord:
     """A mesh in the scene. Identifiers repeat, so it is known by its number.
 
     Attributes:
@@ -116,7 +116,7 @@ class SceneFile:
     """
 
     bsdfs: dict[str, Bsdf]
-    shapes: tuple[Shape, ...]
+    shapes: tuple[ShapeRecord, ...]
     fov: float | None
     resolution: tuple[int, int]
     environment: str | None

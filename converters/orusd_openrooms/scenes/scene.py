@@ -16,7 +16,7 @@ from openrooms_usd.geometry.triangulation import triangulate
 from openrooms_usd.library.models.wavefront import read_obj
 from orusd_openrooms.scenes.models import CadModel, extent_of_file, file_of
 from orusd_openrooms.scenes.reading import read_scene
-from orusd_openrooms.scenes.records import SceneFile, Shape, Step, whole
+from orusd_openrooms.scenes.records import SceneFile, ShapeRecord, Step, whole
 from orusd_openrooms.scenes.roots import Roots, named
 from orusd_openrooms.scenes.sceneobjects import SceneObject, contents
 from orusd_openrooms.scenes.shell import RELEASE_HEIGHT_M, Hole, Shell, shell_around, shell_of
@@ -93,7 +93,7 @@ _FITTED: Final = ("door", "window", "curtain")
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedShape:
     """An object where it stands.
 
     Attributes:
@@ -144,11 +144,11 @@ class Scene:
     file: SceneFile
     roots: Roots
     scene_from_world: Array
-    layout: Shape | None
+    layout: ShapeRecord | None
     layout_file: Path | None
     shell: Shell
     openings: tuple[tuple[Hole, OpeningKind], ...]
-    placed: tuple[Placed, ...]
+    placed: tuple[PlacedShape, ...]
     cads: Mapping[str, CadModel]
     environment_file: Path | None
     filled: tuple[tuple[str, str, int], ...]
@@ -222,7 +222,9 @@ def _imported(options: Mapping[str, str]) -> bool:
     return "root" in options and (Path(options["root"]) / MARK).is_file()
 
 
-def _layout_file(layout: Shape | None, roots: Roots, options: Mapping[str, str]) -> Path | None:
+def _layout_file(
+    layout: ShapeRecord | None, roots: Roots, options: Mapping[str, str]
+) -> Path | None:
     if "layout" in options:
         return Path(options["layout"])
     return roots.find(named(layout.file, "layout")) if layout is not None else None
@@ -248,14 +250,14 @@ def _placed(
     world_from_scene: Array,
     height: float,
     cads: dict[str, CadModel],
-) -> Placed:
+) -> PlacedShape:
     """An object with what shows it: what an import wrote, the dataset's meshes, or nothing."""
     stands = pose_of(item.steps, world_from_scene)
     up: Literal["Y", "Z"] = "Z" if abs(stands.final[2, 2]) > abs(stands.final[2, 1]) else "Y"
     model = item.model.path
     written = roots.find(file_of(item.model))
     if written is not None:
-        return Placed(item, stands, written, extent_of_file(written), up, {})
+        return PlacedShape(item, stands, written, extent_of_file(written), up, {})
     if model not in cads:
         files = [roots.find(name) for name, _ in item.files]
         there = [path for path in files if path is not None]
@@ -264,11 +266,11 @@ def _placed(
     if model in cads:
         found = roots.find(item.files[0][0])
         cad = cads[model]
-        return Placed(item, stands, found, cad.extent, up, cad.looks(roots.find))
+        return PlacedShape(item, stands, found, cad.extent, up, cad.looks(roots.find))
     scale = np.linalg.norm(stands.final[:3, :3], axis=0)
     ceiling = height if item.kind == "lamp" and _hangs(item.label) else None
     extent = extent_of(item.label, scale, float(stands.final[2, 3]), ceiling)
-    return Placed(item, stands, None, extent, "Y", {})
+    return PlacedShape(item, stands, None, extent, "Y", {})
 
 
 def _hangs(label: str) -> bool:
@@ -282,7 +284,7 @@ def _filling(hole: Hole, missing: set[str]) -> OpeningKind:
     return "window" if "window" in missing else "opening"
 
 
-def _rebuilt(placed: Sequence[Placed], notes: list[str]) -> Shell:
+def _rebuilt(placed: Sequence[PlacedShape], notes: list[str]) -> Shell:
     """The room around its objects, where the layout is not there."""
     holes = [_hole(one) for one in placed if one.item.kind in ("door", "window") and one.file]
     inside = [one.box for one in placed if one.item.kind not in _FITTED]
@@ -299,7 +301,7 @@ def _rebuilt(placed: Sequence[Placed], notes: list[str]) -> Shell:
     return shell_around(np.concatenate(boxes), [hole.direction for hole in holes], holes)
 
 
-def _hole(one: Placed) -> Hole:
+def _hole(one: PlacedShape) -> Hole:
     """The hole that a door or a window was fitted to: smaller than its box by the frame."""
     box = one.box
     final = one.pose.final

@@ -9,7 +9,7 @@ from typing import Final, Literal
 import numpy as np
 
 from openrooms_usd.furniture.registry import records
-from orusd_openrooms.scenes.records import Color, Shape, Step, whole
+from orusd_openrooms.scenes.records import Color, ShapeRecord, Step, whole
 from orusd_openrooms.scenes.roots import Named, named
 
 Kind = Literal["door", "window", "curtain", "lamp", "furniture"]
@@ -79,7 +79,7 @@ class Contents:
         members: All else.
     """
 
-    layout: Shape | None
+    layout: ShapeRecord | None
     container: bool
     members: tuple[SceneObject, ...]
 
@@ -94,7 +94,7 @@ def label_of(folder: str) -> str:
     return folder if folder in _BUILT_IN else _synsets().get(folder, folder)
 
 
-def contents(shapes: Sequence[Shape]) -> Contents:
+def contents(shapes: Sequence[ShapeRecord]) -> Contents:
     """Sort the shapes of a scene.
 
     Raises:
@@ -108,7 +108,7 @@ def contents(shapes: Sequence[Shape]) -> Contents:
     return Contents(layout, container, tuple(_things(rest)))
 
 
-def _things(rest: Sequence[tuple[Shape, Named]]) -> Iterator[SceneObject]:
+def _things(rest: Sequence[tuple[ShapeRecord, Named]]) -> Iterator[SceneObject]:
     """Each shape, and a lamp's shade together with its light wherever that stands in the file."""
     taken: set[int] = set()
     for at, (shape, file) in enumerate(rest):
@@ -122,7 +122,7 @@ def _things(rest: Sequence[tuple[Shape, Named]]) -> Iterator[SceneObject]:
         yield SceneObject(shape.number, _model(file), _kind(file), files, shape.steps, refs)
 
 
-def _partner(rest: Sequence[tuple[Shape, Named]], at: int, taken: set[int]) -> int | None:
+def _partner(rest: Sequence[tuple[ShapeRecord, Named]], at: int, taken: set[int]) -> int | None:
     """The other half of a lamp: in the same folder and at the same place."""
     shape, file = rest[at]
     other = {_SHADE: _LIGHT, _LIGHT: _SHADE}.get(file.parts[-1])

@@ -16,7 +16,7 @@ from orusd_scans.records import Node, text
 from orusd_scans.roomplan.curves import Arc, fitted_arc
 from orusd_scans.roomplan.meshes import Hole, floor_outline, holes, is_flat, lowered, missing, span
 from orusd_scans.roomplan.records import Record
-from orusd_scans.roomplan.shapes import AGAIN, Shape, shape_of
+from orusd_scans.roomplan.shapes import AGAIN, RoomPlanShape, shape_of
 
 LISTS: Final = {
     "wall": "walls",
@@ -122,7 +122,7 @@ def _box(points: Array, is_surface: bool) -> tuple[Array, Array]:
     return size, middle
 
 
-def _wall(identifier: str, shape: Shape, place: str) -> tuple[Record, list[Hole]]:
+def _wall(identifier: str, shape: RoomPlanShape, place: str) -> tuple[Record, list[Hole]]:
     """A wall that is a mesh, and its holes: flat, or a part of a cylinder."""
     ends = span(shape.points)
     x = shape.points[:, 0]
@@ -160,7 +160,7 @@ def _front(points: Array) -> Array:
     return np.asarray(points[front])
 
 
-def _moved(shape: Shape, middle: Array) -> Array:
+def _moved(shape: RoomPlanShape, middle: Array) -> Array:
     moved = shape.source_from_local.copy()
     moved[:3, 3] += moved[:3, :3] @ middle
     return moved

@@ -28,7 +28,7 @@ _CORNERS: Final = np.array(list(product((-0.5, 0.5), repeat=3)))
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class RoomPlanShape:
     """What a component looks like.
 
     Attributes:
@@ -48,7 +48,7 @@ class Shape:
 
 def shape_of(
     prim: Sdf.PrimSpec, name: str, layers: Mapping[str, Sdf.Layer], place: str
-) -> Shape | None:
+) -> RoomPlanShape | None:
     """The geometry of a component; None where there is none.
 
     Args:
@@ -75,7 +75,7 @@ def shape_of(
         return None
     models = [asset for below in walk([prim]) for asset in _assets(below)]
     model = posixpath.basename(models[0]).partition(".")[0] if models else ""
-    return Shape(frame, np.concatenate(points), faces, has_mesh, model)
+    return RoomPlanShape(frame, np.concatenate(points), faces, has_mesh, model)
 
 
 def walk(

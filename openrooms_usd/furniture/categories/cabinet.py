@@ -8,7 +8,7 @@ import numpy as np
 from openrooms_usd.furniture.construction import STORAGE_ROWS
 from openrooms_usd.furniture.joinery.carcass import Carcass, closed, plinth_height
 from openrooms_usd.furniture.joinery.cells import BOARD, Cell, columns, rows
-from openrooms_usd.furniture.joinery.fronts import Look, doors, drawers, drawn_look
+from openrooms_usd.furniture.joinery.fronts import FrontDesign, doors, drawers, drawn_look
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import STORAGE
@@ -69,19 +69,19 @@ def open_case(size: Size, rng: np.random.Generator) -> Furniture:
     return cabinet.made.furniture()
 
 
-Fill = Callable[[Carcass, Cell, Look], None]
+Fill = Callable[[Carcass, Cell, FrontDesign], None]
 
 
-def _fill_doors(cabinet: Carcass, cell: Cell, look: Look) -> None:
+def _fill_doors(cabinet: Carcass, cell: Cell, look: FrontDesign) -> None:
     doors(cabinet.made, cell, cabinet.face, look)
     _fill_open(cabinet, cell, look)
 
 
-def _fill_drawers(cabinet: Carcass, cell: Cell, look: Look) -> None:
+def _fill_drawers(cabinet: Carcass, cell: Cell, look: FrontDesign) -> None:
     drawers(cabinet.made, cell, cabinet.face, cabinet.back - BEHIND, look)
 
 
-def _fill_open(cabinet: Carcass, cell: Cell, look: Look) -> None:
+def _fill_open(cabinet: Carcass, cell: Cell, look: FrontDesign) -> None:
     pad = 0.5 * BOARD
     inside = cabinet.inside
     cabinet.shelves((cell[0] + pad, cell[1] - pad, inside[2], inside[3]), setback=0.02)

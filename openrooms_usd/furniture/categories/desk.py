@@ -8,7 +8,7 @@ from openrooms_usd.furniture.construction import STORAGE_ROWS, TABLE_ROWS
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, square_leg
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
-from openrooms_usd.furniture.joinery.fronts import Look, drawer, drawn_look
+from openrooms_usd.furniture.joinery.fronts import FrontDesign, drawer, drawn_look
 from openrooms_usd.furniture.joinery.pieces import Furniture, Parts, Size, Style, numbered
 from openrooms_usd.furniture.joinery.posing import seated
 from openrooms_usd.furniture.record import BuiltCategory, Classes
@@ -27,7 +27,7 @@ def _tabletop(size: Size, thickness: float = TOP, corner: float = 0.008) -> Mesh
 
 
 def _pedestal(
-    made: Assembly, cell: Cell, front: float, back: float, look: Look, shares: list[float]
+    made: Assembly, cell: Cell, front: float, back: float, look: FrontDesign, shares: list[float]
 ) -> None:
     """A block of drawers: sides, bottom and back, and the drawers in it."""
     left, right, low, high = cell

@@ -8,7 +8,7 @@ from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import FRONT, SIDE, board, corners
 from openrooms_usd.furniture.joinery.carcass import Carcass
 from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell, rows
-from openrooms_usd.furniture.joinery.fronts import Look, drawer
+from openrooms_usd.furniture.joinery.fronts import FrontDesign, drawer
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -23,7 +23,7 @@ def _case(size: Size, low: float) -> Carcass:
     return Carcass(width, -0.5 * depth + HANDLE, 0.5 * depth, low, height).boards()
 
 
-def _file_drawer(case: Carcass, cell: Cell, look: Look, labelled: bool) -> None:
+def _file_drawer(case: Carcass, cell: Cell, look: FrontDesign, labelled: bool) -> None:
     """A drawer between the sides, with a card in a holder above its handle."""
     y = case.front + _FRONT_M
     riders: tuple[str, ...] = ()
@@ -54,7 +54,7 @@ def upright(size: Size, rng: np.random.Generator) -> Furniture:
     """Two to five deep drawers above each other, each with a card for its content."""
     case = _case(size, 0.03)
     case.plinth(0.01)
-    look = Look(str(rng.choice(["bar", "grip"])))
+    look = FrontDesign(str(rng.choice(["bar", "grip"])))
     count = max(1, round((size[2] - 0.05) / 0.32))
     for cell in rows(case.inside, [1.0] * count):
         _file_drawer(case, cell, look, True)
@@ -66,7 +66,7 @@ def lateral(size: Size, rng: np.random.Generator) -> Furniture:
     """Wide drawers whose files stand sideways; two columns where it is very wide."""
     case = _case(size, 0.04)
     case.plinth(0.02)
-    look = Look(str(rng.choice(["grip", "rod"])))
+    look = FrontDesign(str(rng.choice(["grip", "rod"])))
     count = max(1, round((size[2] - 0.06) / 0.34))
     bays = case.bays(max(1, round(size[0] / 1.1)))
     for bay in bays:
@@ -80,7 +80,7 @@ def pedestal(size: Size, rng: np.random.Generator) -> Furniture:
     """A low one on castors: two shallow drawers above a deep one."""
     castor = 0.055
     case = _case(size, castor)
-    look = Look(str(rng.choice(["bar", "knob", "rod"])))
+    look = FrontDesign(str(rng.choice(["bar", "knob", "rod"])))
     for cell in rows(case.inside, [2.0, 1.0, 1.0] if rng.uniform() < 0.7 else [1.0, 1.0, 1.0]):
         _file_drawer(case, cell, look, False)
     middle = 0.5 * (case.front + case.back)

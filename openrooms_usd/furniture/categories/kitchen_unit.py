@@ -11,7 +11,7 @@ from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.carcass import Carcass
 from openrooms_usd.furniture.joinery.cells import BOARD, GAP, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import (
-    Look,
+    FrontDesign,
     drawer,
     hang_door,
     leaf,
@@ -19,7 +19,13 @@ from openrooms_usd.furniture.joinery.fronts import (
     reach,
 )
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
-from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size, Style
+from openrooms_usd.furniture.joinery.pieces import (
+    NOTHING_ORDERED,
+    FitOptions,
+    Furniture,
+    Size,
+    Style,
+)
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import KITCHEN
 
@@ -33,7 +39,7 @@ _TALL_M, _DIVIDED_AT_M = 1.4, 0.9
 BLIND_M: Final = 0.65
 
 
-def _unit(size: Size, look: Look, *, top: bool = True) -> Carcass:
+def _unit(size: Size, look: FrontDesign, *, top: bool = True) -> Carcass:
     """A carcass on its plinth, with room for fronts and handles before it."""
     width, depth, height = size
     front = -0.5 * depth + reach(look) + BOARD + SEAT
@@ -42,13 +48,13 @@ def _unit(size: Size, look: Look, *, top: bool = True) -> Carcass:
     return unit
 
 
-def _fronts(unit: Carcass, look: Look) -> Cell:
+def _fronts(unit: Carcass, look: FrontDesign) -> Cell:
     """What fronts cover: without handles, a grip remains above them."""
     left, right, low, high = unit.overlay
     return left, right, low, high - (0.0 if look.handle else _GRIP_M)
 
 
-def _leaves(unit: Carcass, cell: Cell, look: Look, handle_z: float) -> None:
+def _leaves(unit: Carcass, cell: Cell, look: FrontDesign, handle_z: float) -> None:
     """One leaf, or a pair that opens from its middle."""
     parts = columns(cell, max(1, int(np.ceil((cell[1] - cell[0]) / _LEAF_M - 1e-6))))
     for i, part in enumerate(parts):
@@ -60,7 +66,11 @@ def _leaves(unit: Carcass, cell: Cell, look: Look, handle_z: float) -> None:
 
 
 def doors(
-    size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED, *, open_top: bool = False
+    size: Size,
+    rng: np.random.Generator,
+    order: FitOptions = NOTHING_ORDERED,
+    *,
+    open_top: bool = False,
 ) -> Furniture:
     """Doors before shelves, in two rows where it is tall; open above where a sink hangs in it."""
     look = ordered_look(order, rng)
@@ -78,7 +88,7 @@ def doors(
     return unit.made.furniture()
 
 
-def drawers(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
+def drawers(size: Size, rng: np.random.Generator, order: FitOptions = NOTHING_ORDERED) -> Furniture:
     """A shallow drawer over deep ones; a single one below an oven."""
     look = ordered_look(order, rng)
     unit = _unit(size, look)
@@ -90,7 +100,7 @@ def drawers(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED
 
 
 def corner(
-    size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED, *, side: int
+    size: Size, rng: np.random.Generator, order: FitOptions = NOTHING_ORDERED, *, side: int
 ) -> Furniture:
     """A unit that runs into a corner: a panel where another row stands before it, then a door.
 

@@ -8,7 +8,7 @@ from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, filled, row,
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, knob, liner
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell
-from openrooms_usd.furniture.joinery.fronts import Look, hang_door
+from openrooms_usd.furniture.joinery.fronts import FrontDesign, hang_door
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import STANDARD, BuiltCategory, Classes
 from openrooms_usd.furniture.schemes import scheme
@@ -57,7 +57,7 @@ def _cavity(made: Assembly, cell: Cell, face: float, back: float) -> None:
     made.add("roller", hub.moved(at))
 
 
-def _door(made: Assembly, cell: Cell, face: float, look: Look, drops: bool) -> None:
+def _door(made: Assembly, cell: Cell, face: float, look: FrontDesign, drops: bool) -> None:
     left, right, low, high = cell
     front, inset = face - DOOR, 0.1 * (high - low)
     free = 0.05
@@ -88,7 +88,7 @@ def _door(made: Assembly, cell: Cell, face: float, look: Look, drops: bool) -> N
     )
 
 
-def _side_by_side(size: Size, look: Look) -> tuple[Assembly, Cell, float]:
+def _side_by_side(size: Size, look: FrontDesign) -> tuple[Assembly, Cell, float]:
     """A door on the left and a panel on the right, which is given back as a cell."""
     made, (left, right, low, high), face = _case(size)
     middle = right - max(0.085, 0.23 * size[0])
@@ -100,7 +100,7 @@ def _side_by_side(size: Size, look: Look) -> tuple[Assembly, Cell, float]:
 
 def keypad(size: Size, rng: np.random.Generator) -> Furniture:
     """A screen over rows of keys."""
-    look = Look(str(rng.choice(["bar", "rod"])))
+    look = FrontDesign(str(rng.choice(["bar", "rod"])))
     made, (left, right, low, high), front = _side_by_side(size, look)
     x, wide, tall = 0.5 * (left + right), right - left, high - low
     display(made, x, front, high - 0.14 * tall, (0.72 * wide, 0.13 * tall))
@@ -116,7 +116,7 @@ def keypad(size: Size, rng: np.random.Generator) -> Furniture:
 
 def dials(size: Size, rng: np.random.Generator) -> Furniture:
     """Two knobs below each other."""
-    made, (left, right, low, high), front = _side_by_side(size, Look("bar"))
+    made, (left, right, low, high), front = _side_by_side(size, FrontDesign("bar"))
     radius = min(0.24 * (right - left), 0.15 * (high - low))
     for share in (0.3, 0.68):
         at = (0.5 * (left + right), front, low + share * (high - low))
@@ -129,7 +129,9 @@ def dropping(size: Size, rng: np.random.Generator) -> Furniture:
     made, (left, right, low, high), face = _case(size)
     strip = high - max(0.045, 0.18 * size[2])
     _cavity(made, (left, right, low, strip + 0.5 * SHEET), face, 0.5 * size[1])
-    _door(made, (left, right, low, strip), face, Look(str(rng.choice(["grip", "rod"]))), True)
+    _door(
+        made, (left, right, low, strip), face, FrontDesign(str(rng.choice(["grip", "rod"]))), True
+    )
     made.board("panel", (left, face - DOOR, strip + 0.0015), (right, face, high), 0.003)
     z, front = 0.5 * (strip + high), face - DOOR
     display(made, 0.0, front, z, (0.24 * size[0], 0.5 * (high - strip)))

@@ -8,9 +8,21 @@ from openrooms_usd.furniture.construction import ANY, MACHINE_ROWS, STEEL, fille
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, liner
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
-from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door, ordered_look, reach
+from openrooms_usd.furniture.joinery.fronts import (
+    FrontDesign,
+    drawer,
+    hang_door,
+    ordered_look,
+    reach,
+)
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
-from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size, Style
+from openrooms_usd.furniture.joinery.pieces import (
+    NOTHING_ORDERED,
+    FitOptions,
+    Furniture,
+    Size,
+    Style,
+)
 from openrooms_usd.furniture.record import BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import PANELLED, finished, scheme
 from openrooms_usd.geometry.lofts import vessel
@@ -78,7 +90,7 @@ def _cold(
     cell: Cell,
     face: float,
     size: Size,
-    look: Look,
+    look: FrontDesign,
     side: Side,
     boxes: int,
     *,
@@ -108,7 +120,7 @@ def _cold(
 def single(size: Size, rng: np.random.Generator) -> Furniture:
     """One compartment; the small ones that stand below a worktop."""
     made, cell, face = _case(size)
-    look = Look(str(rng.choice(["bar", "rod"])))
+    look = FrontDesign(str(rng.choice(["bar", "rod"])))
     _cold(made, cell, face, size, look, "left" if rng.integers(2) else "right", 1)
     return made.furniture()
 
@@ -116,7 +128,7 @@ def single(size: Size, rng: np.random.Generator) -> Furniture:
 def two_doors(size: Size, rng: np.random.Generator) -> Furniture:
     """A cold compartment with the freezer above or below it."""
     made, cell, face = _case(size)
-    look = Look(str(rng.choice(["bar", "rod"])))
+    look = FrontDesign(str(rng.choice(["bar", "rod"])))
     side: Side = "left" if rng.integers(2) else "right"
     above = bool(rng.integers(2))
     lower, upper = rows(cell, [0.7, 0.3] if above else [0.38, 0.62])
@@ -130,7 +142,7 @@ def side_by_side(size: Size, rng: np.random.Generator) -> Furniture:
     made, cell, face = _case(size)
     left, right, low, high = cell
     middle = left + float(rng.uniform(0.42, 0.5)) * (right - left)
-    look = Look("rod")
+    look = FrontDesign("rod")
     _cold(made, (middle, right, low, high), face, size, look, "right", 1)
     front = face - _door_depth(size)
     x, z = 0.5 * (left + middle) - 0.01, low + 0.62 * (high - low)
@@ -150,7 +162,7 @@ def french(size: Size, rng: np.random.Generator) -> Furniture:
     share = 0.32 if count == 1 else 0.4
     lower, upper = rows(cell, [share, 1.0 - share])
     inside = _compartment(made, upper, face, size, 2)
-    look = Look("rod")
+    look = FrontDesign("rod")
     sides: tuple[Side, Side] = ("left", "right")
     for part, side in zip(columns(upper, 2), sides, strict=True):
         half = (max(part[0], inside[0]), min(part[1], inside[1]), inside[2], inside[3])
@@ -176,14 +188,16 @@ def french(size: Size, rng: np.random.Generator) -> Furniture:
             part,
             face,
             back - WALL - 0.01,
-            Look("rod"),
+            FrontDesign("rod"),
             margin=SHEET + WALL,
             thickness=_door_depth(size),
         )
     return made.furniture()
 
 
-def built_in(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
+def built_in(
+    size: Size, rng: np.random.Generator, order: FitOptions = NOTHING_ORDERED
+) -> Furniture:
     """A tall unit of a kitchen: freezer and refrigerator behind its fronts, a cupboard above."""
     look = ordered_look(order, rng)
     width, depth, height = size

@@ -10,7 +10,14 @@ from openrooms_usd.furniture.joinery.assembly import Assembly, Side
 from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.carcass import SETBACK, Carcass, closed
 from openrooms_usd.furniture.joinery.cells import BOARD, GAP, Cell, columns, rows
-from openrooms_usd.furniture.joinery.fronts import Look, doors, drawer, drawn_look, hang_door, leaf
+from openrooms_usd.furniture.joinery.fronts import (
+    FrontDesign,
+    doors,
+    drawer,
+    drawn_look,
+    hang_door,
+    leaf,
+)
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size, Style
 from openrooms_usd.furniture.record import MADE_TO_MEASURE, BuiltCategory, Classes, JointDamping
 from openrooms_usd.furniture.schemes import STORAGE, scheme
@@ -74,7 +81,7 @@ def built_in(size: Size, rng: np.random.Generator) -> Furniture:
         "kickboard", (-half, cabinet.front + 0.035, 0.0), (half, cabinet.back, PLINTH)
     )
     left, right, low, high = cabinet.overlay
-    look = Look("bar", 0.06 if rng.uniform() < 0.4 else 0.0)
+    look = FrontDesign("bar", 0.06 if rng.uniform() < 0.4 else 0.0)
     split = [low, high] if high < _TOP_DOORS_FROM_M else [low, _TOP_DOORS_AT_M, high]
     count = max(1, round(size[0] / _LEAF_M))
     mirrored = int(rng.integers(2 * count))

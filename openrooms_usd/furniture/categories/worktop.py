@@ -9,7 +9,7 @@ from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.pieces import (
     NOTHING_ORDERED,
     Cutout,
-    Order,
+    FitOptions,
     Parts,
     Size,
     Style,
@@ -79,7 +79,7 @@ def _faces(full: np.ndarray, rows: int, count: int) -> tuple[np.ndarray, np.ndar
     return used, corners.reshape(-1)
 
 
-def slab(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Parts:
+def slab(size: Size, rng: np.random.Generator, order: FitOptions = NOTHING_ORDERED) -> Parts:
     """A plain slab with the holes that are ordered."""
     return {"countertop": plate(size, order.cutouts)}
 

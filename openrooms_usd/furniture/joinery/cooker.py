@@ -7,7 +7,7 @@ import numpy as np
 from openrooms_usd.furniture.joinery.appliance import SHEET, body, display, knob, liner, rack
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.cells import HANDLE, SEAT, Cell, columns, rows
-from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door
+from openrooms_usd.furniture.joinery.fronts import FrontDesign, drawer, hang_door
 from openrooms_usd.furniture.joinery.pieces import Furniture, Size
 from openrooms_usd.furniture.joinery.posing import band
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -47,7 +47,7 @@ def _oven(made: Assembly, cell: Cell, face: float, back: float, side: bool = Fal
         cell,
         face,
         "left" if side else "bottom",
-        Look("rod"),
+        FrontDesign("rod"),
         thickness=DOOR,
         handle=handle,
         length=length,
@@ -168,7 +168,7 @@ def cooker(
         glass_hob(made, width, middle, deep, top)
     tray, oven, strip = rows((-x, x, low, deck), [0.16, deck - low - 0.16 - PANEL, PANEL])
     _controls(made, strip, face, 5 + 2 * (ovens - 1), True)
-    drawer(made, tray, face, back - 0.06, Look("rod"), margin=SHEET_MARGIN, thickness=DOOR)
+    drawer(made, tray, face, back - 0.06, FrontDesign("rod"), margin=SHEET_MARGIN, thickness=DOOR)
     for cell in columns((SHEET - x, x - SHEET, oven[2], oven[3]), ovens):
         _oven(made, cell, face, back - 0.03)
     if guard:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
 from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
 from openrooms_usd.furniture.joinery.cells import BOARD, GAP, HANDLE, Cell, columns, rows
-from openrooms_usd.furniture.joinery.pieces import Fronts, Order
+from openrooms_usd.furniture.joinery.pieces import FitOptions, Fronts
 from openrooms_usd.geometry.lofts import loft, ring, rounded_rectangle, vessel
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import lathe
@@ -76,7 +76,7 @@ HANDLES: Final[dict[str, Callable[[float], Mesh]]] = {
 
 
 @dataclass(frozen=True)
-class Look:
+class FrontDesign:
     """How all fronts of one object look.
 
     Attributes:
@@ -90,28 +90,28 @@ class Look:
     glass: bool = False
 
 
-def drawn_look(rng: np.random.Generator, frames: float = 0.4) -> Look:
+def drawn_look(rng: np.random.Generator, frames: float = 0.4) -> FrontDesign:
     """A look by chance; ``frames`` is the share of those with framed panels."""
     handle = sorted(HANDLES)[int(rng.integers(len(HANDLES)))]
     framed = rng.uniform() < frames
-    return Look(handle, float(rng.uniform(0.045, 0.07)) if framed else 0.0)
+    return FrontDesign(handle, float(rng.uniform(0.045, 0.07)) if framed else 0.0)
 
 
 # Equal on all units of a kitchen, as they are bought together.
-_ORDERED: Final[dict[Fronts, Look]] = {
-    "slab": Look("bar"),
-    "shaker": Look("knob", 0.06),
-    "handleless": Look(""),
+_ORDERED: Final[dict[Fronts, FrontDesign]] = {
+    "slab": FrontDesign("bar"),
+    "shaker": FrontDesign("knob", 0.06),
+    "handleless": FrontDesign(""),
 }
 
 
-def ordered_look(order: Order, rng: np.random.Generator) -> Look:
+def ordered_look(order: FitOptions, rng: np.random.Generator) -> FrontDesign:
     """The look that was ordered; any of them where none was."""
     drawn = sorted(_ORDERED)[int(rng.integers(len(_ORDERED)))]
     return _ORDERED[order.fronts or drawn]
 
 
-def reach(look: Look) -> float:
+def reach(look: FrontDesign) -> float:
     """How far handles stand out before the fronts, metres."""
     return HANDLE if look.handle else 0.0
 
@@ -155,7 +155,7 @@ def hang_door(
     cell: Cell,
     y: float,
     side: Side,
-    look: Look,
+    look: FrontDesign,
     *,
     thickness: float = BOARD,
     handle: tuple[float, float] | None = None,
@@ -227,7 +227,7 @@ def _sash(width: float, height: float, thickness: float) -> Mesh:
     return loft(section, closed=True).transformed(FRONT)
 
 
-def doors(made: Assembly, cell: Cell, y: float, look: Look, pitch: float = 0.45) -> None:
+def doors(made: Assembly, cell: Cell, y: float, look: FrontDesign, pitch: float = 0.45) -> None:
     """Doors side by side, in pairs that open from their middle."""
     left, right, low, high = cell
     tall = high - low
@@ -245,7 +245,7 @@ def drawer(
     cell: Cell,
     y: float,
     back: float,
-    look: Look,
+    look: FrontDesign,
     *,
     margin: float = BOARD,
     thickness: float = BOARD,
@@ -288,7 +288,7 @@ def drawer(
 
 
 def drawers(
-    made: Assembly, cell: Cell, y: float, back: float, look: Look, pitch: float = 0.2
+    made: Assembly, cell: Cell, y: float, back: float, look: FrontDesign, pitch: float = 0.2
 ) -> None:
     """Drawers above each other, lower ones taller."""
     count = max(1, round((cell[3] - cell[2]) / pitch))

@@ -10,7 +10,7 @@ from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.carcass import Carcass
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, columns, rows
 from openrooms_usd.furniture.joinery.fronts import (
-    Look,
+    FrontDesign,
     doors,
     drawer,
     drawers,
@@ -20,7 +20,7 @@ from openrooms_usd.furniture.joinery.fronts import (
     ordered_look,
     reach,
 )
-from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, FitOptions, Furniture, Size
 
 TOE: Final = 0.1
 WORKTOP: Final = 0.038
@@ -87,7 +87,7 @@ def counter_doors(size: Size, rng: np.random.Generator) -> Furniture:
     return unit.made.furniture()
 
 
-def _single(unit: Carcass, cell: Cell, look: Look, right: bool) -> None:
+def _single(unit: Carcass, cell: Cell, look: FrontDesign, right: bool) -> None:
     x = cell[0] + 0.04 if right else cell[1] - 0.04
     hang_door(
         unit.made, cell, unit.face, "right" if right else "left", look, handle=(x, cell[3] - 0.12)
@@ -133,14 +133,18 @@ def island(size: Size, rng: np.random.Generator) -> Furniture:
     return unit.made.furniture()
 
 
-def _wall_unit(size: Size, look: Look | None = None) -> Carcass:
+def _wall_unit(size: Size, look: FrontDesign | None = None) -> Carcass:
     width, depth, height = size
     room = reach(look) + BOARD + SEAT if look else 0.0
     return Carcass(width, -0.5 * depth + room, 0.5 * depth, 0.0, height).boards()
 
 
 def wall_doors(
-    size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED, *, glass: bool = False
+    size: Size,
+    rng: np.random.Generator,
+    order: FitOptions = NOTHING_ORDERED,
+    *,
+    glass: bool = False,
 ) -> Furniture:
     """Doors in pairs before shelves, their handles at the lower edge."""
     look = replace(ordered_look(order, rng), glass=glass)
@@ -164,7 +168,9 @@ def wall_doors(
     return unit.made.furniture()
 
 
-def wall_flaps(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
+def wall_flaps(
+    size: Size, rng: np.random.Generator, order: FitOptions = NOTHING_ORDERED
+) -> Furniture:
     """Wide flaps that open upwards, one above the other where it is high."""
     look = ordered_look(order, rng)
     unit = _wall_unit(size, look)

@@ -17,9 +17,15 @@ from openrooms_usd.furniture.joinery.appliance import (
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import FRONT, board
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, Cell, rows
-from openrooms_usd.furniture.joinery.fronts import Look, drawer, hang_door, ordered_look, reach
+from openrooms_usd.furniture.joinery.fronts import (
+    FrontDesign,
+    drawer,
+    hang_door,
+    ordered_look,
+    reach,
+)
 from openrooms_usd.furniture.joinery.kitchen import TOE, kickboard
-from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, Furniture, Order, Size
+from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED, FitOptions, Furniture, Size
 from openrooms_usd.geometry.lofts import superellipse
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_z
@@ -64,7 +70,7 @@ def console(size: Size, rng: np.random.Generator) -> Furniture:
         lower,
         face,
         "bottom",
-        Look(str(rng.choice(["grip", "bar"]))),
+        FrontDesign(str(rng.choice(["grip", "bar"]))),
         thickness=DOOR,
         handle=(0.0, lower[3] - 0.03),
         length=0.4 * size[0],
@@ -73,7 +79,9 @@ def console(size: Size, rng: np.random.Generator) -> Furniture:
     return made.furniture()
 
 
-def integrated(size: Size, rng: np.random.Generator, order: Order = NOTHING_ORDERED) -> Furniture:
+def integrated(
+    size: Size, rng: np.random.Generator, order: FitOptions = NOTHING_ORDERED
+) -> Furniture:
     """A dishwasher behind a front of the kitchen; the controls are in its door's upper edge."""
     look = ordered_look(order, rng)
     width, depth, height = size
@@ -100,7 +108,9 @@ def two_drawers(size: Size, rng: np.random.Generator) -> Furniture:
     """A dishwasher of two drawers, each with a tub of its own."""
     made, cell, face = _machine(size, HANDLE, TOE)
     for part in rows(cell, [1.0, 1.0]):
-        drawer(made, part, face, 0.5 * size[1] - 0.04, Look("rod"), margin=SHEET, thickness=DOOR)
+        drawer(
+            made, part, face, 0.5 * size[1] - 0.04, FrontDesign("rod"), margin=SHEET, thickness=DOOR
+        )
     return made.furniture()
 
 
@@ -192,7 +202,15 @@ def _front_loader(
         "panel", (middle + 0.001, face - 0.012, strip[2] + 0.001), (x, face + 0.02, high), 0.004
     )
     tray = (left, middle, strip[2], strip[3])
-    drawer(made, tray, face + 0.02, face + 0.02 + 0.22, Look("grip"), margin=SHEET, thickness=0.026)
+    drawer(
+        made,
+        tray,
+        face + 0.02,
+        face + 0.02 + 0.22,
+        FrontDesign("grip"),
+        margin=SHEET,
+        thickness=0.026,
+    )
     center, at = 0.5 * (strip[2] + strip[3]), face - 0.012
     wide = right - left
     near, far = (0.05, 0.31) if knob_left else (0.33, 0.05)

@@ -59,7 +59,7 @@ Cutout: TypeAlias = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Order:
+class FitOptions:
     """What is ordered with a piece that is made to fit others.
 
     Attributes:
@@ -71,7 +71,7 @@ class Order:
     cutouts: tuple[Cutout, ...] = ()
 
 
-NOTHING_ORDERED: Final = Order()
+NOTHING_ORDERED: Final = FitOptions()
 
 # Takes a size, a generator and, where the style is made to order, an order.
 Build: TypeAlias = Callable[..., Parts | Furniture]

@@ -10,7 +10,7 @@ from openrooms_usd.furniture.placements import SurfacePlacement
 from openrooms_usd.generation.boxes import Pose, overlap
 from openrooms_usd.generation.clutter.laying import PosedObject, fits, item_at, posed_object
 from openrooms_usd.generation.clutter.scatter import Scatter
-from openrooms_usd.generation.clutter.spots import Spot
+from openrooms_usd.generation.clutter.spots import SupportSurface
 from openrooms_usd.generation.items import Item, placed
 
 # How far a chair stands from the edge of the table that it belongs to, metres.
@@ -19,7 +19,7 @@ _AT_TABLE_M: Final = 0.6
 _FROM_EDGE_M: Final = 0.025
 
 
-class Part(NamedTuple):
+class ArrangedThing(NamedTuple):
     """One thing of an arrangement.
 
     Attributes:
@@ -41,17 +41,17 @@ class Part(NamedTuple):
     yaw: float = 0.0
 
 
-PLATE: Final = Part("plate", (), 0, 0.0, 0.0, 1.0)
+PLATE: Final = ArrangedThing("plate", (), 0, 0.0, 0.0, 1.0)
 SETTING: Final = (
-    Part("cutlery", ("fork",), -1, 0.03, 0.0, 0.95),
-    Part("cutlery", ("knife",), 1, 0.025, 0.0, 0.95),
-    Part("cutlery", ("spoon",), 1, 0.065, 0.0, 0.4),
-    Part("napkin", (), -1, 0.075, 0.0, 0.5),
-    Part("drinking_glass", (), 1, 0.0, 1.0, 0.9),
+    ArrangedThing("cutlery", ("fork",), -1, 0.03, 0.0, 0.95),
+    ArrangedThing("cutlery", ("knife",), 1, 0.025, 0.0, 0.95),
+    ArrangedThing("cutlery", ("spoon",), 1, 0.065, 0.0, 0.4),
+    ArrangedThing("napkin", (), -1, 0.075, 0.0, 0.5),
+    ArrangedThing("drinking_glass", (), 1, 0.0, 1.0, 0.9),
 )
 """What lies around a plate, as one sits before it."""
 
-MOUSE: Final = Part("mouse", (), 1, 0.05, 0.0, 0.9)
+MOUSE: Final = ArrangedThing("mouse", (), 1, 0.05, 0.0, 0.9)
 
 
 def seats_at(table: Item, items: Sequence[Item]) -> Iterator[Pose]:
@@ -80,7 +80,7 @@ def seats_at(table: Item, items: Sequence[Item]) -> Iterator[Pose]:
             yield float(np.sign(x) * half[0]), 0.0, -90.0 if x < 0 else 90.0
 
 
-def laid(seat: Pose, middle: float, part: Part, size: tuple[float, float, float]) -> Pose:
+def laid(seat: Pose, middle: float, part: ArrangedThing, size: tuple[float, float, float]) -> Pose:
     """Where a part of a setting lies, in the table's frame.
 
     Args:
@@ -96,7 +96,7 @@ def laid(seat: Pose, middle: float, part: Part, size: tuple[float, float, float]
     return (*placed(seat, x, y), seat[2] + part.yaw)
 
 
-def lay_table(scatter: Scatter, spot: Spot, items: Sequence[Item]) -> None:
+def lay_table(scatter: Scatter, spot: SupportSurface, items: Sequence[Item]) -> None:
     """Lay a table for those who sit at it.
 
     Args:
@@ -116,7 +116,7 @@ def lay_table(scatter: Scatter, spot: Spot, items: Sequence[Item]) -> None:
                 break
 
 
-def put_beside(scatter: Scatter, spot: Spot, other: Item, part: Part) -> None:
+def put_beside(scatter: Scatter, spot: SupportSurface, other: Item, part: ArrangedThing) -> None:
     """Put a thing beside another, to whose use it belongs.
 
     Args:
@@ -133,7 +133,7 @@ def put_beside(scatter: Scatter, spot: Spot, other: Item, part: Part) -> None:
         _put_at(scatter, spot, thing, (*local, other.yaw - spot.carrier.yaw))
 
 
-def _part(scatter: Scatter, part: Part) -> PosedObject | None:
+def _part(scatter: Scatter, part: ArrangedThing) -> PosedObject | None:
     if part.category not in CATEGORIES:
         return None
     placement = SurfacePlacement(on=("dining_table",), styles=part.styles, max_variants=1)
@@ -141,7 +141,7 @@ def _part(scatter: Scatter, part: Part) -> PosedObject | None:
     return posed_object(scatter.surfaces, part.category, make) if make else None
 
 
-def _put_at(scatter: Scatter, spot: Spot, thing: PosedObject, local: Pose) -> bool:
+def _put_at(scatter: Scatter, spot: SupportSurface, thing: PosedObject, local: Pose) -> bool:
     """Put a thing on a surface at a place in its carrier's frame, if it is free."""
     if not fits(spot, thing.size, np.array([local[:2]]), np.array([local[2]]))[0]:
         return False

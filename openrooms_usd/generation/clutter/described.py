@@ -10,12 +10,12 @@ from openrooms_usd.description.alignment import FileObject, LibraryObject, named
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import CATEGORIES, Size, category, styles
 from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.laying import taken_by
-from openrooms_usd.generation.clutter.living import lived_in
+from openrooms_usd.generation.clutter.living import add_clutter
 from openrooms_usd.generation.items import Item, placed
 from openrooms_usd.generation.placement import Arrangement
-from openrooms_usd.generation.shapes import Shape, Shapes
+from openrooms_usd.generation.shapes import BuiltForm, Shapes
 from openrooms_usd.generation.shell import Shell
 from openrooms_usd.library.models.meshfile import read_model
 
@@ -39,10 +39,10 @@ def lying_in(
     shapes = Shapes(seed)
     items = list(_Described(objects, shell, shapes, folder).items())
     room = Arrangement(shell)
-    room.floor = room.floor.with_boxes(taken_by(items, Surfaces(shapes)).boxes)
+    room.floor = room.floor.with_boxes(taken_by(items, LevelFinder(shapes)).boxes)
     room.solids = np.array([item.box for item in items]).reshape(-1, 8)
     room.know(items)
-    full = lived_in([("described", items)], room, shapes, room_type, seed, level)
+    full = add_clutter([("described", items)], room, shapes, room_type, seed, level)
     everything = [item for _, group in full for item in group]
     known = {item.key: item for item in everything}
     return [(item, known.get(item.on)) for item in everything if item.lies]
@@ -95,7 +95,7 @@ class _Described:
                 self.folder / row.file, size=row.size, up=row.up, front=row.front, unit=row.unit
             )
             width, depth, height = (model.extent[1] - model.extent[0]).tolist()
-            shape = Shape(tuple(model.parts.values()))
+            shape = BuiltForm(tuple(model.parts.values()))
             self.shapes.know(row.category, (width, depth, height), name, shape)
             return (width, depth, height), name
         spec = category(row.category)

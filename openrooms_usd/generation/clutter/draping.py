@@ -13,7 +13,7 @@ import numpy as np
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import DRAPED_WALL_M, Place
 from openrooms_usd.generation.boxes import Array
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.levels import along_edges
 from openrooms_usd.generation.items import Item
 
@@ -93,7 +93,7 @@ class Fit(NamedTuple):
     yaw: float
 
 
-def edges(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> Iterator[Edge]:
+def edges(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: LevelFinder) -> Iterator[Edge]:
     """All edges of a furnished room that cloths may hang over."""
     for number, (_, items) in enumerate(groups):
         for item in items:

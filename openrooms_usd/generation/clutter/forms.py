@@ -3,15 +3,15 @@
 from dataclasses import dataclass
 
 from openrooms_usd.furniture import Size
-from openrooms_usd.furniture.joinery.pieces import Order
+from openrooms_usd.furniture.joinery.pieces import FitOptions
 from openrooms_usd.generation.clutter.levels import Level, levels_of
 from openrooms_usd.generation.clutter.resting import Relief, relief_of
 from openrooms_usd.generation.items import Item
-from openrooms_usd.generation.shapes import Shape, Shapes
+from openrooms_usd.generation.shapes import BuiltForm, Shapes
 
 
 @dataclass
-class Surfaces:
+class LevelFinder:
     """Finds the levels of each distinct object once.
 
     Attributes:
@@ -21,10 +21,10 @@ class Surfaces:
     shapes: Shapes
 
     def __post_init__(self) -> None:
-        self._known: dict[tuple[str, Size, str, Order], tuple[Level, ...]] = {}
-        self._reliefs: dict[tuple[str, Size, str, Order], Relief] = {}
+        self._known: dict[tuple[str, Size, str, FitOptions], tuple[Level, ...]] = {}
+        self._reliefs: dict[tuple[str, Size, str, FitOptions], Relief] = {}
 
-    def shape(self, item: Item) -> Shape:
+    def shape(self, item: Item) -> BuiltForm:
         """The form of an item."""
         return self.shapes.of(item.category, item.size, item.style, item.order)
 

@@ -12,9 +12,9 @@ import numpy as np
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import LOOP_BACK_M, LOOP_M, Place
 from openrooms_usd.generation.boxes import Array
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.items import Item
-from openrooms_usd.generation.shapes import Shape
+from openrooms_usd.generation.shapes import BuiltForm
 from openrooms_usd.geometry.mesh import Mesh
 
 # The underside of a loop is so far above the crook, metres.
@@ -56,7 +56,7 @@ class Peg(NamedTuple):
         return x, y - back, z + LOOP_M + _CLEAR_M - size[2]
 
 
-def pegs(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> Iterator[Peg]:
+def pegs(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: LevelFinder) -> Iterator[Peg]:
     """All hooks and rails of a furnished room.
 
     Args:
@@ -72,7 +72,7 @@ def pegs(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> It
                 yield from (Peg(place, item, number, at) for at in found)
 
 
-def _crooks(shape: Shape) -> Iterator[tuple[float, float, float]]:
+def _crooks(shape: BuiltForm) -> Iterator[tuple[float, float, float]]:
     """The lowest place on the upper side of each hook, behind its tip."""
     for hook in shape.named("hook"):
         low, high = hook.extent
@@ -84,7 +84,7 @@ def _crooks(shape: Shape) -> Iterator[tuple[float, float, float]]:
         yield x, float(y[at]), float(z[at])
 
 
-def _along_rail(shape: Shape) -> Iterator[tuple[float, float, float]]:
+def _along_rail(shape: BuiltForm) -> Iterator[tuple[float, float, float]]:
     """Places on the highest tube, as far apart as hangers are."""
     rail = next(shape.named(_RAIL), None)
     if rail is None:
@@ -96,5 +96,5 @@ def _along_rail(shape: Shape) -> Iterator[tuple[float, float, float]]:
 
 
 def _tops(mesh: Mesh, x: Array, y: Array) -> Array:
-    found = Shape((mesh,)).tops(x, y)
+    found = BuiltForm((mesh,)).tops(x, y)
     return np.asarray(np.where(np.isfinite(found), found, np.inf))

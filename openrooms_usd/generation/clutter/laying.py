@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.generation.boxes import NONE, Array, Pose, box, overlap, posed
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.levels import CELL_M
 from openrooms_usd.generation.clutter.making import Variant
 from openrooms_usd.generation.clutter.resting import skin_of
-from openrooms_usd.generation.clutter.spots import Spot
+from openrooms_usd.generation.clutter.spots import SupportSurface
 from openrooms_usd.generation.items import Item, placed, wrapped
-from openrooms_usd.generation.shapes import Shape
+from openrooms_usd.generation.shapes import BuiltForm
 from openrooms_usd.geometry.rotations import about_z, tilted
 
 # Between things that lie beside each other, metres.
@@ -48,7 +48,7 @@ class PosedObject:
     name: str
     make: Variant
     tilt: Tilt
-    form: Shape = field(repr=False)
+    form: BuiltForm = field(repr=False)
     points: Array = field(repr=False)
     skin: Array = field(repr=False)
 
@@ -97,13 +97,13 @@ class PosedObject:
 
 
 def posed_object(
-    surfaces: Surfaces, name: str, make: Variant, tilt: Tilt = (0.0, 0.0)
+    surfaces: LevelFinder, name: str, make: Variant, tilt: Tilt = (0.0, 0.0)
 ) -> PosedObject:
     """A make in a pose."""
     return _posed_object(name, make, tilt, surfaces.shapes.of(name, *make))
 
 
-def _posed_object(name: str, make: Variant, tilt: Tilt, shape: Shape) -> PosedObject:
+def _posed_object(name: str, make: Variant, tilt: Tilt, shape: BuiltForm) -> PosedObject:
     points = np.concatenate([mesh.points for mesh in shape.meshes])
     turn = tilted(*tilt).T if any(tilt) else np.eye(3)
     return PosedObject(name, make, tilt, shape, points @ turn, skin_of(shape) @ turn)
@@ -132,7 +132,7 @@ class Taken:
         return self.boxes[[i for i in found if self.owners[i] not in but]]
 
 
-def taken_by(items: Sequence[Item], surfaces: Surfaces) -> Taken:
+def taken_by(items: Sequence[Item], surfaces: LevelFinder) -> Taken:
     """What furniture takes up, part by part."""
     taken = Taken()
     for item in items:
@@ -143,7 +143,7 @@ def taken_by(items: Sequence[Item], surfaces: Surfaces) -> Taken:
 
 
 def places_on(
-    spot: Spot,
+    spot: SupportSurface,
     size: tuple[float, float, float],
     yaws: Array,
     taken: Array,
@@ -193,7 +193,7 @@ def places_on(
 
 
 def fits(
-    spot: Spot, size: tuple[float, float, float], local: Array, turns: Array
+    spot: SupportSurface, size: tuple[float, float, float], local: Array, turns: Array
 ) -> NDArray[np.bool_]:
     """(N,) whether a box stands on free cells wholly."""
     half = 0.5 * np.array(size[:2]) + _FROM_EDGE_M

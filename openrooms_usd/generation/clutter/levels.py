@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.generation.boxes import Array
-from openrooms_usd.generation.shapes import Shape
+from openrooms_usd.generation.shapes import BuiltForm
 
 CELL_M: Final = 0.01
 # Lines keep off the planes at round numbers in which edges of furniture lie, metres.
@@ -81,7 +81,7 @@ class Level:
         return found
 
 
-def levels_of(shape: Shape) -> tuple[Level, ...]:
+def levels_of(shape: BuiltForm) -> tuple[Level, ...]:
     """The levels of an object, the lowest first."""
     corners = shape.corners
     low = corners.reshape(-1, 3).min(axis=0)[:2] - _OFF_M
@@ -106,7 +106,7 @@ def levels_of(shape: Shape) -> tuple[Level, ...]:
     return tuple(found)
 
 
-def _shown(height: float, clear: Array, low: Array, shape: Shape) -> Level:
+def _shown(height: float, clear: Array, low: Array, shape: BuiltForm) -> Level:
     """A level, seen from the front or through panes there."""
     level = _seen(height, clear.copy(), low, shape.corners)
     deep = int((clear > 0.0).any(axis=1).sum()) * CELL_M

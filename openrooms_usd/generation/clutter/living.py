@@ -12,7 +12,7 @@ from openrooms_usd.furniture import category, offered_surfaces
 from openrooms_usd.generation.clutter.amounts import DRAPED, HUNG, LAID, ROOM_AMOUNTS
 from openrooms_usd.generation.clutter.arrangements import MOUSE, lay_table, put_beside
 from openrooms_usd.generation.clutter.draping import Edge, edges, hang_over
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.ground import Ground
 from openrooms_usd.generation.clutter.hooks import Peg, pegs
 from openrooms_usd.generation.clutter.laying import item_at, posed_object, taken_by
@@ -21,7 +21,7 @@ from openrooms_usd.generation.clutter.making import ProductVariants
 from openrooms_usd.generation.clutter.scatter import Scatter
 from openrooms_usd.generation.clutter.settling import Vessel, fill_vessel, vessels
 from openrooms_usd.generation.clutter.soft import seats
-from openrooms_usd.generation.clutter.spots import Spot, spots, spots_of
+from openrooms_usd.generation.clutter.spots import SupportSurface, spots, spots_of
 from openrooms_usd.generation.items import Item
 from openrooms_usd.generation.placement import Arrangement
 from openrooms_usd.generation.shapes import Shapes
@@ -98,7 +98,7 @@ _MAX_SHARE: Final = 0.5
 _BESIDE_M, _FRAME_GAP_M = 0.02, 0.002
 
 
-def sills(shell: Shell, group: int) -> Iterator[Spot]:
+def sills(shell: Shell, group: int) -> Iterator[SupportSurface]:
     """The sill boards of a room.
 
     Args:
@@ -109,7 +109,7 @@ def sills(shell: Shell, group: int) -> Iterator[Spot]:
         if gap.kind == "window" and _LOWEST_M <= gap.sill <= _HIGHEST_M:
             level = _board(shell, gap)
             if level.area > 0.0:
-                yield Spot("window_sill", _window(shell, gap), group, level)
+                yield SupportSurface("window_sill", _window(shell, gap), group, level)
 
 
 def _window(shell: Shell, gap: Gap) -> Item:
@@ -143,7 +143,7 @@ _NOSE_M: Final = 0.03
 Groups = Sequence[tuple[str, Sequence[Item]]]
 
 
-def lived_in(
+def add_clutter(
     groups: Groups, room: Arrangement, shapes: Shapes, room_type: str, seed: int, level: int
 ) -> list[tuple[str, list[Item]]]:
     """The groups of a room with what lies on them, and a group of what lies about.
@@ -162,7 +162,7 @@ def lived_in(
     full = [(title, list(items)) for title, items in groups]
     if not level:
         return full
-    surfaces = Surfaces(shapes)
+    surfaces = LevelFinder(shapes)
     items = [item for _, group in groups for item in group]
     rng = generator(seed, "generate", room_type, "clutter")
     scatter = Scatter(
@@ -212,7 +212,7 @@ def lived_in(
 
 
 def _fill_vessels(
-    scatter: Scatter, groups: Groups, surfaces: Surfaces, known: dict[str, Vessel], step: int
+    scatter: Scatter, groups: Groups, surfaces: LevelFinder, known: dict[str, Vessel], step: int
 ) -> None:
     """Things into bowls and bins: those that groups have, and those that were laid."""
     standing = [(number, item) for number, (_, items) in enumerate(groups) for item in items]
@@ -222,7 +222,7 @@ def _fill_vessels(
         fill_vessel(scatter, _FIRST_VESSEL - number, vessel, step)
 
 
-def _put_mice(scatter: Scatter, tops: Sequence[Spot], items: Sequence[Item]) -> None:
+def _put_mice(scatter: Scatter, tops: Sequence[SupportSurface], items: Sequence[Item]) -> None:
     """A mouse beside each keyboard."""
     for item in items:
         if item.category == "keyboard":
@@ -232,7 +232,7 @@ def _put_mice(scatter: Scatter, tops: Sequence[Spot], items: Sequence[Item]) -> 
 
 
 def _lay_tables(
-    scatter: Scatter, tops: Sequence[Spot], groups: Groups, room_type: str
+    scatter: Scatter, tops: Sequence[SupportSurface], groups: Groups, room_type: str
 ) -> None:  # fmt: skip
     """Tables where people eat are laid now and then."""
     for spot in tops:
@@ -240,7 +240,9 @@ def _lay_tables(
             lay_table(scatter, spot, groups[spot.group][1])
 
 
-def _inside(scatter: Scatter, surfaces: Surfaces, known: int) -> list[tuple[int, Spot]]:
+def _inside(
+    scatter: Scatter, surfaces: LevelFinder, known: int
+) -> list[tuple[int, SupportSurface]]:
     """What small things carry themselves: baskets, trays, stacks."""
     offered = [(*added, offered_surfaces(added[1].category)) for added in scatter.added]
     found = (

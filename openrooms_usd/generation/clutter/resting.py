@@ -7,7 +7,7 @@ import numpy as np
 
 from openrooms_usd.generation.boxes import Array
 from openrooms_usd.generation.clutter.levels import crossings, edge_cells
-from openrooms_usd.generation.shapes import Shape, tops
+from openrooms_usd.generation.shapes import BuiltForm, tops
 
 # Of a relief's cells, metres.
 RELIEF_CELL_M: Final = 0.005
@@ -57,7 +57,7 @@ class Relief:
         return np.asarray((below - points[:, 2]).max(axis=1))
 
 
-def relief_of(shape: Shape) -> Relief:
+def relief_of(shape: BuiltForm) -> Relief:
     """The upper side of an object: of each cell the highest of its middle and all edges in it."""
     corners = shape.corners
     low = corners.reshape(-1, 3).min(axis=0)[:2] - 1e-4
@@ -71,7 +71,7 @@ def relief_of(shape: Shape) -> Relief:
     return Relief(low, heights.reshape(rows, columns))
 
 
-def skin_of(shape: Shape) -> Array:
+def skin_of(shape: BuiltForm) -> Array:
     """(N, 3) corners of an object's triangles, and points between them; metres."""
     points = np.concatenate([mesh.points for mesh in shape.meshes])
     between = 0.5 * (shape.corners + np.roll(shape.corners, -1, axis=1))

@@ -11,7 +11,7 @@ from openrooms_usd.furniture.placements import Place, SurfacePlacement
 from openrooms_usd.furniture.placements import Pose as Lying
 from openrooms_usd.generation.boxes import Array, Pose
 from openrooms_usd.generation.clutter.amounts import ROOM_AMOUNTS, amount_of
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.ground import Ground
 from openrooms_usd.generation.clutter.laying import (
     PosedObject,
@@ -24,7 +24,7 @@ from openrooms_usd.generation.clutter.laying import (
 from openrooms_usd.generation.clutter.making import ProductVariants, candidates
 from openrooms_usd.generation.clutter.resting import rest_on
 from openrooms_usd.generation.clutter.soft import Seat, drop, lean
-from openrooms_usd.generation.clutter.spots import Spot
+from openrooms_usd.generation.clutter.spots import SupportSurface
 from openrooms_usd.generation.items import Item, placed
 
 # Turns from the direction of those who use a surface, degrees.
@@ -70,7 +70,7 @@ class Scatter:
     """
 
     rng: np.random.Generator
-    surfaces: Surfaces
+    surfaces: LevelFinder
     variants: ProductVariants
     taken: Taken
     room_type: str
@@ -81,7 +81,7 @@ class Scatter:
     _used: dict[tuple[str, SurfacePlacement], int] = field(default_factory=dict)
     _keys: dict[str, int] = field(default_factory=dict)
 
-    def fill(self, number: int, spot: Spot, level: int) -> None:
+    def fill(self, number: int, spot: SupportSurface, level: int) -> None:
         """Lay on a surface what a level adds.
 
         Args:
@@ -188,7 +188,9 @@ class Scatter:
         most = category(name).max_per_room
         return np.inf if most is None else most - self.counts[name]
 
-    def _lay(self, number: int, spot: Spot, name: str, placement: SurfacePlacement) -> None:
+    def _lay(
+        self, number: int, spot: SupportSurface, name: str, placement: SurfacePlacement
+    ) -> None:
         count = int(self.rng.integers(placement.count[0], placement.count[1] + 1))
         count = int(min(count, self.left(name)))
         room = self._room_on(spot)
@@ -216,14 +218,14 @@ class Scatter:
         if laid:
             self._used[name, placement] = self._used.get((name, placement), 0) + 1
 
-    def _room_on(self, spot: Spot) -> Size:
+    def _room_on(self, spot: SupportSurface) -> Size:
         """Width, depth and height of what could stand on a surface at most."""
         (x0, y0), (x1, y1) = spot.reach
         high = float(spot.level.clear[spot.level.clear > 0.0].max())
         return x1 - x0, y1 - y0, min(high, 1.2) - 0.005
 
     def _put(
-        self, number: int, spot: Spot, thing: PosedObject, placement: SurfacePlacement
+        self, number: int, spot: SupportSurface, thing: PosedObject, placement: SurfacePlacement
     ) -> Item | None:
         """One thing somewhere on a surface."""
         middle = self._place(number, spot, thing.size, placement)
@@ -244,7 +246,11 @@ class Scatter:
         return made
 
     def _row(
-        self, number: int, spot: Spot, things: list[PosedObject], placement: SurfacePlacement
+        self,
+        number: int,
+        spot: SupportSurface,
+        things: list[PosedObject],
+        placement: SurfacePlacement,
     ) -> list[Item]:
         """Several side by side, a little out of line; fewer where there is no space."""
         gaps = self.rng.uniform(*_ROW_GAPS_M, len(things)).tolist()
@@ -271,7 +277,7 @@ class Scatter:
     def _stack(
         self,
         number: int,
-        spot: Spot,
+        spot: SupportSurface,
         thing: PosedObject,
         placement: SurfacePlacement,
         count: int,
@@ -320,7 +326,11 @@ class Scatter:
         return origin + float(upper.low[2]) - float(below.low[2])
 
     def _place(
-        self, number: int, spot: Spot, size: tuple[float, float, float], placement: SurfacePlacement
+        self,
+        number: int,
+        spot: SupportSurface,
+        size: tuple[float, float, float],
+        placement: SurfacePlacement,
     ) -> Pose | None:
         (x0, y0), (x1, y1) = spot.reach
         if min(size[:2]) > min(x1 - x0, y1 - y0):
@@ -344,7 +354,7 @@ class Scatter:
     def _take(
         self,
         number: int,
-        spot: Spot,
+        spot: SupportSurface,
         item: Item,
         thing: PosedObject,
         middle: Pose,

@@ -9,12 +9,12 @@ import numpy as np
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import Place
 from openrooms_usd.generation.boxes import Array, Pose
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.laying import PosedObject, posed_object
 from openrooms_usd.generation.clutter.resting import Relief, rest_on
 from openrooms_usd.generation.clutter.scatter import Scatter
 from openrooms_usd.generation.items import Item, placed, wrapped
-from openrooms_usd.generation.shapes import Shape
+from openrooms_usd.generation.shapes import BuiltForm
 from openrooms_usd.geometry.rotations import about_z
 
 INTO: Final[tuple[Place, ...]] = ("in_bowl", "in_bin")
@@ -50,7 +50,7 @@ class Vessel:
     place: Place
     carrier: Item
     group: int
-    shape: Shape
+    shape: BuiltForm
     relief: Relief
     held: list[Held] = field(default_factory=list)
 
@@ -60,7 +60,7 @@ class Vessel:
         return self.carrier.size[0] * self.carrier.size[1]
 
 
-def vessels(items: Sequence[tuple[int, Item]], surfaces: Surfaces) -> Iterator[Vessel]:
+def vessels(items: Sequence[tuple[int, Item]], surfaces: LevelFinder) -> Iterator[Vessel]:
     """Those of some items, with their groups, that are open above and hold nothing."""
     full = {item.on for _, item in items}
     for group, item in items:

@@ -9,11 +9,11 @@ import numpy as np
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import Place
 from openrooms_usd.generation.boxes import Array, Pose
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.laying import PosedObject
 from openrooms_usd.generation.clutter.resting import Relief, rest_on
 from openrooms_usd.generation.items import Item, placed, wrapped
-from openrooms_usd.generation.shapes import Shape
+from openrooms_usd.generation.shapes import BuiltForm
 from openrooms_usd.geometry.rotations import about_z
 
 # A seat is level to this, metres; nothing leans on what is lower than this above it.
@@ -58,7 +58,7 @@ class Seat:
     carrier: Item
     group: int
     relief: Relief
-    shape: Shape
+    shape: BuiltForm
 
     @property
     def pose(self) -> Pose:
@@ -87,7 +87,7 @@ class Seat:
         return float(np.median(self.relief.at(x, y)))
 
 
-def seats(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces) -> Iterator[Seat]:
+def seats(groups: Sequence[tuple[str, Sequence[Item]]], surfaces: LevelFinder) -> Iterator[Seat]:
     """All seats and beds of a furnished room.
 
     Args:

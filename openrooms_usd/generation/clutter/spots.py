@@ -10,7 +10,7 @@ import numpy as np
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import Place
 from openrooms_usd.generation.boxes import Array, Pose, box
-from openrooms_usd.generation.clutter.forms import Surfaces
+from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.levels import CELL_M, Level
 from openrooms_usd.generation.items import Item, placed
 
@@ -34,7 +34,7 @@ _LEAST_BOARD_M2: Final = 0.008
 
 
 @dataclass(frozen=True, eq=False)
-class Spot:
+class SupportSurface:
     """A surface on which something may lie.
 
     Attributes:
@@ -80,8 +80,8 @@ class Spot:
 
 
 def spots(
-    groups: Sequence[tuple[str, Sequence[Item]]], surfaces: Surfaces, room_type: str
-) -> Iterator[Spot]:
+    groups: Sequence[tuple[str, Sequence[Item]]], surfaces: LevelFinder, room_type: str
+) -> Iterator[SupportSurface]:
     """All surfaces of a furnished room.
 
     Args:
@@ -122,8 +122,8 @@ def _meant(
 
 
 def spots_of(
-    item: Item, group: int, carries: tuple[Place, ...], surfaces: Surfaces
-) -> Iterator[Spot]:
+    item: Item, group: int, carries: tuple[Place, ...], surfaces: LevelFinder
+) -> Iterator[SupportSurface]:
     """The surfaces of one object, by what they are used for."""
     levels = [level for level in surfaces.levels(item) if level.area >= _LEAST_BOARD_M2]
     tops = [place for place in carries if place not in _BOARDS and place not in _NO_TOPS]
@@ -131,13 +131,13 @@ def spots_of(
     if top is not None and item.z + top.z <= _HIGHEST_TOP_M:
         around = tops[0] in ("dining_table", "coffee_table")
         for place in tops:
-            yield Spot(place, item, group, top, around)
+            yield SupportSurface(place, item, group, top, around)
     for level in levels:
         if level is top or level.z <= 0.02:
             continue
         use = _board(level, carries, item.z, top)
         if use is not None:
-            yield Spot(use, item, group, level)
+            yield SupportSurface(use, item, group, level)
 
 
 def _top(levels: Sequence[Level]) -> Level | None:

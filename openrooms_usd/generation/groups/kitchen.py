@@ -10,7 +10,7 @@ from functools import cache
 from itertools import groupby
 from typing import Final
 
-from openrooms_usd.furniture import CATEGORIES, Order, Size
+from openrooms_usd.furniture import CATEGORIES, FitOptions, Size
 from openrooms_usd.furniture.categories.hob import BESIDE_M, SUNK_M
 from openrooms_usd.furniture.categories.sink import RIM, inset_rim
 from openrooms_usd.furniture.joinery.cells import HANDLE
@@ -66,15 +66,15 @@ class _Leg:
         return 0.0 if self.fronts == "handleless" else HANDLE
 
     @property
-    def order(self) -> Order:
-        return Order(self.fronts)
+    def order(self) -> FitOptions:
+        return FitOptions(self.fronts)
 
     def item(
         self, name: str, middle: float, size: Size, style: str, *, front: float = _FRONT_M,
         z: float = 0.0, on: str = "floor", ordered: bool = True, **more: bool,
     ) -> Item:  # fmt: skip
         """Something whose box ends at a distance from the wall, metres."""
-        order = self.order if ordered else Order()
+        order = self.order if ordered else FitOptions()
         return self.kit.item(name, round(middle, 4), round(0.5 * size[1] - front, 4), size=size,
                              style=style, z=round(z, 4), on=on, order=order, **more)  # fmt: skip
 
@@ -146,7 +146,7 @@ class _Leg:
         below = next(item for item in self.items if item.on == "floor" and first < item.x < last)
         top = self.kit.item("worktop", round(middle, 4), -0.5 * _WORKTOP_M, size=size,
                             style="slab", z=BASE_M, on=below.key,
-                            order=Order(cutouts=tuple(holes)), sunk=True)  # fmt: skip
+                            order=FitOptions(cutouts=tuple(holes)), sunk=True)  # fmt: skip
         self.items += [top, *(replace(thing, on=top.key) for thing in made)]
 
     def _sunk(self, name: str, x: float, width: float) -> tuple[Item, tuple[float, float]]:

@@ -12,7 +12,7 @@ from openrooms_usd import untrusted
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.models.pieces import Piece, Reading, colored
+from openrooms_usd.library.models.pieces import ModelPart, Reading, colored
 from openrooms_usd.scan.models.meshscene import ShownMesh, glb_header, shown_meshes
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def _copyright(header: dict[str, Any]) -> str:
 
 def _pieces(
     shown: Sequence[ShownMesh], title: str, notes: list[str], *, encoded: bool = False
-) -> list[Piece]:
+) -> list[ModelPart]:
     """A piece for each mesh; its colours are for screens where they are encoded, else linear."""
     # What has no name in the file is called so by trimesh.
     named = {one.name for one in shown} - {"geometry_0"}
@@ -137,7 +137,7 @@ def _pieces(
                 linear = linear_from_srgb(colors) if encoded else colors
                 surface = colored(name, surface, linear, notes)
             mesh = _mesh(one.mesh).transformed(one.file_from_mesh)
-            pieces.append(Piece(name, mesh, surface))
+            pieces.append(ModelPart(name, mesh, surface))
         return pieces
 
 

@@ -19,7 +19,7 @@ from openrooms_usd.library.assets import Model
 from openrooms_usd.library.models.gltf import read_glb, read_ply, read_stl
 from openrooms_usd.library.models.pieces import (
     ForeignJoint,
-    Piece,
+    ModelPart,
     Reading,
     is_textured,
     mended,
@@ -114,7 +114,7 @@ def dependencies(path: Path) -> list[Path]:
 
 
 def _posture(
-    pieces: Sequence[Piece],
+    pieces: Sequence[ModelPart],
     reading: Reading,
     path: Path,
     usual: Usual | None,
@@ -146,7 +146,7 @@ def _turn(up: Up, front: Front) -> NDArray[np.float64]:
     return np.asarray(turn @ upright, dtype=np.float64)
 
 
-def _sound(reading: Reading, path: Path) -> list[Piece]:
+def _sound(reading: Reading, path: Path) -> list[ModelPart]:
     """The pieces that have an area, mended."""
     if any(not np.isfinite(piece.mesh.points).all() for piece in reading.pieces):
         raise InputError(
@@ -166,7 +166,7 @@ def _sound(reading: Reading, path: Path) -> list[Piece]:
     return sound
 
 
-def _as_model(pieces: Sequence[Piece], turn: NDArray[np.float64], reading: Reading) -> Model:
+def _as_model(pieces: Sequence[ModelPart], turn: NDArray[np.float64], reading: Reading) -> Model:
     names = prim_names([piece.title for piece in pieces])
     found = list(zip(names, pieces, strict=True))
     turned = np.eye(4)
@@ -180,7 +180,9 @@ def _as_model(pieces: Sequence[Piece], turn: NDArray[np.float64], reading: Readi
     )
 
 
-def _joints(joints: Sequence[ForeignJoint], found: Sequence[tuple[str, Piece]]) -> Iterator[Joint]:
+def _joints(
+    joints: Sequence[ForeignJoint], found: Sequence[tuple[str, ModelPart]]
+) -> Iterator[Joint]:
     """The joints of parts that are there, each named by the first of these."""
     for joint in joints:
         meshes = tuple(name for name, piece in found if piece.link == joint.link)

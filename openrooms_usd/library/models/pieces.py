@@ -23,7 +23,7 @@ _PAINTED_ROUGHNESS: Final = 0.8
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class ModelPart:
     """One named part of a foreign model, in the file's own frame and unit.
 
     Attributes:
@@ -74,7 +74,7 @@ class Reading:
         joints: How parts of it move.
     """
 
-    pieces: Sequence[Piece]
+    pieces: Sequence[ModelPart]
     notes: Sequence[str] = ()
     up: Literal["Y", "Z"] = "Y"
     unit: float = 1.0

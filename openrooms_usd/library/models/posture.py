@@ -117,7 +117,7 @@ def posture(
 
     choices = [said, *_others(said, up, unit, size)]
     best = min(choices, key=wanted)
-    notes = [*_told(best, said, sides, usual)]
+    notes = [*_posture_notes(best, said, sides, usual)]
     if size is None:
         notes += _odd(best, sides, usual, [said, *_others(said, None, None)])
     return Posture(best.up, best.unit, tuple(notes))
@@ -146,7 +146,7 @@ def _others(
                 yield Posture(way, length)
 
 
-def _told(best: Posture, said: Posture, sides: Array, usual: Usual) -> Iterator[str]:
+def _posture_notes(best: Posture, said: Posture, sides: Array, usual: Usual) -> Iterator[str]:
     """What is taken in place of what the format has."""
     box = _written(best.unit * standing(sides, best.up))
     if best.up != said.up:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from openrooms_usd import untrusted
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
-from openrooms_usd.library.models.pieces import ForeignJoint, Piece, Reading, colored
+from openrooms_usd.library.models.pieces import ForeignJoint, ModelPart, Reading, colored
 from openrooms_usd.library.models.plainxml import read_xml
 
 Array = NDArray[np.float64]
@@ -246,8 +246,8 @@ def read_urdf(path: Path, read_mesh: ReadMesh) -> Reading:
 
 
 def _in_color(
-    piece: Piece, visual: Element, colors: Mapping[str | None, Element], path: Path
-) -> Piece:
+    piece: ModelPart, visual: Element, colors: Mapping[str | None, Element], path: Path
+) -> ModelPart:
     """A piece in the colour that its visual says, where its mesh file has no material for it."""
     material = visual.find("material")
     if material is None or piece.surface is not None:
@@ -275,7 +275,7 @@ def _parsed(path: Path) -> Element:
     return root
 
 
-def _front(pieces: Sequence[Piece], joints: Sequence[ForeignJoint]) -> Front:
+def _front(pieces: Sequence[ModelPart], joints: Sequence[ForeignJoint]) -> Front:
     """Where most of what opens moves to; +X where little moves sideways."""
     points = np.concatenate([piece.mesh.points for piece in pieces] or [np.zeros((1, 3))])
     moved = np.zeros(2)
@@ -302,7 +302,7 @@ def _opening_motion(joint: ForeignJoint, point: Array) -> Array:
 
 def _pieces(
     visual: Element, link: str, path: Path, read_mesh: ReadMesh, notes: list[str]
-) -> Iterator[Piece]:
+) -> Iterator[ModelPart]:
     """A visual as pieces in the frame of its link."""
     geometry = visual.find("geometry")
     mesh = None if geometry is None else geometry.find("mesh")

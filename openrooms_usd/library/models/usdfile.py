@@ -9,7 +9,7 @@ import numpy as np
 from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.models.pieces import Piece, Reading, colored
+from openrooms_usd.library.models.pieces import ModelPart, Reading, colored
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -51,7 +51,7 @@ def _read(stage: "Usd.Stage", path: Path, notes: list[str]) -> Reading:
         stage_from_local = stage_from_world @ placed.world_from_local
         surface = _surface(placed, path, notes)
         pieces.append(
-            Piece(placed.prim.GetName(), _mesh(placed).transformed(stage_from_local), surface)
+            ModelPart(placed.prim.GetName(), _mesh(placed).transformed(stage_from_local), surface)
         )
     up: Literal["Y", "Z"] = "Y" if up_axis(stage) == UsdGeom.Tokens.y else "Z"
     return Reading(pieces, notes, up, stated_metres(stage), _licence(stage))

@@ -16,7 +16,7 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
-from openrooms_usd.library.models.pieces import Piece, Reading, colored
+from openrooms_usd.library.models.pieces import ModelPart, Reading, colored
 from openrooms_usd.scan.models.objtext import standard_obj, statements
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def read_obj(path: Path) -> Reading:
     surfaces, painted = _read_libraries(obj, notes), _colors(obj)
     groups = Counter(group for group, _ in obj.faces)
     pieces = [
-        Piece(
+        ModelPart(
             f"{group}_{material}" if groups[group] > 1 and material else group or path.stem,
             _mesh(obj, corners),
             _painted(painted, corners, group or path.stem, surfaces.get(material), notes),

@@ -105,7 +105,7 @@ def publish(material: OwnMaterial, keep: Callable[[str], Path], folder: str = "t
 
     Args:
         material: Its `OwnMaterial.pictures` say which, and under which names.
-        keep: Gives the path of a file to be, such as `StageContext.keep`.
+        keep: Gives the path of a file to be, such as `StepContext.keep`.
         folder: What `keep` is asked for stands below it.
 
     Raises:

@@ -9,7 +9,7 @@ functions differ in the last place.
 `specular_stone` and `wood` are the substances.
 """
 
-from openrooms_usd.library.textures.base.family import Color, Family, Order, Use
+from openrooms_usd.library.textures.base.family import Color, Family, TextureParams, Use
 from openrooms_usd.library.textures.base.maps import Maps, TextureSet
 from openrooms_usd.library.textures.cache import (
     MAPS,
@@ -28,7 +28,7 @@ __all__ = [
     "Family",
     "Maps",
     "Material",
-    "Order",
+    "TextureParams",
     "TextureSet",
     "Use",
     "cached",

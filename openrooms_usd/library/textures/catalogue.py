@@ -19,7 +19,7 @@ from openrooms_usd.library.textures import (
     specular_stone,
     wood,
 )
-from openrooms_usd.library.textures.base.family import Color, Family, Order
+from openrooms_usd.library.textures.base.family import Color, Family, TextureParams
 from openrooms_usd.library.textures.base.maps import Maps, TextureSet, encoded, with_mean
 from openrooms_usd.library.textures.base.noise import Field, smooth_noise, smoothstep, standardized
 from openrooms_usd.spelling import did_you_mean
@@ -38,7 +38,7 @@ _MIN_SHADE_SHARE: Final = 0.02
 _MAX_ROUGHNESS: Final = 0.02
 
 
-def laid(small: Maps, order: Order, count: int) -> Maps:
+def laid(small: Maps, order: TextureParams, count: int) -> Maps:
     """A small picture laid ``count`` times along each side.
 
     Args:
@@ -65,7 +65,7 @@ def laid(small: Maps, order: Order, count: int) -> Maps:
     )
 
 
-def _wave(order: Order, count: int) -> Field:
+def _wave(order: TextureParams, count: int) -> Field:
     length = _LENGTH_SHARE * order.size / count
     return smooth_noise(order.rng, order.resolution, order.size, (length, length))
 
@@ -108,7 +108,7 @@ _SMEAR_M: Final = (0.02, 0.06)
 _GRID_TEXELS: Final = 128
 
 
-def worn(maps: Maps, order: Order, substance: Substance) -> Maps:
+def worn(maps: Maps, order: TextureParams, substance: Substance) -> Maps:
     """The maps with a roughness that use has changed here and there; its mean stays.
 
     Args:
@@ -127,7 +127,7 @@ def worn(maps: Maps, order: Order, substance: Substance) -> Maps:
     return replace(maps, roughness=_read(change, order.resolution) * maps.roughness)
 
 
-def _drawn(order: Order, lengths: tuple[float, float]) -> Field:
+def _drawn(order: TextureParams, lengths: tuple[float, float]) -> Field:
     return standardized(smooth_noise(order.rng, _GRID_TEXELS, order.size, lengths))
 
 
@@ -208,7 +208,7 @@ def make(
     """
     family = family_of(name)
     metres = family.size if size is None else size
-    order = Order(generator(number, "textures", name), resolution, metres, color, roughness)
+    order = TextureParams(generator(number, "textures", name), resolution, metres, color, roughness)
     over = replace(order, rng=generator(number, "textures", name, "over"))
     count = _laid(family, order)
     if count > 1:
@@ -219,7 +219,7 @@ def make(
     return encoded(worn(maps, over, substance_of(name)), metres)
 
 
-def _laid(family: Family, order: Order) -> int:
+def _laid(family: Family, order: TextureParams) -> int:
     """How often a family's picture is laid along a side: a power of two that divides it."""
     count = 1
     while (

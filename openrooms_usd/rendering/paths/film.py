@@ -15,7 +15,7 @@ from openrooms_usd.rendering.denoise import Denoiser
 from openrooms_usd.rendering.estimates import Halves
 from openrooms_usd.rendering.paths import reprojection
 from openrooms_usd.rendering.paths.camera_path import CameraPath
-from openrooms_usd.rendering.paths.reprojection import Surfaces, Taps, reproject
+from openrooms_usd.rendering.paths.reprojection import Taps, VisibleSurfaces, reproject
 from openrooms_usd.rendering.tone import Tone, fitted_tone
 
 # Frames after which what is older counts no more than what is new.
@@ -42,7 +42,7 @@ _EXPOSURE_SAMPLES: Final = 16
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class FilmFrame:
     """A finished frame.
 
     Attributes:
@@ -67,7 +67,7 @@ class Frame:
 
 def frames(
     opened: RenderContext, path: CameraPath, request: RenderRequest, denoiser: Denoiser | None
-) -> Iterator[Frame]:
+) -> Iterator[FilmFrame]:
     """Render the frames of a path, each with what the earlier ones know.
 
     Args:
@@ -77,13 +77,13 @@ def frames(
         denoiser: What takes the rest of the noise; None for none.
     """
     light, shown = Accumulation(), Accumulation()
-    before: tuple[Surfaces, Pixels] | None = None
+    before: tuple[VisibleSurfaces, Pixels] | None = None
     usual = request.samples or DEFAULT_SAMPLES
     for number, camera in enumerate(path.cameras):
         clock = _Clock()
         asked = replace(request, camera=path.frame_name(number))
         view = opened.picture(camera, replace(asked, channels=EXACT))
-        surfaces = Surfaces.of(view)
+        surfaces = VisibleSurfaces.of(view)
         guides = opened.guides(camera, asked)
         base = _divisible(guides[BASE], view)
         clock.lap("exact")
@@ -113,7 +113,7 @@ def frames(
         moved = flicker(received, before[1], taps) if before and taps else None
         images = {**view.images, LIGHT: replace(image, halves=None)}
         before = surfaces, received
-        yield Frame(
+        yield FilmFrame(
             replace(view, images=images),
             pixels,
             halves.error,

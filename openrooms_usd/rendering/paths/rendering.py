@@ -29,7 +29,7 @@ from openrooms_usd.rendering.paths.film import (
     DEFAULT_SAMPLES,
     EXACT,
     LIGHT,
-    Frame,
+    FilmFrame,
     frames,
     path_tone,
 )
@@ -147,7 +147,7 @@ def render_path(
                 if found := frame.view.images[LIGHT].bias:
                     bias = asdict(found)
                 writer.add(number, frame, shown_by, denoiser is not None)
-                told.append(_told(frame))
+                told.append(_frame_record(frame))
                 spent.append(frame.seconds)
                 what = Counted(camera_path.name, number + 1, len(camera_path))
                 progress(what, what.number / what.total)
@@ -175,7 +175,7 @@ def _method(asked: Method | None, session: RenderSession) -> Method:
     return choose_method(CACHE if asked is None and can else asked, session)
 
 
-def _told(frame: Frame) -> dict[str, Any]:
+def _frame_record(frame: FilmFrame) -> dict[str, Any]:
     return {
         "world_from_camera": frame.view.world_from_camera.tolist(),
         "samples": frame.samples,
@@ -251,7 +251,7 @@ class _Writer:
     cameras: Path
     timing: Path
 
-    def add(self, number: int, frame: Frame, tone: Tone, is_denoised: bool) -> None:
+    def add(self, number: int, frame: FilmFrame, tone: Tone, is_denoised: bool) -> None:
         shown = preview(LIGHT, frame.pixels, tone=tone).pixels
         self.encoder.add(shown)
         if self.frames is not None:

@@ -29,7 +29,7 @@ _SKY_M: Final = 1e5
 
 
 @dataclass(frozen=True, eq=False)
-class Surfaces:
+class VisibleSurfaces:
     """What the pixels' centres of a frame see, row by row.
 
     Attributes:
@@ -51,7 +51,7 @@ class Surfaces:
     distance: Array
 
     @staticmethod
-    def of(view: View) -> "Surfaces":
+    def of(view: View) -> "VisibleSurfaces":
         """Those of a view that has `CHANNELS`."""
         position, normal, instance, valid = (view.images[name].pixels for name in CHANNELS)
         seen = valid[..., 0].ravel() > 0
@@ -59,7 +59,7 @@ class Surfaces:
         rays = pixel_directions(view.K, view.width, view.height).reshape(-1, 3) @ R.T
         far = eye + _SKY_M * rays
         place = np.where(seen[:, None], position.reshape(-1, 3).astype(np.float64), far)
-        return Surfaces(
+        return VisibleSurfaces(
             view.K,
             view.world_from_camera,
             (view.height, view.width),
@@ -94,7 +94,7 @@ class Taps:
         return np.asarray((gathered * weights).sum(axis=1), dtype=np.float32)
 
 
-def reproject(now: Surfaces, before: Surfaces) -> Taps:
+def reproject(now: VisibleSurfaces, before: VisibleSurfaces) -> Taps:
     """Find what a frame sees in an earlier one of the same size."""
     height, width = before.shape
     R, eye = before.world_from_camera[:3, :3], before.world_from_camera[:3, 3]
@@ -123,7 +123,9 @@ def reproject(now: Surfaces, before: Surfaces) -> Taps:
     return Taps(np.stack(rows, axis=1), shares.astype(np.float32))
 
 
-def _same(now: Surfaces, before: Surfaces, place: NDArray[np.int64]) -> NDArray[np.bool_]:
+def _same(
+    now: VisibleSurfaces, before: VisibleSurfaces, place: NDArray[np.int64]
+) -> NDArray[np.bool_]:
     """Whether each pixel of a frame sees the surface that a pixel of an earlier one saw."""
     instance = now.instance == before.instance[place]
     sky = now.instance == 0

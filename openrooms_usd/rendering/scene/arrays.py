@@ -121,7 +121,7 @@ class Sun:
 
 
 @dataclass(frozen=True)
-class Piece:
+class PixelLabels:
     """What the pixels of a piece of surface are labelled with; 0 is nothing."""
 
     instance: int = 0
@@ -154,7 +154,7 @@ class Scene:
     """
 
     patches: tuple[Patch, ...]
-    pieces: tuple[Piece, ...]
+    pieces: tuple[PixelLabels, ...]
     environment: Environment | None
     suns: tuple[Sun, ...]
     portals: tuple[Portal, ...]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.rendering.scene.arrays import Patch, Piece, Scene
+from openrooms_usd.rendering.scene.arrays import Patch, PixelLabels, Scene
 from openrooms_usd.rendering.scene.first_hits import Hits
 from openrooms_usd.rendering.scene.pictures import Array, Value, evaluate
 from openrooms_usd.rendering.scene.surfaces import Surface
@@ -19,7 +19,7 @@ from openrooms_usd.usd.cameras import PinholeCamera
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
 _OPENGL: Final = np.diag([1.0, -1.0, -1.0])
 # The label channels, in the order of a piece's numbers.
-_LABELS: Final = tuple(label.name for label in fields(Piece))
+_LABELS: Final = tuple(label.name for label in fields(PixelLabels))
 
 # The sine between a normal and the view below which it names no side.
 _NO_SIDE: Final = 1e-6

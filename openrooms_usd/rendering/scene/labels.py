@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pxr import Sdf, Usd, UsdShade
 
 from openrooms_usd.channels import CLASS_CHANNELS
-from openrooms_usd.rendering.scene.arrays import Piece
+from openrooms_usd.rendering.scene.arrays import PixelLabels
 from openrooms_usd.rendering.scene.legend import Legend
 from openrooms_usd.usd.places.ancestry import Ancestry, Key, Stand
 from openrooms_usd.usd.semantics import TAXONOMIES, is_labelled, read_category, read_number
@@ -20,8 +20,8 @@ class Labels:
     """
 
     def __init__(self, stage: Usd.Stage) -> None:
-        self.pieces: list[Piece] = []
-        self._rows: dict[Piece, int] = {}
+        self.pieces: list[PixelLabels] = []
+        self._rows: dict[PixelLabels, int] = {}
         self._instances: dict[str, int] = {}
         self._parts: dict[str, int] = {}
         self._materials: dict[str, int] = {}
@@ -39,7 +39,7 @@ class Labels:
             material: Path of its material, if it has one.
         """
         instance, numbers = self._object(path)
-        piece = Piece(
+        piece = PixelLabels(
             instance,
             _number(self._parts, path),
             0 if material is None else _number(self._materials, material),

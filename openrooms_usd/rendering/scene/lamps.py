@@ -23,7 +23,7 @@ from openrooms_usd.usd.light.lights import (
     SphereLight,
 )
 from openrooms_usd.usd.shading.surfaces import Texture
-from openrooms_usd.usd.shading.textures import color_space, read_texture, told
+from openrooms_usd.usd.shading.textures import color_space, read_texture, report_line
 from openrooms_usd.usd.shapes.meshes import FARTHEST_M
 
 # Facets around a round light: even, so that its outline is symmetric.
@@ -59,7 +59,7 @@ def _sky(file: str | None) -> tuple[Floats, tuple[str, ...]]:
     try:
         return _read_sky(file)
     except InputError as error:
-        return constant, (told(error), "it is treated as constant")
+        return constant, (report_line(error), "it is treated as constant")
 
 
 def _pole_to_pole(pixels: Floats) -> Floats:
@@ -150,7 +150,7 @@ def radiance(light: Shaped) -> tuple[Value, tuple[str, ...]]:
     try:
         space = color_space(light.texture)
     except InputError as error:
-        return (red, green, blue), (told(error), "its texture is replaced by white")
+        return (red, green, blue), (report_line(error), "its texture is replaced by white")
     texture = Texture(
         light.texture,
         color_space=space,

@@ -15,7 +15,7 @@ from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.wrapping import framed
 from openrooms_usd.usd.shading.surfaces import BLACK, Texture, chosen, taken
-from openrooms_usd.usd.shading.textures import read_texture, told
+from openrooms_usd.usd.shading.textures import read_texture, report_line
 
 Array = NDArray[np.float64]
 Limits = tuple[float, float]
@@ -193,7 +193,7 @@ def load(
     try:
         stored = read_texture(texture.file)
     except InputError as error:
-        losses.append(told(error))
+        losses.append(report_line(error))
         instead = taken(texture, texture.fallback or BLACK, channels)
         picked = np.array(instead, dtype=np.float32).reshape(1, 1, channels)
     else:

@@ -165,7 +165,7 @@ class _Translation:
     def is_dim(self) -> bool:
         """Whether there is matter, none of which sends more light than what merely glows."""
         return bool(self._groups) and all(
-            group.radiance is None or merely_glows(group.radiance)
+            group.radiance is None or is_negligible_emitter(group.radiance)
             for group in self._groups.values()
         )
 
@@ -250,7 +250,7 @@ def is_unlit(stage: Usd.Stage) -> bool:
     """Whether a stage has no light at all.
 
     A light that is off or invisible says it, and so does our own step that writes lights, which may
-    write none. What is bright by its material does, too (`merely_glows`).
+    write none. What is bright by its material does, too (`is_negligible_emitter`).
     """
     if stage.GetPrimAtPath(names.LIGHTS):
         return False
@@ -261,7 +261,7 @@ def is_unlit(stage: Usd.Stage) -> bool:
     )
 
 
-def merely_glows(radiance: Value) -> bool:
+def is_negligible_emitter(radiance: Value) -> bool:
     """Whether an emission is too weak to light the rest.
 
     Screens and signs of models that are shown in any light have colours up to 1; what shall light a

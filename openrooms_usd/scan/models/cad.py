@@ -28,7 +28,7 @@ _CANDIDATE_POINTS: Final = 15000
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class CadSurface:
     """Samples of the visible outside of a surface.
 
     Attributes:
@@ -87,7 +87,7 @@ class CadModel:
         return np.stack([used.min(axis=0), used.max(axis=0)])
 
     @cached_property
-    def surface(self) -> Surface:
+    def surface(self) -> CadSurface:
         """Even samples of the visible surface, deterministic.
 
         Hidden surfaces, such as the boards of a closed drawer, have none. The winding of the faces
@@ -100,7 +100,7 @@ class CadModel:
         rows = seen[np.linspace(0, len(seen) - 1, min(_SURFACE_POINTS, len(seen))).astype(np.intp)]
         # Shuffled, so that every n-th sample is an even sample, too.
         rows = np.random.default_rng(_SEED).permutation(rows)
-        return Surface(
+        return CadSurface(
             points[rows],
             np.where((front | ~back)[rows, None], normals[rows], -normals[rows]),
             (front == back)[rows],

@@ -233,7 +233,7 @@ def left_out(
         row = rows[one.instance]
         if one.other is None:
             if one.depth > MAX_GAP_M and row not in gone:
-                gone[row] = _told(state, row, one, rows)
+                gone[row] = _left_out_note(state, row, one, rows)
         elif one.depth > _MAX_OVERLAP_M:
             pairs.append((row, rows[one.other], one))
     while pairs := [pair for pair in pairs if pair[0] not in gone and pair[1] not in gone]:
@@ -243,7 +243,7 @@ def left_out(
             cost[j] += one.depth / _worth(state, j)
         worst = max(cost, key=cost.__getitem__)
         deepest = max((one for i, j, one in pairs if worst in (i, j)), key=lambda one: one.depth)
-        gone[worst] = _told(state, worst, deepest, rows)
+        gone[worst] = _left_out_note(state, worst, deepest, rows)
     for row in list(gone) if with_carried else ():
         for other in state.carried(row):
             reason = f"the {_word(state, row)} that carries it is left out"
@@ -273,7 +273,9 @@ def _word(state: Arrangement, row: int) -> str:
     return (thing.word or thing.category or "object").replace("_", " ")
 
 
-def _told(state: Arrangement, row: int, wrong: Unresolved, rows: Mapping[int, int]) -> LeftOut:
+def _left_out_note(
+    state: Arrangement, row: int, wrong: Unresolved, rows: Mapping[int, int]
+) -> LeftOut:
     instance, number = state.objects[row].instance, None
     if wrong.other is None:
         where = whereabouts(wrong, hangs=state.supports[row].kind == WALL)

@@ -28,9 +28,14 @@ from openrooms_usd.scan.registration.hypotheses import (
     surveyed,
 )
 from openrooms_usd.scan.registration.scalelimits import Candidate, Sizes, sized
-from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS, RefusedError, Selection
+from openrooms_usd.scan.registration.selection import MIN_OBJECT_POINTS, CadSelection, RefusedError
 from openrooms_usd.scan.registration.supportheights import supports
-from openrooms_usd.scan.registration.surroundings import NO_WALLS, Surroundings, Walls, walls_of
+from openrooms_usd.scan.registration.surroundings import (
+    NO_WALLS,
+    ObjectSurroundings,
+    Walls,
+    walls_of,
+)
 from openrooms_usd.scan.registration.template import directions, posed, template_of, unposed
 from openrooms_usd.scan.results import FoundObject, FoundRoom
 from openrooms_usd.threads import mapped
@@ -127,7 +132,7 @@ def align(
 
 @dataclass(frozen=True, eq=False)
 class _Scene:
-    selection: Selection
+    selection: CadSelection
     walls: Walls
     panoramas: Panoramas
 
@@ -145,7 +150,7 @@ class _Scene:
             if cloud.sensor_origins is not None and len(cloud.sensor_origins)
             else likely_sensor_origins(points)
         )
-        selection = Selection(cloud, models, categories)
+        selection = CadSelection(cloud, models, categories)
         return cls(selection, walls_of(rooms), look_around(points, sensor_origins))
 
     def instances(self) -> list[Hint]:
@@ -195,7 +200,7 @@ class _Scene:
         if few and chosen:
             raise too_few
         if not chosen:
-            around = Surroundings(self.panoramas, possible[0], NO_WALLS)
+            around = ObjectSurroundings(self.panoramas, possible[0], NO_WALLS)
             if (stand_in := self.boxed(hint, evidence, around)) is None:
                 raise RefusedError("there is no CAD of its size")
             return evidence, Sizes(stand_in)
@@ -212,7 +217,7 @@ class _Scene:
             best = replace(best, any=along_wall(best.any, evidence))
         return evidence, best
 
-    def boxed(self, hint: Hint, evidence: Evidence, around: Surroundings) -> Candidate | None:
+    def boxed(self, hint: Hint, evidence: Evidence, around: ObjectSurroundings) -> Candidate | None:
         """A box that fills the object; None where none may stand for it."""
         model = next((one for one in self.selection.models if _is_stand_in(one)), None)
         if model is None or hint.choices is None:
@@ -241,7 +246,7 @@ class _Scene:
             limited = hint.cad is None and hint.choices is not None
             hypotheses = from_box(template, box, given=hint.box is not None, limited=limited)
         radius = 0.5 * float(np.linalg.norm(template.size[:2]))
-        around = Surroundings(
+        around = ObjectSurroundings(
             self.panoramas, support, self.walls.near(hypotheses[0].parameters, radius), doubt
         )
         return [surveyed(template, evidence, around, hypothesis) for hypothesis in hypotheses]

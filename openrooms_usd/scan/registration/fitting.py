@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from openrooms_usd.arrays import Array
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.priors import Pairs, PoseHypothesis, System, paired
-from openrooms_usd.scan.registration.surroundings import Surroundings, hidden_sides
+from openrooms_usd.scan.registration.surroundings import ObjectSurroundings, hidden_sides
 from openrooms_usd.scan.registration.template import Template, directions, posed, unposed
 
 # Standard deviation of a residual, metres, and the effective number of independent ones that the
@@ -77,7 +77,7 @@ class Fit:
 def refined(
     template: Template,
     evidence: Evidence,
-    around: Surroundings,
+    around: ObjectSurroundings,
     priors: Sequence[PoseHypothesis],
     parameters: Array,
     schedule: Sequence[AnnealingLevel],
@@ -109,7 +109,7 @@ def refined(
 def energies(
     template: Template,
     evidence: Evidence,
-    around: Surroundings,
+    around: ObjectSurroundings,
     priors: Sequence[PoseHypothesis],
     parameters: Array,
     level: AnnealingLevel,
@@ -162,7 +162,7 @@ class _Seen:
         cls,
         whole: Template,
         evidence: Evidence,
-        around: Surroundings,
+        around: ObjectSurroundings,
         parameters: Array,
         level: AnnealingLevel,
     ) -> "_Seen":
@@ -205,7 +205,7 @@ class _Seen:
         )
 
     def system(
-        self, around: Surroundings, priors: Sequence[PoseHypothesis], parameters: Array
+        self, around: ObjectSurroundings, priors: Sequence[PoseHypothesis], parameters: Array
     ) -> System:
         """Normal equations of all terms about the poses."""
         first, second = (pairs.robust(w, self.level.width) for pairs, w in self.pairs(parameters))

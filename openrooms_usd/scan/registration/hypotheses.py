@@ -27,7 +27,7 @@ from openrooms_usd.scan.registration.scalelimits import (
     sizes_of,
     turns_of,
 )
-from openrooms_usd.scan.registration.surroundings import Surroundings
+from openrooms_usd.scan.registration.surroundings import ObjectSurroundings
 from openrooms_usd.scan.registration.template import Template, turn_of
 from openrooms_usd.scan.results import Pose
 
@@ -206,13 +206,13 @@ class Survey:
 
     template: Template
     hypothesis: PoseHypothesis
-    around: Surroundings
+    around: ObjectSurroundings
     begins: Array
     score: float
 
 
 def surveyed(
-    template: Template, evidence: Evidence, around: Surroundings, hypothesis: PoseHypothesis
+    template: Template, evidence: Evidence, around: ObjectSurroundings, hypothesis: PoseHypothesis
 ) -> Survey:
     """Score all variations of one hypothesis."""
     begins = np.array([*varied(hypothesis)])

@@ -17,7 +17,7 @@ from openrooms_usd.scan.models.cad import CadModel
 if TYPE_CHECKING:
     from openrooms_usd.scan.registration.fitting import Fit
     from openrooms_usd.scan.registration.priors import PoseHypothesis
-    from openrooms_usd.scan.registration.surroundings import Surroundings
+    from openrooms_usd.scan.registration.surroundings import ObjectSurroundings
     from openrooms_usd.scan.registration.template import Template
 
 SCALES: Final = (0.6, 1.6)
@@ -103,7 +103,7 @@ class Candidate:
 
     template: "Template"
     hypothesis: "PoseHypothesis"
-    around: "Surroundings"
+    around: "ObjectSurroundings"
     fit: "Fit"
 
 

@@ -48,7 +48,7 @@ class RefusedError(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Selection:
+class CadSelection:
     """Points and CADs to select from.
 
     Attributes:

@@ -125,7 +125,7 @@ class Rows:
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
+class ObjectSurroundings:
     """The surroundings of an object.
 
     Attributes:

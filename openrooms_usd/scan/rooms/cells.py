@@ -25,7 +25,7 @@ _SEALED_CAPACITY: Final = 10**8
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class FloorCells:
     """C cells between lines.
 
     Attributes:
@@ -57,7 +57,7 @@ class Cells:
 
 def cut_plan(
     lines: list[Line], low: Array, high: Array, directions: tuple[float, ...] = ()
-) -> Cells:
+) -> FloorCells:
     """Cut a box into cells by lines.
 
     Args:
@@ -81,7 +81,7 @@ def cut_plan(
     missing = length - _covered(lines, ends, length)
     missing *= unseen_wall_cost(_normals(ends), directions)
     inner = (sides >= 0).all(axis=1) & (sides[:, 0] != sides[:, 1])
-    return Cells(shapes, sides[inner], missing[inner], rim)
+    return FloorCells(shapes, sides[inner], missing[inner], rim)
 
 
 def _string(line: Line, middle: Array, reach: float) -> Any:
@@ -136,7 +136,7 @@ def _covered(lines: list[Line], ends: Array, length: Array) -> Array:
 
 
 def inside_by_cut(
-    cells: Cells, gain: Array, inner: NDArray[np.bool_], outer: NDArray[np.bool_]
+    cells: FloorCells, gain: Array, inner: NDArray[np.bool_], outer: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Label cells inside or outside by a minimum cut.
 

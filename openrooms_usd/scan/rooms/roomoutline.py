@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.arrays import Array
-from openrooms_usd.scan.rooms.cells import Cells, inside_by_cut
+from openrooms_usd.scan.rooms.cells import FloorCells, inside_by_cut
 from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
 from openrooms_usd.scan.rooms.spaces import PIXEL_M, Spaces
@@ -121,7 +121,7 @@ class Plan:
 
     walls: Walls
     spaces: Spaces
-    cells: Cells
+    cells: FloorCells
     directions: tuple[float, ...]
     simplicity: float
     own: float

@@ -16,7 +16,7 @@ from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.segmentation.contract import Segments
 from openrooms_usd.scan.segmentation.grouping import grouped
 from openrooms_usd.scan.segmentation.naming import UNNAMED, named
-from openrooms_usd.scan.segmentation.shape import Shape, shape_of
+from openrooms_usd.scan.segmentation.shape import SegmentShape, shape_of
 
 Rows = NDArray[np.intp]
 
@@ -121,7 +121,7 @@ def _brightness(cloud: Cloud, pieces: Surfels) -> Array:
     return np.asarray(cloud.colors[nearest].mean(axis=1) / 255.0)
 
 
-def _is_thing(shape: Shape, ceiling: float, points: Array, others: Array) -> bool:
+def _is_thing(shape: SegmentShape, ceiling: float, points: Array, others: Array) -> bool:
     """Whether a piece without a name may be furniture, by its size and its place."""
     long, short, height = shape.size.tolist()
     top, volume = shape.bottom + height, long * short * height

@@ -17,7 +17,7 @@ from scipy.spatial import KDTree
 
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import groups, majority
-from openrooms_usd.scan.segmentation.shape import Shape
+from openrooms_usd.scan.segmentation.shape import SegmentShape
 
 UNNAMED: Final = "object"
 
@@ -41,10 +41,10 @@ class _Row(NamedTuple):
     long: Range
     short: Range
     height: Range
-    shows: Callable[[Shape], bool]
+    shows: Callable[[SegmentShape], bool]
 
 
-def named(shape: Shape) -> str:
+def named(shape: SegmentShape) -> str:
     """The category of a piece; `UNNAMED` where nothing is likely enough."""
     measured = (shape.long, shape.short, shape.height)
     for row in _ROWS:
@@ -55,20 +55,20 @@ def named(shape: Shape) -> str:
     return UNNAMED
 
 
-def _stands(shape: Shape) -> bool:
+def _stands(shape: SegmentShape) -> bool:
     return shape.bottom == 0.0
 
 
-def _seats(shape: Shape, share: float) -> bool:
+def _seats(shape: SegmentShape, share: float) -> bool:
     return shape.seat[1] >= share
 
 
-def _backed(shape: Shape, part: float, wide: float) -> bool:
+def _backed(shape: SegmentShape, part: float, wide: float) -> bool:
     found = shape.backed
     return found[0] >= part and found[1] >= wide
 
 
-def _sofa(shape: Shape) -> bool:
+def _sofa(shape: SegmentShape) -> bool:
     return (
         _stands(shape)
         and _seats(shape, 0.12)
@@ -78,7 +78,7 @@ def _sofa(shape: Shape) -> bool:
     )
 
 
-def _armchair(shape: Shape) -> bool:
+def _armchair(shape: SegmentShape) -> bool:
     return (
         _stands(shape)
         and _seats(shape, 0.25)
@@ -87,7 +87,7 @@ def _armchair(shape: Shape) -> bool:
     )
 
 
-def _toilet(shape: Shape) -> bool:
+def _toilet(shape: SegmentShape) -> bool:
     at_its_end = shape.backed[2] == 0.0
     return (
         _stands(shape)
@@ -100,11 +100,11 @@ def _toilet(shape: Shape) -> bool:
     )
 
 
-def _solid_below(shape: Shape) -> bool:
+def _solid_below(shape: SegmentShape) -> bool:
     return shape.closed(0.1, shape.seat[0] - 0.05) > 0.75
 
 
-def _chair(shape: Shape) -> bool:
+def _chair(shape: SegmentShape) -> bool:
     square = shape.long < 1.4 * shape.short
     narrow = shape.short < 0.5
     return (
@@ -116,7 +116,7 @@ def _chair(shape: Shape) -> bool:
     )
 
 
-def _bed(shape: Shape) -> bool:
+def _bed(shape: SegmentShape) -> bool:
     height, share = shape.top
     if not _stands(shape) or share < 0.5:
         return False
@@ -124,7 +124,7 @@ def _bed(shape: Shape) -> bool:
     return 0.25 <= height <= (0.85 if wide else 0.65)
 
 
-def _table(shape: Shape) -> bool:
+def _table(shape: SegmentShape) -> bool:
     height, share = shape.top
     return (
         _stands(shape)
@@ -135,7 +135,7 @@ def _table(shape: Shape) -> bool:
     )
 
 
-def _low_table(shape: Shape) -> bool:
+def _low_table(shape: SegmentShape) -> bool:
     height, share = shape.top
     return (
         _stands(shape)
@@ -146,11 +146,11 @@ def _low_table(shape: Shape) -> bool:
     )
 
 
-def _desk(shape: Shape) -> bool:
+def _desk(shape: SegmentShape) -> bool:
     return _table(shape) and shape.to_wall < _AT_WALL_M
 
 
-def _cabinet(shape: Shape) -> bool:
+def _cabinet(shape: SegmentShape) -> bool:
     # Desks are as high, and what stands below them closes their sides.
     like_desk = 0.66 < shape.height < 0.82
     return (
@@ -160,7 +160,7 @@ def _cabinet(shape: Shape) -> bool:
     )
 
 
-def _bookshelf(shape: Shape) -> bool:
+def _bookshelf(shape: SegmentShape) -> bool:
     boards = [height for height, share in shape.layers if share > 0.25]
     return _stands(shape) and shape.to_wall < _AT_WALL_M and len(boards) >= 3
 

@@ -34,7 +34,7 @@ _ABOVE_SEAT_M: Final = 0.15
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class SegmentShape:
     """A piece in the frame of its box.
 
     Attributes:
@@ -144,18 +144,18 @@ class Shape:
         return shares
 
 
-def shape_of(points: Array, normals: Array, walls: Walls, brightness: float) -> Shape:
+def shape_of(points: Array, normals: Array, walls: Walls, brightness: float) -> SegmentShape:
     """The shape of a piece.
 
     Args:
         points: (N, 3) its surfels, floor at z = 0.
         normals: (N, 3) of these.
         walls: Of the room.
-        brightness: See `Shape`.
+        brightness: See `SegmentShape`.
     """
     base, size, yaw, lowest = upright_box(points, walls)
     local = (points - base) @ _about_z(yaw)
-    return Shape(
+    return SegmentShape(
         local,
         np.abs(normals[:, 2]) > _LEVEL_COS,
         size,

@@ -17,9 +17,9 @@ from openrooms_usd.geometry.rotations import nearest_rotation
 from openrooms_usd.geometry.rotations import pose as rigid
 from openrooms_usd.stages.alignment.captured import Captured
 from openrooms_usd.stages.alignment.catalogue import Catalogue
-from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
+from openrooms_usd.stages.alignment.placement import CaptureSource, Measured, Placement
 from openrooms_usd.stages.alignment.poses import author_pose
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.usd.places.frames import gf_matrix
 
 _TYPES: Final = Sdf.ValueTypeNames
@@ -63,7 +63,7 @@ def _axes(model: CapturedModel) -> Array:
 
 
 def placed_model(
-    context: StageContext, catalogue: Catalogue, model: CapturedModel, thing: Captured, source: str
+    context: StepContext, catalogue: Catalogue, model: CapturedModel, thing: Captured, source: str
 ) -> Placement:
     """A CAD as an asset at its own size, at the pose that was captured: tilt and scales are kept.
 
@@ -104,7 +104,7 @@ def placed_model(
         z,
         thing.yaw,
         emits=any(part_of(part) == names.LIGHT_BULB for part in built.parts),
-        source=Source(source, model.id, word=model.label),
+        source=CaptureSource(source, model.id, word=model.label),
         pose=pose,
         shifts=model.shifts,
     )

@@ -18,7 +18,7 @@ from openrooms_usd.scan.placement.settling import find_supports
 from openrooms_usd.scan.placement.spreading import Spread
 from openrooms_usd.scan.results import FoundObject, FoundRoom, Pose
 from openrooms_usd.stages.alignment.placement import Placement
-from openrooms_usd.stages.alignment.surroundings import Surroundings
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry
 
 # How far a box is moved at most: what lies deeper in another is not where it was seen, metres.
 _REACH_M: Final = 0.3
@@ -27,7 +27,7 @@ _NO_MOTION_M: Final = 0.001
 
 
 def moved_apart(
-    things: Sequence[Placement], room: Surroundings, notes: list[str]
+    things: Sequence[Placement], room: RoomGeometry, notes: list[str]
 ) -> list[Placement]:
     """Placements of a capture by the least motion in the plan that parts them.
 
@@ -68,7 +68,7 @@ def _model(asset: Asset) -> CadModel:
     return CadModel(asset.name, "", np.asarray(vertices, np.float64), faces, "none", "Z", 1.0)
 
 
-def _object(number: int, thing: Placement, room: Surroundings) -> FoundObject:
+def _object(number: int, thing: Placement, room: RoomGeometry) -> FoundObject:
     half = np.deg2rad(thing.yaw) / 2.0
     height = room.floor if thing.z is None else thing.z
     pose = Pose(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.capture import Capture, CapturedBox
-from openrooms_usd.description.alignment import Placed, named_objects
+from openrooms_usd.description.alignment import PlacedObject, named_objects
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.furniture import MAX_SIDE, MIN_SIDE, Size, category
 from openrooms_usd.furniture.registry import BUILT
@@ -57,7 +57,7 @@ class Captured:
 
 
 def captured_objects(
-    capture: Capture, floor: float, described: Sequence[Placed], notes: list[str]
+    capture: Capture, floor: float, described: Sequence[PlacedObject], notes: list[str]
 ) -> list[Captured]:
     """All boxes of a capture as objects, in the capture's order.
 

@@ -12,7 +12,7 @@ from openrooms_usd.description.alignment import FileObject, LibraryObject
 from openrooms_usd.furniture import (
     CATEGORIES,
     NOTHING_ORDERED,
-    Order,
+    FitOptions,
     Size,
     category,
     check,
@@ -23,18 +23,18 @@ from openrooms_usd.furniture import (
 from openrooms_usd.library.assets import Asset, Model, model_of, read_asset
 from openrooms_usd.library.models.meshfile import read_model
 from openrooms_usd.library.models.posture import Usual
-from openrooms_usd.stages.base import StageContext, file_digest
+from openrooms_usd.stages.base import StepContext, file_digest
 
 # What every piece of furniture runs, beside its category's module.
 _MAKERS: Final = ("openrooms_usd.draws", "openrooms_usd.furniture")
 
 
-def asked(item: LibraryObject) -> tuple[Size, Order]:
+def asked(item: LibraryObject) -> tuple[Size, FitOptions]:
     """The size of an object of a description, and how its fronts are ordered."""
     spec = category(item.category)
     style = spec.styles.get(item.style or "")
     size = item.size or (style and style.size) or spec.size
-    return size, Order(item.fronts, item.cutouts)
+    return size, FitOptions(item.fronts, item.cutouts)
 
 
 @dataclass
@@ -45,7 +45,7 @@ class Catalogue:
         context: The stage's context: its seed draws styles and details.
     """
 
-    context: StageContext
+    context: StepContext
     _assets: dict[tuple[Any, ...], Asset] = field(default_factory=dict)
     _drawn: dict[tuple[str, Size], str] = field(default_factory=dict)
 
@@ -55,7 +55,7 @@ class Catalogue:
         size: Size,
         style: str | None = None,
         label: str | None = None,
-        order: Order = NOTHING_ORDERED,
+        order: FitOptions = NOTHING_ORDERED,
     ) -> Asset:
         """Furniture of the library. Pieces of one category, size and style are the same asset.
 

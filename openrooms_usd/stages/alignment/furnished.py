@@ -26,8 +26,8 @@ from openrooms_usd.stages.alignment.captured import UNKNOWN
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.instances import told_left_out
 from openrooms_usd.stages.alignment.placement import Placement
-from openrooms_usd.stages.alignment.shelf import Shelf
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.alignment.shelf import CadCandidates
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.scanned import found_in
 from openrooms_usd.stages.reports import keep_overlay, keep_report
 from openrooms_usd.usd.semantics import NYU40
@@ -42,7 +42,7 @@ _REMEDY: Final = (
 
 
 def furnish(
-    context: StageContext, alignment: ScanAlignment, catalogue: Catalogue
+    context: StepContext, alignment: ScanAlignment, catalogue: Catalogue
 ) -> Iterator[Placement]:
     """The objects of a scan, each with its asset; a report of them is kept beside the layer.
 
@@ -57,7 +57,7 @@ def furnish(
             remedy="give `layout: {from: scan, scan: FILE}` too",
         )
     scan = segmented(context, alignment, found_scan)
-    shelf = Shelf(context, alignment, scan)
+    shelf = CadCandidates(context, alignment, scan)
     found = find_furniture(
         scan.cloud,
         scan.composed,
@@ -75,7 +75,7 @@ def furnish(
     keep_overlay(context, scan.cloud, scan.rooms, found.objects, bounds)
     words = {hint.instance: hint.word or hint.category or "" for hint in shelf.hints or ()}
     told = _told_elsewhere([words.get(number, "") for number in found.elsewhere])
-    context.notes.extend([*told_left_out(left), *told, *_told(found, len(left))])
+    context.notes.extend([*told_left_out(left), *told, *_furniture_notes(found, len(left))])
     labels = [
         (plain(thing.word or thing.category or "object"), str(thing.instance))
         for thing in found.objects
@@ -95,7 +95,7 @@ def _told_elsewhere(words: Sequence[str]) -> Iterator[str]:
         yield f"beyond the walls, and left out: {listed}"
 
 
-def _told(found: FoundFurniture, left_out: int) -> Iterator[str]:
+def _furniture_notes(found: FoundFurniture, left_out: int) -> Iterator[str]:
     yield from found.notes
     words = {
         one.instance: (one.word or one.category or "object").replace("_", " ")
@@ -148,7 +148,7 @@ def _told_unresolved(wrong: Unresolved, words: Mapping[int, str], hung: Collecti
     return f"not resolved: the {what} is {wrong.depth:.2f} m {where}"
 
 
-def segmented(context: StageContext, alignment: ScanAlignment, scan: FoundScan) -> FoundScan:
+def segmented(context: StepContext, alignment: ScanAlignment, scan: FoundScan) -> FoundScan:
     """The room with the things of its scan told apart, where the scan itself does not do so.
 
     Raises:

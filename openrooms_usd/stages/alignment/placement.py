@@ -16,7 +16,7 @@ from openrooms_usd.furniture import Size
 from openrooms_usd.geometry.rotations import in_plan, tilted
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.spelling import did_you_mean
-from openrooms_usd.stages.alignment.surroundings import Surroundings
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry
 
 _OBJECTS: Final = ("alignment", "objects")
 
@@ -76,7 +76,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Source:
+class CaptureSource:
     """Where an object was captured.
 
     Attributes:
@@ -146,7 +146,7 @@ class Placement:
     yaw: float = 0.0
     on: str = FLOOR
     emits: bool = False
-    source: Source | None = None
+    source: CaptureSource | None = None
     relative_to: str | None = None
     level: float = 0.0
     tilt: Tilt = (0.0, 0.0)
@@ -193,7 +193,7 @@ class Placement:
 
 
 @dataclass(frozen=True)
-class Stand:
+class ResolvedPose:
     """The pose of an object in the room.
 
     Attributes:
@@ -224,11 +224,11 @@ class Supports:
     """
 
     placements: Mapping[str, Placement]
-    room: Surroundings
+    room: RoomGeometry
     notes: list[str]
-    _stands: dict[str, Stand] = field(default_factory=dict)
+    _stands: dict[str, ResolvedPose] = field(default_factory=dict)
 
-    def stands(self) -> dict[str, Stand]:
+    def stands(self) -> dict[str, ResolvedPose]:
         """Every object's stand by name, in the order of the objects.
 
         Raises:
@@ -241,7 +241,7 @@ class Supports:
             item = self._plan[name]
             z, carrier = self._base(item)
             z += item.lift if item.z is None else 0.0
-            self._stands[name] = Stand(item.x, item.y, z, item.yaw, carrier, item.tilt)
+            self._stands[name] = ResolvedPose(item.x, item.y, z, item.yaw, carrier, item.tilt)
         for item in self._plan.values():
             if item.on == WALL:
                 self._note_openings(item)

@@ -27,16 +27,16 @@ from openrooms_usd.scan.results import FoundObject, Pose
 from openrooms_usd.stages.alignment.captured import UNKNOWN, sizes_of
 from openrooms_usd.stages.alignment.catalogue import Catalogue
 from openrooms_usd.stages.alignment.instances import Instance, hint_of, instances_of
-from openrooms_usd.stages.alignment.placement import Measured, Placement, Source
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.alignment.placement import CaptureSource, Measured, Placement
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.usd.semantics import NYU40, class_of, classes
 
 
 @dataclass(eq=False)
-class Shelf:
+class CadCandidates:
     """The CADs that may be taken."""
 
-    context: StageContext
+    context: StepContext
     alignment: ScanAlignment
     scan: FoundScan
 
@@ -127,7 +127,7 @@ class Shelf:
             np.linalg.norm(pose[:3, :3], axis=0) * np.ptp(extent, axis=0)
         ).tolist()
         yaw = float(np.degrees(np.arctan2(pose[1, 0], pose[0, 0])))
-        source = Source(self.scan.source, str(thing.instance), word=thing.word)
+        source = CaptureSource(self.scan.source, str(thing.instance), word=thing.word)
         return Placement(
             name,
             asset,

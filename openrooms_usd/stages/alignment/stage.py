@@ -42,8 +42,8 @@ from openrooms_usd.stages.alignment import aligned, placement, poses
 from openrooms_usd.stages.alignment.apart import moved_apart
 from openrooms_usd.stages.alignment.captured import Captured, captured_objects
 from openrooms_usd.stages.alignment.catalogue import Catalogue, asked
-from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry, surroundings
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of
 from openrooms_usd.threads import mapped
 from openrooms_usd.untrusted import check_path
@@ -59,7 +59,7 @@ _MAX_LISTED_NAMES: Final = 5
 
 
 @dataclass
-class Following:
+class EditPropagation:
     """Moves what belongs to objects that were moved by hand.
 
     Attributes:
@@ -71,9 +71,9 @@ class Following:
     """
 
     stage: Usd.Stage
-    room: Surroundings
+    room: RoomGeometry
     placements: Mapping[str, placement.Placement]
-    stands: Mapping[str, placement.Stand]
+    stands: Mapping[str, placement.ResolvedPose]
     notes: list[str]
     _motions: dict[str, Array] = field(default_factory=dict)
 
@@ -185,7 +185,7 @@ class AlignmentStage:
             ),
         ]
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         """Publish what is needed once, and place it.
 
         Raises:
@@ -199,7 +199,7 @@ class AlignmentStage:
         _publish(context, [item.asset for item in placements.values()])
         by_hand = poses.moved_by_hand(context.stage)
         _author_furniture(context, placements, stands)
-        Following(context.stage, room, placements, stands, context.notes).author(by_hand)
+        EditPropagation(context.stage, room, placements, stands, context.notes).author(by_hand)
 
 
 def _explicit(room: Room) -> ObjectList | CapturedAlignment | ScanAlignment:
@@ -223,7 +223,7 @@ def _cad_files(alignment: ScanAlignment, source: Path) -> list[str]:
     return sorted(os.path.relpath(path, source) for path in files)
 
 
-def _placements(context: StageContext, room: Surroundings) -> Iterator[placement.Placement]:
+def _placements(context: StepContext, room: RoomGeometry) -> Iterator[placement.Placement]:
     """Captured objects, then those of the description, each with its asset."""
     alignment, catalogue = _explicit(context.room), Catalogue(context)
     if isinstance(alignment, ScanAlignment):
@@ -257,7 +257,7 @@ def _placements(context: StageContext, room: Surroundings) -> Iterator[placement
 def _placed_capture(catalogue: Catalogue, thing: Captured, file: str) -> placement.Placement:
     (x, y, z), emits = thing.base, category(thing.category).emits
     asset = catalogue.furniture(thing.category, thing.size, label=thing.label)
-    source = placement.Source(file, thing.box.id, thing.box.confidence, thing.box.label)
+    source = placement.CaptureSource(file, thing.box.id, thing.box.confidence, thing.box.label)
     height = None if thing.on_floor else z
     return placement.Placement(
         thing.name, asset, thing.size, x, y, height, thing.yaw, emits=emits, source=source
@@ -302,7 +302,7 @@ def placement_of(
     )
 
 
-def _publish(context: StageContext, assets: Iterable[Asset]) -> None:
+def _publish(context: StepContext, assets: Iterable[Asset]) -> None:
     """Write every distinct asset; the order and the number of threads change nothing."""
     distinct = {asset.name: asset for asset in assets}
     folder = context.folder / ASSETS
@@ -313,9 +313,9 @@ def _publish(context: StageContext, assets: Iterable[Asset]) -> None:
 
 
 def _author_furniture(
-    context: StageContext,
+    context: StepContext,
     placements: Mapping[str, placement.Placement],
-    stands: Mapping[str, placement.Stand],
+    stands: Mapping[str, placement.ResolvedPose],
 ) -> None:
     """Define the prims, on the layer itself: thousands of them in one change."""
     layer = context.stage.GetEditTarget().GetLayer()
@@ -342,7 +342,7 @@ def _author_furniture(
                 _author_source(prim, item.source)
 
 
-def _author_source(prim: Sdf.PrimSpec, source: placement.Source) -> None:
+def _author_source(prim: Sdf.PrimSpec, source: placement.CaptureSource) -> None:
     aligned.apply_schema(prim, names.SOURCE_API)
     _set(prim, names.SOURCE_FILE, _TYPES.String, source.file)
     _set(prim, names.SOURCE_ID, _TYPES.String, source.id)

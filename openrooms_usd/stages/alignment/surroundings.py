@@ -26,7 +26,7 @@ class Hung(NamedTuple):
     """Where something hangs.
 
     Attributes:
-        wall: The number of the wall in `Surroundings.faces`.
+        wall: The number of the wall in `RoomGeometry.faces`.
         along: Its middle along the wall, metres from the wall's start.
         x: Middle of its base, metres.
         y: Middle of its base, metres.
@@ -61,7 +61,7 @@ class Gap(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
+class RoomGeometry:
     """The room without its furniture, in the frame of ``/World``.
 
     Attributes:
@@ -135,7 +135,7 @@ class Surroundings:
         ]
 
 
-def surroundings(stage: Usd.Stage) -> Surroundings:
+def surroundings(stage: Usd.Stage) -> RoomGeometry:
     """Read the room of a composed stage; what it does not have is left out."""
     world = stage.GetPrimAtPath(names.WORLD)
     boxes = UsdGeom.BBoxCache(Usd.TimeCode.Default(), [UsdGeom.Tokens.default_])
@@ -148,7 +148,7 @@ def surroundings(stage: Usd.Stage) -> Surroundings:
     below, above = extent(names.FLOOR), extent(names.CEILING)
     cache = UsdGeom.XformCache(TIME)
     walls, standing = _walls(stage, cache), _partitions(stage, cache)
-    return Surroundings(
+    return RoomGeometry(
         0.0 if below.IsEmpty() else below.GetMax()[2],
         None if above.IsEmpty() else above.GetMin()[2],
         walls,

@@ -29,7 +29,7 @@ from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.viewpoints import photographers_views
 from openrooms_usd.geometry.views import sample_views, select_views
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.captures import capture_of, captured_section
 from openrooms_usd.usd.places.frames import TIME, local_to_world
 from openrooms_usd.usd.semantics import read_label
@@ -64,7 +64,7 @@ _POINTS: Final = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Selection:
+class ViewCandidates:
     """The composed room, ready to be looked at.
 
     Attributes:
@@ -86,7 +86,7 @@ class Selection:
     subjects: Subjects
 
     @classmethod
-    def of(cls, stage: Usd.Stage) -> "Selection":
+    def of(cls, stage: Usd.Stage) -> "ViewCandidates":
         """Read a composed room."""
         meshes = read_meshes(stage, outside=False, bare=True).meshes
         light = _lightened(meshes)
@@ -104,7 +104,7 @@ class Selection:
         subjects = room_subjects(light, points[triangles], owners)
         return cls(points[triangles], caster, polygon, ground, headroom, _openings(stage), subjects)
 
-    def choose(self, context: StageContext, number: int, view: SelectedCameras) -> Array:
+    def choose(self, context: StepContext, number: int, view: SelectedCameras) -> Array:
         """(C, 4, 4) poses of the best views."""
         width, height = context.room.cameras.resolution or (1, 1)
         chosen = select_views(
@@ -253,7 +253,7 @@ def _surface_points(corners: Array) -> Array:
 # The photographs of a capture as cameras, so that each view stands for one of them.
 
 
-def photographs(context: StageContext) -> Capture | None:
+def photographs(context: StepContext) -> Capture | None:
     """The room's capture where the description asks for its cameras; None where it does not.
 
     Raises:
@@ -280,7 +280,7 @@ def photographs(context: StageContext) -> Capture | None:
     return capture
 
 
-def _standing(context: StageContext, capture: Capture) -> tuple[CapturedFrame, ...]:
+def _standing(context: StepContext, capture: Capture) -> tuple[CapturedFrame, ...]:
     """The photographs of a scan, as the room stands that was found in it."""
     room = context.stage.GetPrimAtPath(names.ROOM)
     source_from_room = np.array(room.GetAttribute(names.SOURCE_FROM_WORLD).Get()).T

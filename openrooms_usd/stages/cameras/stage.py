@@ -32,10 +32,10 @@ from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import intrinsics, look_at
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
-from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry, surroundings
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.cameras.selection import (
-    Selection,
+    ViewCandidates,
     frame_name,
     intrinsics_for,
     name_photograph,
@@ -70,7 +70,7 @@ class CamerasStage:
         framed = any(isinstance(view, FrameCameras) for view in room.cameras.views)
         return capture_inputs(section, source) if framed and section else ()
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         """Write one Camera for each view, and the render settings.
 
         Raises:
@@ -83,7 +83,7 @@ class CamerasStage:
         estimate = room_exposure(stage)
         paths = []
         # The room is read once, and only if a view is selected in it.
-        selection = cache(lambda: Selection.of(stage))
+        selection = cache(lambda: ViewCandidates.of(stage))
         for shot in _named(context, capture, selection):
             path = f"{names.CAMERAS}/{shot.name}"
             camera = define_camera(
@@ -121,7 +121,7 @@ class _Shot:
     name: str = ""
 
 
-def _resolution(context: StageContext, capture: Capture | None) -> tuple[int, int]:
+def _resolution(context: StepContext, capture: Capture | None) -> tuple[int, int]:
     """As described, or else that of the first photograph."""
     described = context.room.cameras.resolution
     if described is None:
@@ -137,7 +137,7 @@ def _intrinsics(shot: _Shot, resolution: tuple[int, int]) -> Array:
     return intrinsics(shot.view.fov, *resolution)
 
 
-def _lens(shot: _Shot, selection: Callable[[], Selection]) -> tuple[float, float] | None:
+def _lens(shot: _Shot, selection: Callable[[], ViewCandidates]) -> tuple[float, float] | None:
     """F-number and focus, metres; None where all is sharp."""
     view = shot.view
     if not isinstance(view, Viewed) or view.f_stop is None:
@@ -165,7 +165,7 @@ def _define_settings(stage: Usd.Stage, resolution: tuple[int, int], cameras: lis
 
 
 def _shots(
-    context: StageContext, capture: Capture | None, selection: Callable[[], Selection]
+    context: StepContext, capture: Capture | None, selection: Callable[[], ViewCandidates]
 ) -> Iterator[_Shot]:
     """Every camera with the view that asks for it; selections and captures give several."""
     for number, view in enumerate(context.room.cameras.views):
@@ -188,7 +188,7 @@ def _prefix(view: SelectedCameras, place: int) -> str:
 
 
 def _named(
-    context: StageContext, capture: Capture | None, selection: Callable[[], Selection]
+    context: StepContext, capture: Capture | None, selection: Callable[[], ViewCandidates]
 ) -> Iterator[_Shot]:
     """The cameras with prim names: as given, by their photograph, else numbered and free."""
     several = (SelectedCameras, FrameCameras)
@@ -254,7 +254,7 @@ def _coarse(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.asarray(blocks / np.float32(count**2))
 
 
-def _areas(room: Surroundings) -> tuple[float, float]:
+def _areas(room: RoomGeometry) -> tuple[float, float]:
     """Of the floor, and of all that bounds the room; square metres."""
     (x0, y0), (x1, y1) = room.walls[:, 0].T, room.walls[:, 1].T
     floor = abs(float((x0 * y1 - x1 * y0).sum())) / 2.0

@@ -19,7 +19,7 @@ from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.building.hallways import Hallway, Way, door_space, hallway, hallways_behind
 from openrooms_usd.furniture import Size, make, part_of, styles
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.layout.joinery import author_mesh
 from openrooms_usd.stages.layout.openings import Cut
 from openrooms_usd.usd.light.emitters import nits_from_lumen, world_area
@@ -93,7 +93,7 @@ def author_decor(stage: Usd.Stage, path: str, size: Hallway, rng: np.random.Gene
             author_mesh(stage, f"{prim.GetPath()}/{name}", mesh, part=part_of(name))
 
 
-def author_beyond(context: StageContext, corners: Array, cuts: Sequence[Cut]) -> None:
+def author_beyond(context: StepContext, corners: Array, cuts: Sequence[Cut]) -> None:
     """Build a hallway behind each opening that leads to one and can be looked through.
 
     Args:

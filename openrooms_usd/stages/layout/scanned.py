@@ -34,7 +34,7 @@ from openrooms_usd.scan.registration.hints import Box
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import Flat, flat_of
 from openrooms_usd.scan.rooms.layout import LayoutOptions
-from openrooms_usd.stages.base import StageContext, record_of
+from openrooms_usd.stages.base import StepContext, record_of
 from openrooms_usd.stages.layout.openings import hole_of
 
 # What openings of a flat's outline are in: none of its inner walls.
@@ -154,7 +154,7 @@ def taken(layout: ScanLayout, path: Path, found: FoundLayout, capture: Capture) 
     return ScannedRoom(shown, found, chosen, scan_from_level)
 
 
-def keep_found(context: StageContext, found: FoundScan) -> None:
+def keep_found(context: StepContext, found: FoundScan) -> None:
     """Keep what was found beside the layer, for the stages above it.
 
     Raises:

@@ -30,7 +30,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.polygons import counter_clockwise, defect
 from openrooms_usd.geometry.uv import centred
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.captures import capture_inputs, capture_of, capture_path
 from openrooms_usd.stages.layout.beyond import author_beyond
 from openrooms_usd.stages.layout.joinery import author_mesh, author_opening, set_value, wall_path
@@ -83,7 +83,7 @@ class LayoutStage:
         layout = room.layout
         return capture_inputs(layout, source) if isinstance(layout, CapturedLayout) else []
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         """Write the room's shell.
 
         Raises:
@@ -108,7 +108,7 @@ def described_plan(layout: PolygonLayout, notes: list[str]) -> Plan:
     return _drawn(layout, layout.polygon, layout.height, notes)
 
 
-def captured_plan(layout: CapturedLayout, context: StageContext) -> Plan:
+def captured_plan(layout: CapturedLayout, context: StepContext) -> Plan:
     """The plan of a captured room."""
     capture = _capture(layout, context)
     context.notes.extend(capture.notes)
@@ -224,7 +224,7 @@ def _finish(layout: PolygonLayout | CapturedLayout) -> Finish:
     return Finish(layout.trim, layout.ceiling, layout.cladding)
 
 
-def _capture(layout: CapturedLayout, context: StageContext) -> Capture:
+def _capture(layout: CapturedLayout, context: StepContext) -> Capture:
     """What an importer read; of a scan what was found in it, which is kept beside the layer."""
     if not isinstance(layout, ScanLayout):
         return capture_of(context, layout)

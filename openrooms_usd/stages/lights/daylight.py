@@ -28,12 +28,18 @@ from openrooms_usd.library.surroundings.outside.ledges import (
 from openrooms_usd.library.surroundings.outside.near import Window
 from openrooms_usd.library.surroundings.outside.panorama import HEIGHT
 from openrooms_usd.library.surroundings.outside.site import Site
-from openrooms_usd.library.surroundings.outside.solid import WOOD, Look, Part, Placed, Solid
+from openrooms_usd.library.surroundings.outside.solid import (
+    WOOD,
+    PlacedSolid,
+    Reflectance,
+    Solid,
+    SolidPart,
+)
 from openrooms_usd.library.surroundings.sky import Air, daylight
 from openrooms_usd.library.surroundings.skycache import cached_picture
 from openrooms_usd.library.surroundings.sunlight import sun_position
-from openrooms_usd.stages.alignment.surroundings import Surroundings, surroundings
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.alignment.surroundings import RoomGeometry, surroundings
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.usd.light.lights import Portal, connect_portals, define_dome, define_portal
 from openrooms_usd.usd.places.frames import TIME, author_matrix, local_to_world
 from openrooms_usd.usd.places.partitions import is_partition
@@ -47,7 +53,7 @@ _SHUT: Final = np.radians(0.5)
 _PORTAL_AXES: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 
 
-def author_sky(context: StageContext, environment: SkyEnvironment) -> None:
+def author_sky(context: StepContext, environment: SkyEnvironment) -> None:
     """Write a dome with sun, sky and land in nits; its file is named by all that determines it.
 
     Where the room lies somewhere, what is near its windows is written too.
@@ -95,7 +101,7 @@ def _nits(environment: SkyEnvironment, site: Site | None) -> NDArray[np.float32]
     )
 
 
-def author_portals(context: StageContext) -> None:
+def author_portals(context: StepContext) -> None:
     """Write a portal for every opening that light can pass, on the outer side of its wall.
 
     On the outer side, because from there the walls' thickness hides least of what lies inside, and
@@ -203,7 +209,7 @@ _MATERIALS: Final = f"{names.OUTSIDE}/Materials"
 _PLANTS: Final = f"{names.OUTSIDE}/Plants"
 
 
-def site_of(context: StageContext, environment: OutsideEnvironment, ways: Sequence[Portal]) -> Site:
+def site_of(context: StepContext, environment: OutsideEnvironment, ways: Sequence[Portal]) -> Site:
     """Where the room stands in its scene; without an outline where nothing shall be near.
 
     Args:
@@ -224,7 +230,7 @@ def _plan(window: Portal) -> Window:
     return Window(x, y, out_x, out_y)
 
 
-def author_nearby(context: StageContext, site: Site, windows: Mapping[str, Portal]) -> None:
+def author_nearby(context: StepContext, site: Site, windows: Mapping[str, Portal]) -> None:
     """Write what is near, but for a site without an outline.
 
     Args:
@@ -255,7 +261,7 @@ def _add_ledges(
     name: str,
     portal: Portal,
     to_scene: NDArray[np.float64],
-    room: Surroundings,
+    room: RoomGeometry,
     site: Site,
 ) -> None:
     face = to_scene @ portal.world_from_portal
@@ -264,21 +270,27 @@ def _add_ledges(
     flowers, screen = high and rng.random() < _FLOWERS_SHARE, rng.random() < _SCREENS_SHARE
     made = ledges(portal.width, portal.height, sill, high=high, flowers=flowers, screen=screen)
     for ledge in made:
-        look = Look(_GREY, NET_PASSES) if ledge.look == NET else Look(np.array(LOOKS[ledge.look]))
+        look = (
+            Reflectance(_GREY, NET_PASSES)
+            if ledge.look == NET
+            else Reflectance(np.array(LOOKS[ledge.look]))
+        )
         solid.looks.setdefault(ledge.look, look)
         mesh = ledge.mesh.transformed(face)
-        solid.parts.append(Part(name, ledge.name, ledge.category, mesh, ledge.look))
+        solid.parts.append(SolidPart(name, ledge.name, ledge.category, mesh, ledge.look))
         if ledge.name == "Box":
             leaves = next((look for look in solid.looks if look.startswith("Leaves")), None)
             for number, place in enumerate(flower_places(portal.width, portal.height)):
                 if leaves:
                     solid.placed.append(
-                        Placed(f"{name}_flowers_{number}", "bush", "flowers", face @ place, leaves)
+                        PlacedSolid(
+                            f"{name}_flowers_{number}", "bush", "flowers", face @ place, leaves
+                        )
                     )
 
 
 def _materials(
-    context: StageContext, looks: Mapping[str, Look]
+    context: StepContext, looks: Mapping[str, Reflectance]
 ) -> Iterator[tuple[str, UsdShade.Material]]:
     UsdGeom.Scope.Define(context.stage, _MATERIALS)
     for name, look in looks.items():
@@ -290,7 +302,9 @@ def _materials(
         yield name, material
 
 
-def _color(context: StageContext, name: str, look: Look) -> tuple[float, float, float] | Texture:
+def _color(
+    context: StepContext, name: str, look: Reflectance
+) -> tuple[float, float, float] | Texture:
     if look.albedo.ndim == 1:
         red, green, blue = map(float, look.albedo)
         return red, green, blue
@@ -366,7 +380,9 @@ def _author_instance(
     return prim
 
 
-def _author_part(stage: Usd.Stage, part: Part, materials: Mapping[str, UsdShade.Material]) -> None:
+def _author_part(
+    stage: Usd.Stage, part: SolidPart, materials: Mapping[str, UsdShade.Material]
+) -> None:
     thing = UsdGeom.Xform.Define(stage, f"{names.OUTSIDE}/{part.thing}").GetPrim()
     path, sheet = thing.GetPath().AppendChild(part.name), part.look == NET
     prim = define_mesh(stage, path, part.mesh, double_sided=sheet).GetPrim()
@@ -374,7 +390,7 @@ def _author_part(stage: Usd.Stage, part: Part, materials: Mapping[str, UsdShade.
     UsdShade.MaterialBindingAPI.Apply(prim).Bind(materials[part.look])
 
 
-def _author_placed(stage: Usd.Stage, placed: Placed) -> None:
+def _author_placed(stage: Usd.Stage, placed: PlacedSolid) -> None:
     shown = _plant(placed.kind, placed.look)
     prim = _author_instance(stage, f"{names.OUTSIDE}/{placed.name}", shown, placed.matrix)
     label(prim, placed.category)

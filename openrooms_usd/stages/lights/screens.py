@@ -12,7 +12,7 @@ from openrooms_usd.codedigest import code_digest
 from openrooms_usd.description.lights import Screen
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.library.styles.displays import picture
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.usd.places.frames import author_matrix
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
@@ -29,7 +29,7 @@ _SHOWS: Final = {"television": "film"}
 _USUAL: Final = "desktop"
 
 
-def author_screens(context: StageContext) -> None:
+def author_screens(context: StepContext) -> None:
     """Write a light for each screen that the description switches on.
 
     Raises:
@@ -97,7 +97,7 @@ def _face(mesh: PlacedMesh) -> tuple[Array, float, float] | None:
 
 
 def _author(
-    context: StageContext,
+    context: StepContext,
     name: str,
     screen: Screen,
     mesh: PlacedMesh,

@@ -33,7 +33,7 @@ from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.styles.beams import BEAMS, beam_profile, lamp_kelvin, profile_text
 from openrooms_usd.library.surroundings.environments import read_panorama, scaled_to_nits
-from openrooms_usd.stages.base import StageContext, file_digest
+from openrooms_usd.stages.base import StepContext, file_digest
 from openrooms_usd.stages.layout.beyond import author_beyond_lamps
 from openrooms_usd.stages.lights.daylight import author_portals, author_sky
 from openrooms_usd.stages.lights.screens import author_screens
@@ -60,7 +60,7 @@ _MAX_KELVIN: Final = 10_000.0
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundLamp:
     """A lamp in the stage.
 
     Attributes:
@@ -87,7 +87,7 @@ class LightsStage:
             if lamp.profile is not None and lamp.profile not in BEAMS:
                 yield lamp.profile
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         """Write the environment and the lamps.
 
         Raises:
@@ -120,7 +120,7 @@ class LightsStage:
         author_screens(context)
 
 
-def _author_constant(context: StageContext, environment: ConstantEnvironment) -> None:
+def _author_constant(context: StepContext, environment: ConstantEnvironment) -> None:
     """A dome of one radiance: L = E / pi."""
     hue = np.array(environment.color)
     brightness = float(luminance(hue))
@@ -129,7 +129,7 @@ def _author_constant(context: StageContext, environment: ConstantEnvironment) ->
     define_dome(context.stage, names.ENVIRONMENT, radiance=(r, g, b))
 
 
-def _author_panorama(context: StageContext, environment: FileEnvironment) -> None:
+def _author_panorama(context: StepContext, environment: FileEnvironment) -> None:
     """A dome with a picture in nits that only this layer refers to."""
     source = context.input(environment.file)
     code = code_digest(__name__)
@@ -150,7 +150,7 @@ def _author_panorama(context: StageContext, environment: FileEnvironment) -> Non
     )
 
 
-def _lamps(stage: Usd.Stage) -> dict[str, Found]:
+def _lamps(stage: Usd.Stage) -> dict[str, FoundLamp]:
     """The objects that have an emitting part, by name."""
     furniture = stage.GetPrimAtPath(names.FURNITURE)
     found = {}
@@ -162,11 +162,11 @@ def _lamps(stage: Usd.Stage) -> dict[str, Found]:
             if prim.IsA(UsdGeom.Mesh) and read_label(prim, names.PART) == names.LIGHT_BULB
         )
         if bulbs:
-            found[root.GetName()] = Found(root, bulbs)
+            found[root.GetName()] = FoundLamp(root, bulbs)
     return found
 
 
-def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
+def _author_lamp(context: StepContext, lamp: FoundLamp, wanted: Lamp) -> None:
     """Let the bulbs emit; the lamp's flux is shared by their areas."""
     root, place = lamp.root, lamp.root.GetPath()
     area = sum(world_area(bulb) for bulb in lamp.bulbs)
@@ -190,7 +190,7 @@ def _author_lamp(context: StageContext, lamp: Found, wanted: Lamp) -> None:
     context.notes.extend(author_glow(context.stage, place, paths))
 
 
-def _kept_profile(context: StageContext, wanted: str, beam: float | None) -> tuple[Profile, str]:
+def _kept_profile(context: StepContext, wanted: str, beam: float | None) -> tuple[Profile, str]:
     """A profile, and the asset path of the file that holds it."""
     known = next((name for name in BEAMS if name == wanted), None)
     if known is None:
@@ -208,7 +208,7 @@ def _kept_profile(context: StageContext, wanted: str, beam: float | None) -> tup
     return profile, context.asset(file)
 
 
-def _shining_area(lamp: Found, profile: Profile) -> float:
+def _shining_area(lamp: FoundLamp, profile: Profile) -> float:
     """The area of the lamp's bulbs that would send as much, if it would emit like Lambert."""
     return sum(
         world_area(bulb) * flux_share(bulb, shaping(profile, world_from_prim(bulb), normalize=True))
@@ -216,7 +216,7 @@ def _shining_area(lamp: Found, profile: Profile) -> float:
     )
 
 
-def _emission(context: StageContext, root: Usd.Prim, wanted: Lamp, area: float) -> dict[str, Any]:
+def _emission(context: StepContext, root: Usd.Prim, wanted: Lamp, area: float) -> dict[str, Any]:
     """The luminance and the hue of a lamp's bulbs, as `define_mesh_light` takes them."""
     if wanted.radiance is not None:
         nits = float(luminance(np.array(wanted.radiance)))
@@ -251,7 +251,7 @@ def _open_instance(stage: Usd.Stage, root: Usd.Prim) -> None:
         )
 
 
-def _drawn_kelvin(context: StageContext, name: str) -> float:
+def _drawn_kelvin(context: StepContext, name: str) -> float:
     sold = lamp_kelvin(context.room.room)
     return float(round(context.rng("lights", name).uniform(min(sold), max(sold))))
 

@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.description.materials import Look
+from openrooms_usd.description.materials import MaterialChoice
 from openrooms_usd.description.mistakes import Steps
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.draws import generator
@@ -28,8 +28,8 @@ from openrooms_usd.library.styles.finishes import (
 )
 from openrooms_usd.library.styles.interiors import INTERIORS
 from openrooms_usd.spelling import did_you_mean
-from openrooms_usd.stages.base import StageContext
-from openrooms_usd.stages.materials.looks import Dressed, Part, parts_of
+from openrooms_usd.stages.base import StepContext
+from openrooms_usd.stages.materials.looks import ObjectSurface, PartMaterials, parts_of
 from openrooms_usd.stages.materials.palette import Swatch
 from openrooms_usd.usd.files.layers import is_deactivated
 from openrooms_usd.usd.semantics import read_label
@@ -50,7 +50,7 @@ _SHIFTS: Final[Mapping[Substance, tuple[float, float]]] = {
 # What an annotated lamp is made of.
 _LAMP: Final = "bulb"
 # Returns the material of one part of an object in a look; None where the part keeps its own.
-Rule = Callable[["Chooser", Part], Swatch | None]
+Rule = Callable[["Chooser", ObjectSurface], Swatch | None]
 # The families of a substance that suit a place, with weights.
 Suited = Callable[[Substance], Weights]
 # Materials of each family that rooms draw from: few enough that rooms share their textures.
@@ -69,7 +69,7 @@ class Chooser:
         look: Which look; each draws its own.
     """
 
-    context: StageContext
+    context: StepContext
     look: int = 0
 
     @cached_property
@@ -131,7 +131,7 @@ class Chooser:
         weights = {f"{i:03d}": _RARER_FACTOR**i for i in range(finish.choices)}
         return int(drawn(rng, weights))
 
-    def asked(self, look: Look, suited: Suited, *key: str) -> Swatch:
+    def asked(self, look: MaterialChoice, suited: Suited, *key: str) -> Swatch:
         """The swatch of a look that the description asks for.
 
         Args:
@@ -183,14 +183,14 @@ class Chooser:
         return replace(swatch, tint=(red, green, blue), wear=wear)
 
 
-def _family(look: Look, suited: Suited, rng: np.random.Generator) -> str:
+def _family(look: MaterialChoice, suited: Suited, rng: np.random.Generator) -> str:
     """The family that a look names, or one of the substance that it names."""
     substance = look.substance or next((s for s in textures.FAMILIES if s == look.family), None)
     return drawn(rng, suited(substance)) if substance else str(look.family)
 
 
 @dataclass(frozen=True)
-class Dresser:
+class MaterialAssigner:
     """Dresses objects and openings in all looks of a room.
 
     Attributes:
@@ -199,14 +199,14 @@ class Dresser:
         annotations: What people noted, by the name of an object or a category.
     """
 
-    context: StageContext
+    context: StepContext
     choosers: tuple[Chooser, ...]
     annotations: Mapping[str, Annotation]
 
-    def objects(self, roots: Iterable[Usd.Prim]) -> dict[str, Dressed]:
+    def objects(self, roots: Iterable[Usd.Prim]) -> dict[str, PartMaterials]:
         """What each object wears, by its path; those that need nothing are left out."""
-        known: dict[tuple[Sdf.Path, int], Dressed] = {}
-        objects: dict[str, Dressed] = {}
+        known: dict[tuple[Sdf.Path, int], PartMaterials] = {}
+        objects: dict[str, PartMaterials] = {}
         for root in roots:
             own = self._is_named(root.GetName()) or not root.IsInstance()
             piece = 0 if own else self._piece(root)
@@ -229,7 +229,7 @@ class Dresser:
             return 0
         return int(self.context.rng("materials", "piece", root.GetName()).integers(_PIECES))
 
-    def dressed(self, root: Usd.Prim, piece: int = 0) -> Dressed:
+    def dressed(self, root: Usd.Prim, piece: int = 0) -> PartMaterials:
         """What one object wears in each look.
 
         Args:
@@ -241,23 +241,25 @@ class Dresser:
         annotation = self.annotations.get(name) or self.annotations.get(category) or Annotation()
         free = [part for part in parts if not part.bound]
         asset = str(root.GetAssetInfo().get("name", "")) or name
-        outfit = _Outfit(name, category, overrides, annotation, f"{asset}/{piece}")
+        outfit = _Assignment(name, category, overrides, annotation, f"{asset}/{piece}")
         forced = frozenset(part.path for part in parts if part.bound)
         looks = tuple(outfit.worn(chooser, parts, free) for chooser in self.choosers)
-        return Dressed(asset, category, looks, forced)
+        return PartMaterials(asset, category, looks, forced)
 
 
 @dataclass(frozen=True)
-class _Outfit:
+class _Assignment:
     """All that says what an object is made of."""
 
     name: str
     category: str
-    overrides: Mapping[str, Look]
+    overrides: Mapping[str, MaterialChoice]
     annotation: Annotation
     piece: str
 
-    def worn(self, chooser: Chooser, parts: list[Part], free: list[Part]) -> dict[str, Swatch]:
+    def worn(
+        self, chooser: Chooser, parts: list[ObjectSurface], free: list[ObjectSurface]
+    ) -> dict[str, Swatch]:
         """The material of each part in one look, by its path; what keeps its own is left out."""
         kinds = sorted({part.kind for part in free})
         suite = suite_of(self.category, kinds)
@@ -281,7 +283,7 @@ class _Outfit:
         light = 1.0 if suite else 1.0 + float(value)
         return swatch.cut((s, t), (light * (1.0 + warm), light, light * (1.0 - warm)))
 
-    def _overridden(self, chooser: Chooser, part: Part) -> Swatch | None:
+    def _overridden(self, chooser: Chooser, part: ObjectSurface) -> Swatch | None:
         """The override for the part, for its kind, or for all."""
         named = next((name for name in part.handles if name in self.overrides), ALL)
         look = self.overrides.get(named)
@@ -290,7 +292,7 @@ class _Outfit:
             return None
         return chooser.asked(look, furniture_families, "overrides", self.name, named)
 
-    def _annotated(self, chooser: Chooser, part: Part) -> Swatch | None:
+    def _annotated(self, chooser: Chooser, part: ObjectSurface) -> Swatch | None:
         if self.annotation.is_lamp(part.name):
             return chooser.finish(_LAMP, self.category)
         noted = self.annotation.substances(part.name)
@@ -300,12 +302,12 @@ class _Outfit:
         substance: Substance = noted[int(rng.integers(len(noted)))]
         return chooser.finish(GENERIC[substance], self.category)
 
-    def _usual(self, chooser: Chooser, part: Part, finish: str, suite: str) -> Swatch:
+    def _usual(self, chooser: Chooser, part: ObjectSurface, finish: str, suite: str) -> Swatch:
         own = part.handles[:1] if FINISHES[finish].each else ()
         return chooser.finish(finish, suite or self.category, *own)
 
 
-def read_annotations(context: StageContext) -> dict[str, Annotation]:
+def read_annotations(context: StepContext) -> dict[str, Annotation]:
     """The annotations that the description names, without those of models marked as bad.
 
     Raises:
@@ -323,7 +325,7 @@ def read_annotations(context: StageContext) -> dict[str, Annotation]:
     return found
 
 
-def unknown_names(context: StageContext, roots: Sequence[Usd.Prim]) -> Iterator[tuple[Steps, str]]:
+def unknown_names(context: StepContext, roots: Sequence[Usd.Prim]) -> Iterator[tuple[Steps, str]]:
     """Overrides and annotations of objects that are not there, and of parts that they do not have.
 
     Args:
@@ -356,7 +358,7 @@ def unknown_names(context: StageContext, roots: Sequence[Usd.Prim]) -> Iterator[
 
 
 def _unknown_parts(
-    context: StageContext, root: Usd.Prim, overrides: Mapping[str, Look]
+    context: StepContext, root: Usd.Prim, overrides: Mapping[str, MaterialChoice]
 ) -> Iterator[tuple[Steps, str]]:
     name, parts = root.GetName(), parts_of(root)
     known = sorted({part.name for part in parts} | {ALL})

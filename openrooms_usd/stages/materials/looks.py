@@ -24,7 +24,7 @@ from pxr import Sdf, Usd, UsdGeom, UsdShade
 from openrooms_usd import names
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.library.styles.assignment.kinds import kind_of
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.materials.palette import TEXTURES, Palette, Swatch
 from openrooms_usd.usd.files.layers import apply_metadata, export
 from openrooms_usd.usd.semantics import read_label
@@ -41,7 +41,7 @@ def variant(look: int) -> str:
 
 
 @dataclass(frozen=True)
-class Part:
+class ObjectSurface:
     """A surface of an object.
 
     Attributes:
@@ -66,7 +66,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Dressed:
+class PartMaterials:
     """Bindings of one object.
 
     Attributes:
@@ -92,11 +92,11 @@ class Dressed:
         return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
-def parts_of(root: Usd.Prim) -> list[Part]:
+def parts_of(root: Usd.Prim) -> list[ObjectSurface]:
     """The surfaces below an object's root, also where it is an instance."""
     base = root.GetPath()
     return [
-        Part(
+        ObjectSurface(
             str(prim.GetPath().MakeRelativePath(base)),
             read_label(prim, names.PART) or prim.GetName(),
             bound_material(prim) is not None or bool(bound_subsets(prim)),
@@ -106,7 +106,7 @@ def parts_of(root: Usd.Prim) -> list[Part]:
     ]
 
 
-def publish_look(context: StageContext, palette: Palette, look: Dressed) -> str:
+def publish_look(context: StepContext, palette: Palette, look: PartMaterials) -> str:
     """Write a look's layer, unless it is there already.
 
     Args:
@@ -128,7 +128,7 @@ def publish_look(context: StageContext, palette: Palette, look: Dressed) -> str:
     return context.asset(file)
 
 
-def _look_stage(palette: Palette, look: Dressed) -> Usd.Stage:
+def _look_stage(palette: Palette, look: PartMaterials) -> Usd.Stage:
     stage = Usd.Stage.CreateInMemory()
     apply_metadata(stage.GetRootLayer())
     title = "".join(word.capitalize() for word in look.category.split("_")) or "Object"

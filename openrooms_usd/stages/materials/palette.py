@@ -15,7 +15,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library import textures
 from openrooms_usd.library.friction import physics_of
 from openrooms_usd.library.ownmaterials import OwnMaterial, publish, read_material
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.materials.appearance import Appearance, Color, appearance_of
 from openrooms_usd.threads import mapped
 from openrooms_usd.usd.shading import physics
@@ -124,7 +124,7 @@ class Swatch:
 class Palette:
     """Names, publishes and defines the swatches of a room, each once."""
 
-    def __init__(self, context: StageContext) -> None:
+    def __init__(self, context: StepContext) -> None:
         self._context = context
         self._resolution = context.room.materials.resolution
         self._own: dict[tuple[str, float | None], OwnMaterial] = {}

@@ -13,7 +13,7 @@ from typing import Final
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
-from openrooms_usd.description.materials import Look
+from openrooms_usd.description.materials import MaterialChoice
 from openrooms_usd.description.mistakes import FieldsError, Steps
 from openrooms_usd.description.room import Room
 from openrooms_usd.library.ownmaterials import files_of as material_files
@@ -21,16 +21,16 @@ from openrooms_usd.library.styles.assignment.annotations import files_of as anno
 from openrooms_usd.library.styles.assignment.rooms import Place, families_of
 from openrooms_usd.library.styles.finishes import UNKNOWN, furniture_families
 from openrooms_usd.spelling import did_you_mean
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.materials.dressing import (
     Chooser,
-    Dresser,
+    MaterialAssigner,
     read_annotations,
     unknown_names,
 )
 from openrooms_usd.stages.materials.looks import (
     VARIANT_SET,
-    Dressed,
+    PartMaterials,
     define_all,
     publish_look,
     variant,
@@ -46,7 +46,7 @@ Surfaces = dict[str, Swatch]
 # Which field of the section says what a surface of the room is made of.
 _FIELDS: Final[dict[Place, str]] = {"floor": "floor", "wall": "walls", "ceiling": "ceiling"}
 # A painted ceiling whose colour is not described is white, whatever the walls are.
-_CEILING: Final = Look(family="paint", color=(0.8, 0.8, 0.785))
+_CEILING: Final = MaterialChoice(family="paint", color=(0.8, 0.8, 0.785))
 # What is fixed to walls and ceilings: the field that says its material, and its usual finish.
 _FIXED: Final[dict[str, tuple[str, str]]] = {
     "skirting": ("trim", "white"),
@@ -60,7 +60,7 @@ _FIXED: Final[dict[str, tuple[str, str]]] = {
 }
 # What stands in hallways.
 _THINGS: Final = frozenset({"picture", "rug"})
-_TILES: Final = Look(substance="specular_stone")
+_TILES: Final = MaterialChoice(substance="specular_stone")
 
 
 class MaterialsStage:
@@ -83,7 +83,7 @@ class MaterialsStage:
         files += [f for n in section.annotations.values() for f in annotation_files(source / n)]
         return sorted({Path(relpath(file, source)).as_posix() for file in files})
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         """Publish the textures and looks that are needed once, and bind them.
 
         Raises:
@@ -98,7 +98,7 @@ class MaterialsStage:
         if wrong:
             raise FieldsError(*wrong)
         choosers = tuple(Chooser(context, look) for look in range(context.room.materials.looks))
-        dresser = Dresser(context, choosers, read_annotations(context))
+        dresser = MaterialAssigner(context, choosers, read_annotations(context))
 
         opened = _openings(dresser, openings)
         shells = [shell_surfaces(context, chooser) for chooser in choosers]
@@ -110,17 +110,17 @@ class MaterialsStage:
         _reference_looks(context, palette, objects)
 
 
-def _children(context: StageContext, path: str) -> list[Usd.Prim]:
+def _children(context: StepContext, path: str) -> list[Usd.Prim]:
     prim = context.stage.GetPrimAtPath(path)
     return list(prim.GetChildren()) if prim else []
 
 
-def _all_swatches(surfaces: Sequence[Surfaces], objects: Iterable[Dressed]) -> list[Swatch]:
+def _all_swatches(surfaces: Sequence[Surfaces], objects: Iterable[PartMaterials]) -> list[Swatch]:
     worn = [look for dressed in objects for look in dressed.looks]
     return [swatch for look in (*surfaces, *worn) for swatch in look.values()]
 
 
-def _openings(dresser: Dresser, openings: Iterable[Usd.Prim]) -> list[Surfaces]:
+def _openings(dresser: MaterialAssigner, openings: Iterable[Usd.Prim]) -> list[Surfaces]:
     """The material of frames, leaves and handles in each look."""
     found: list[Surfaces] = [{} for _ in dresser.choosers]
     for opening in openings:
@@ -130,7 +130,7 @@ def _openings(dresser: Dresser, openings: Iterable[Usd.Prim]) -> list[Surfaces]:
     return found
 
 
-def _bind_room(context: StageContext, palette: Palette, looks: Sequence[Surfaces]) -> None:
+def _bind_room(context: StepContext, palette: Palette, looks: Sequence[Surfaces]) -> None:
     """Bind the shell and the openings, in variants of the room where there are several looks."""
     stage = context.stage
     scope = UsdGeom.Scope.Define(stage, names.MATERIALS).GetPath()
@@ -187,7 +187,7 @@ def _select(layer: Sdf.Layer, path: str, look: int) -> None:
 
 
 def _reference_looks(
-    context: StageContext, palette: Palette, objects: Mapping[str, Dressed]
+    context: StepContext, palette: Palette, objects: Mapping[str, PartMaterials]
 ) -> None:
     """Let each object's root reference its look, above its asset: all in one change."""
     files = {id(look): publish_look(context, palette, look) for look in objects.values()}
@@ -200,7 +200,7 @@ def _reference_looks(
                 _select(layer, path, section.look)
 
 
-def shell_surfaces(context: StageContext, chooser: Chooser) -> Surfaces:
+def shell_surfaces(context: StepContext, chooser: Chooser) -> Surfaces:
     """The material of floor, ceiling, walls and what is fixed to them, in one look."""
     room = context.stage.GetPrimAtPath(names.ROOM)
     found: Surfaces = {}
@@ -226,7 +226,7 @@ def _thing(chooser: Chooser, prim: Usd.Prim, category: str) -> Swatch:
     return chooser.finish(finish, "beyond", key, kind)
 
 
-def unknown_walls(context: StageContext) -> Iterator[tuple[Steps, str]]:
+def unknown_walls(context: StepContext) -> Iterator[tuple[Steps, str]]:
     """Materials of walls and claddings that are not there: the path, and what is wrong there."""
     section = context.room.materials
     for key, given, scope in (
@@ -250,7 +250,7 @@ def _is_mesh(stage: Usd.Stage, path: str) -> bool:
     return bool(stage.GetPrimAtPath(path).IsA(UsdGeom.Gprim))
 
 
-def _surface(context: StageContext, chooser: Chooser, prim: Usd.Prim, category: str) -> Swatch:
+def _surface(context: StepContext, chooser: Chooser, prim: Usd.Prim, category: str) -> Swatch:
     if category in _FIXED:
         return _fixed(context, chooser, category)
     if category == "cladding":
@@ -259,8 +259,8 @@ def _surface(context: StageContext, chooser: Chooser, prim: Usd.Prim, category: 
     if place is None:
         return chooser.finish(UNKNOWN, category)
     field, section = _FIELDS[place], context.room.materials
-    look: Look | None = getattr(section, field)
-    if place == "ceiling" and (look is None or look == Look(family="paint")):
+    look: MaterialChoice | None = getattr(section, field)
+    if place == "ceiling" and (look is None or look == MaterialChoice(family="paint")):
         look = _CEILING
     key: tuple[str, ...] = (field,)
     if place == "wall" and prim.GetName() in section.accents:
@@ -272,16 +272,16 @@ def _surface(context: StageContext, chooser: Chooser, prim: Usd.Prim, category: 
     return swatch.turned if place == "floor" and _is_wide(prim) else swatch
 
 
-def _fixed(context: StageContext, chooser: Chooser, category: str) -> Swatch:
+def _fixed(context: StepContext, chooser: Chooser, category: str) -> Swatch:
     """Painted or wooden boards."""
     field, usual = _FIXED[category]
-    look: Look | None = getattr(context.room.materials, field)
+    look: MaterialChoice | None = getattr(context.room.materials, field)
     if look is None:
         return chooser.finish(usual, field)
     return chooser.asked(look, furniture_families, field)
 
 
-def _clad(context: StageContext, chooser: Chooser, name: str) -> Swatch:
+def _clad(context: StepContext, chooser: Chooser, name: str) -> Swatch:
     """Tiles, unless the description says otherwise."""
     look = context.room.materials.cladding.get(name, _TILES)
     return chooser.asked(look, partial(families_of, context.room.room, "wall"), "cladding", name)

@@ -27,7 +27,7 @@ from openrooms_usd.furniture.record import Support
 from openrooms_usd.library.construction import joint_damping_of, movable, tolerance_of
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.physics.collision_error import RESOLUTION_M
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.materials.looks import VARIANT_SET
 from openrooms_usd.stages.physics.colliders import AssetColliders, LinkColliders, colliders_of
 from openrooms_usd.stages.physics.parts import (
@@ -171,7 +171,7 @@ def _has_surface(asset: RigidAsset) -> bool:
 
 
 def search_colliders(
-    context: StageContext, assets: Iterable[RigidAsset]
+    context: StepContext, assets: Iterable[RigidAsset]
 ) -> Mapping[int, AssetColliders]:
     """Masses and collision shapes, by ``id`` of the asset; the workers change nothing.
 

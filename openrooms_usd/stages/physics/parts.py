@@ -60,7 +60,7 @@ class Solid:
 
 
 @dataclass(frozen=True)
-class JointSays:
+class JointDescription:
     """The joint attributes of a moving part (`usd.joints`).
 
     Attributes:
@@ -87,7 +87,7 @@ class RigidLink:
 
     path: str
     solids: tuple[Solid, ...]
-    joint: JointSays | None = None
+    joint: JointDescription | None = None
     built: Array = field(default_factory=lambda: np.eye(4))
 
 
@@ -196,13 +196,15 @@ def _link(
     return RigidLink(relative, tuple(solids), _says(joint), outer @ built)
 
 
-def _says(prim: Usd.Prim) -> JointSays:
+def _says(prim: Usd.Prim) -> JointDescription:
     kind, axis, lower, upper = (
         prim.GetAttribute(key).Get(TIME)
         for key in (names.JOINT_TYPE, names.JOINT_AXIS, names.JOINT_LOWER, names.JOINT_UPPER)
     )
     x, y, z = (float(value) for value in axis)
-    return JointSays("rail" if kind == "rail" else "hinge", (x, y, z), (float(lower), float(upper)))
+    return JointDescription(
+        "rail" if kind == "rail" else "hinge", (x, y, z), (float(lower), float(upper))
+    )
 
 
 def _pivot(joint: Usd.Prim) -> Array:

@@ -25,7 +25,7 @@ from openrooms_usd.library.friction.references import SUBSTANCES
 from openrooms_usd.library.styles.assignment.kinds import kind_of
 from openrooms_usd.physics.components import Part
 from openrooms_usd.physics.panels import panel_pieces, slab_pieces
-from openrooms_usd.stages.base import StageContext
+from openrooms_usd.stages.base import StepContext
 from openrooms_usd.stages.materials.appearance import texels
 from openrooms_usd.stages.physics.ahead import search_ahead
 from openrooms_usd.stages.physics.cache import cached_shapes
@@ -76,7 +76,7 @@ def read_room(stage: Usd.Stage, objects: Objects) -> BuiltIn | None:
     return BuiltIn(_built_in(objects.asset(stage, room, room)), found)
 
 
-def author_room(context: StageContext, room: BuiltIn) -> None:
+def author_room(context: StepContext, room: BuiltIn) -> None:
     """Write colliders of the shell, and bodies of what moves in its openings."""
     made = search_colliders(context, room.openings)
     _author_shell(context, room.shell)
@@ -99,7 +99,7 @@ def _bare(opening: RigidAsset) -> RigidAsset:
     return replace(opening, links=links)
 
 
-def _author_shell(context: StageContext, room: RigidAsset) -> None:
+def _author_shell(context: StepContext, room: RigidAsset) -> None:
     # So are boards along the walls and tiles.
     apart = tuple(
         f"{path.removeprefix(names.ROOM + '/')}/" for path in (names.OPENINGS, names.TRIM)
@@ -127,7 +127,7 @@ def _name(solid: Solid) -> str:
     return solid.path.replace("/", "_") if solid.path.startswith(beyond) else solid.name
 
 
-def _shapes(context: StageContext, room: RigidAsset, solid: Solid) -> list[TriangleMesh]:
+def _shapes(context: StepContext, room: RigidAsset, solid: Solid) -> list[TriangleMesh]:
     """The convex pieces of a surface of the shell."""
     prim = context.stage.GetPrimAtPath(Sdf.Path(names.ROOM).AppendPath(solid.path))
     category = read_label(prim, names.CATEGORY)
@@ -141,7 +141,7 @@ def _shapes(context: StageContext, room: RigidAsset, solid: Solid) -> list[Trian
     return [shape.mesh for shape in found.shapes]
 
 
-def _with_floor_friction(context: StageContext, solid: Solid) -> Solid:
+def _with_floor_friction(context: StepContext, solid: Solid) -> Solid:
     """A floor with the mean of its friction map; any other surface as it is."""
     if Sdf.Path(names.ROOM).AppendPath(solid.path) != Sdf.Path(names.FLOOR):
         return solid
@@ -173,7 +173,7 @@ class PhysicsStage:
         """None: everything is in the stage."""
         return ()
 
-    def author(self, context: StageContext) -> None:
+    def author(self, context: StepContext) -> None:
         """Compute the physics of all objects, publish that of equal ones once, and reference it.
 
         A room whose description has no ``physics`` gets an empty layer.
@@ -212,7 +212,7 @@ def _code(category: str) -> str:
 
 
 def _files(
-    context: StageContext, assets: Iterable[RigidAsset]
+    context: StepContext, assets: Iterable[RigidAsset]
 ) -> tuple[dict[int, str], dict[Path, RigidAsset]]:
     """The layer of each asset by its ``id``, and those that are still to be written."""
     wanted: dict[int, str] = {}
@@ -227,7 +227,7 @@ def _files(
     return wanted, missing
 
 
-def _publish(context: StageContext, missing: Mapping[Path, RigidAsset]) -> None:
+def _publish(context: StepContext, missing: Mapping[Path, RigidAsset]) -> None:
     """Write the layers of assets, but of those that have no shapes."""
     made = search_colliders(context, missing.values())
     for target, asset in missing.items():
@@ -260,7 +260,7 @@ def _empty() -> Sdf.Layer:
 
 
 def _reference(
-    context: StageContext,
+    context: StepContext,
     found: Iterable[tuple[RigidAsset, Sequence[Sdf.Path]]],
     files: Mapping[int, str],
 ) -> None:

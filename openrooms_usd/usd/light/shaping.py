@@ -23,7 +23,7 @@ from openrooms_usd.usd.light.emitters import (
 )
 from openrooms_usd.usd.light.inputs import light_input
 from openrooms_usd.usd.light.profiles import Profile, Shaping, read_profile, shaping
-from openrooms_usd.usd.shading.textures import told
+from openrooms_usd.usd.shading.textures import report_line
 
 _STEP_DEG: Final = 0.25
 # Steps in a cone, however narrow, and in the width of a focused beam.
@@ -168,7 +168,7 @@ def _read_profile(attribute: Usd.Attribute, file: Any) -> tuple[Profile | None, 
     try:
         return read_profile(Path(found)) if found else None, losses
     except InputError as error:
-        return None, (*losses, told(error), "it shines evenly")
+        return None, (*losses, report_line(error), "it shines evenly")
 
 
 def define_shaping(prim: Usd.Prim, file: str) -> None:

@@ -26,7 +26,7 @@ _UPRIGHT_COS: Final = 0.7
 
 
 @dataclass(frozen=True, order=True)
-class Misfit:
+class UnitMismatch:
     """A prim whose referenced file has other units or another up axis, uncorrected.
 
     Attributes:
@@ -72,7 +72,7 @@ def _literal(name: str, value: float) -> str:
     return f"({value:.6g}, {value:.6g}, {value:.6g})" if name == SCALE else f"{value:g}"
 
 
-def find_misfits(stage: Usd.Stage) -> list[Misfit]:
+def find_unit_mismatches(stage: Usd.Stage) -> list[UnitMismatch]:
     """The references and payloads of a stage's own layers whose units nothing corrects.
 
     References inside of what is referred to, and inside of variants, are not looked at.
@@ -113,7 +113,7 @@ def _referring(layer: Sdf.Layer) -> Iterator[tuple[Sdf.PrimSpec, str, Sdf.PrimSp
 
 def _misfit(
     stage: Usd.Stage, layer: Sdf.Layer, spec: Sdf.PrimSpec, asset: str, root: Sdf.PrimSpec
-) -> Misfit | None:
+) -> UnitMismatch | None:
     metres, up = meters_per_unit(stage), up_axis(stage)
     stated = root.HasInfo(_METRES)
     # Their fallbacks are centimetres and Y up.
@@ -129,7 +129,9 @@ def _misfit(
     if not stated:
         # A prim that is scaled or rotated was corrected by hand.
         looked = not np.allclose(own, np.eye(3))
-        return None if looked else Misfit(str(spec.path), layer.identifier, asset, stated=False)
+        return (
+            None if looked else UnitMismatch(str(spec.path), layer.identifier, asset, stated=False)
+        )
     if size == 0.0:
         # What is scaled to nothing has no size to be wrong.
         return None
@@ -137,7 +139,7 @@ def _misfit(
         scale = 1.0
     raised = own[_UP[theirs], _UP[up]] / (np.linalg.norm(own[_UP[theirs]]) or 1.0)
     turn = 0.0 if raised > _UPRIGHT_COS else 90.0 if up == UsdGeom.Tokens.z else -90.0
-    found = Misfit(str(spec.path), layer.identifier, asset, scale, turn)
+    found = UnitMismatch(str(spec.path), layer.identifier, asset, scale, turn)
     return found if found.operations else None
 
 

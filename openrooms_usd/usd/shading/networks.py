@@ -15,7 +15,7 @@ _WHEN = Usd.TimeCode.EarliestTime()
 
 
 @dataclass(frozen=True)
-class Source:
+class InputSource:
     """What feeds an input: a constant, or an output of a shader.
 
     Attributes:
@@ -55,11 +55,11 @@ class Network:
         """Note that an input could not be taken as it is."""
         self.losses.append(f"{shader.GetPath()}.{name}: {what}")
 
-    def source(self, shader: UsdShade.Shader, name: str) -> Source:
+    def source(self, shader: UsdShade.Shader, name: str) -> InputSource:
         """What feeds an input, followed through node graphs and interface inputs."""
         socket = shader.GetInput(name)
         if not socket:
-            return Source()
+            return InputSource()
         attributes = UsdShade.Utils.GetValueProducingAttributes(socket)
         if not attributes:
             return _constant(socket.GetAttr())
@@ -67,10 +67,10 @@ class Network:
             self.lost(shader, name, "only its first connection is read")
         base, kind = UsdShade.Utils.GetBaseNameAndType(attributes[0].GetName())
         if kind == UsdShade.AttributeType.Output:
-            return Source(shader=UsdShade.Shader(attributes[0].GetPrim()), output=str(base))
+            return InputSource(shader=UsdShade.Shader(attributes[0].GetPrim()), output=str(base))
         return _constant(attributes[0])
 
-    def primvar(self, source: Source) -> tuple[str, Any]:
+    def primvar(self, source: InputSource) -> tuple[str, Any]:
         """The primvar of numbers that a source is, if it is one, and what stands in for it."""
         for begin, (name, instead) in _READERS.items():
             if source.shader and source.kind.startswith(begin):
@@ -124,8 +124,8 @@ class Network:
         return cast(Color, numbers[:3] if len(numbers) >= 3 else (numbers[0],) * 3)
 
 
-def _constant(attribute: Usd.Attribute) -> Source:
-    return Source(constant=attribute.Get(_WHEN), space=str(attribute.GetColorSpace()))
+def _constant(attribute: Usd.Attribute) -> InputSource:
+    return InputSource(constant=attribute.Get(_WHEN), space=str(attribute.GetColorSpace()))
 
 
 def finite_numbers(value: Any) -> tuple[float, ...]:

@@ -197,15 +197,15 @@ def flaw(path: str) -> str:
     try:
         picture_facts(one_of(path))
     except InputError as error:
-        return told(error)
+        return report_line(error)
     return ""
 
 
 UNREADABLE: Final = "cannot be read:"
-"""What stands in each sentence of `told`."""
+"""What stands in each sentence of `report_line`."""
 
 
-def told(error: InputError) -> str:
+def report_line(error: InputError) -> str:
     """What is wrong with a picture's file, and the remedy, in the words of reports."""
     return f"{Path(str(error.place)).name} {UNREADABLE} {error.message} ({error.remedy})"
 

@@ -58,7 +58,7 @@ _SURELY_BEHIND: Final = -0.5
 
 
 @dataclass(frozen=True)
-class Surface:
+class GprimSurface:
     """What a prim gives to draw.
 
     Attributes:
@@ -74,7 +74,7 @@ class Surface:
 
 def read_surface(
     prim: Usd.Prim, *, bare: bool = False, topologies: "Topologies | None" = None
-) -> Surface:
+) -> GprimSurface:
     """The triangles of a ``UsdGeom.Gprim`` in its local frame.
 
     Args:
@@ -91,10 +91,10 @@ def read_surface(
     polygons, losses = drawn.mesh, drawn.losses
     if polygons is None:
         reason = "; ".join(losses) or f"{kind} without a known surface"
-        return Surface(None, losses=(("skipped", reason),))
+        return GprimSurface(None, losses=(("skipped", reason),))
     corners, faces = triangulate(polygons.points, polygons.counts, polygons.indices)
     if not len(faces):
-        return Surface(None, losses=(("skipped", "no face has an area"),))
+        return GprimSurface(None, losses=(("skipped", "no face has an area"),))
     turned = _left_handed(prim)
     if turned:
         corners = corners[:, ::-1]
@@ -107,7 +107,7 @@ def read_surface(
     mesh = TriangleMesh(polygons.points, triangles, faces, normals, uvs, colors=colors)
     # Ribbons of curves are seen from both sides, tubes have no other.
     both = double_sided or prim.IsA(UsdGeom.Curves)
-    return Surface(mesh, both, tuple(("approximated", one) for one in losses))
+    return GprimSurface(mesh, both, tuple(("approximated", one) for one in losses))
 
 
 def _colors_along(prim: Usd.Prim, drawn: Drawn, triangles: Ints) -> dict[str, NDArray[Any]]:
@@ -189,10 +189,10 @@ class _Polygons:
         self._counts = array_of(self._geometry.GetFaceVertexCountsAttr().Get(TIME), np.int32)
         self._indices = array_of(self._geometry.GetFaceVertexIndicesAttr().Get(TIME), np.int32)
 
-    def surface(self, bare: bool) -> Surface:
+    def surface(self, bare: bool) -> GprimSurface:
         reason = self._invalid()
         if reason is not None:
-            return Surface(None, losses=(("skipped", reason),))
+            return GprimSurface(None, losses=(("skipped", reason),))
         if self._geometry.GetSubdivisionSchemeAttr().Get(TIME) != UsdGeom.Tokens.none:
             refined = self._refined(bare)
             if refined is not None:
@@ -201,7 +201,7 @@ class _Polygons:
         seen = ~np.isin(faces, self._holes())
         corners, faces = corners[seen], faces[seen]
         if not len(faces):
-            return Surface(None, losses=(("skipped", "no face has an area"),))
+            return GprimSurface(None, losses=(("skipped", "no face has an area"),))
         if _left_handed(self._geometry.GetPrim()):
             corners = np.ascontiguousarray(corners[:, ::-1])
         normals = None if bare else self._normals(corners, faces)
@@ -209,7 +209,7 @@ class _Polygons:
         colors = {} if bare else self._sets(_painting(self._geometry.GetPrim()), corners, faces)
         triangles = self._indices[corners]
         mesh = TriangleMesh(self._points, triangles, faces, normals, uvs, corners, colors)
-        return Surface(mesh, self._double_sided, tuple(self._losses))
+        return GprimSurface(mesh, self._double_sided, tuple(self._losses))
 
     def _invalid(self) -> str | None:
         """Why there is nothing that could be drawn, if so."""
@@ -226,7 +226,7 @@ class _Polygons:
     def _holes(self) -> Ints:
         return array_of(self._geometry.GetHoleIndicesAttr().Get(TIME), np.int32)
 
-    def _refined(self, bare: bool) -> Surface | None:
+    def _refined(self, bare: bool) -> GprimSurface | None:
         """It as a subdivision surface; None, with a reason, where that cannot be."""
         from openrooms_usd.usd.shapes.subdivided import Subdivided
 
@@ -241,10 +241,10 @@ class _Polygons:
         left_handed = _left_handed(self._geometry.GetPrim())
         mesh = fine.mesh(uvs, colors, left_handed=left_handed, bare=bare)
         if not len(mesh.faces):
-            return Surface(None, losses=(("skipped", "no face has an area"),))
+            return GprimSurface(None, losses=(("skipped", "no face has an area"),))
         how = f"a {fine.scheme} subdivision surface is refined {fine.levels} times"
         self._lose(f"{how}, its points on the limit surface")
-        return Surface(mesh, self._double_sided, tuple(self._losses))
+        return GprimSurface(mesh, self._double_sided, tuple(self._losses))
 
     def _carried(
         self, fine: "Subdivided", primvars: Iterable[tuple[UsdGeom.Primvar, int | None]]

@@ -10,7 +10,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom
 from openrooms_usd.arrays import Array
 from openrooms_usd.usd.arrays import array_of, flattened, integers
 from openrooms_usd.usd.places.frames import TIME, local_to_parent
-from openrooms_usd.usd.shapes.gprims import Surface, read_surface
+from openrooms_usd.usd.shapes.gprims import GprimSurface, read_surface
 
 if TYPE_CHECKING:
     from openrooms_usd.usd.shapes.subdivided import Topologies
@@ -32,7 +32,7 @@ _PROTOTYPES: Final = Usd.PrimIsActive & Usd.PrimIsLoaded
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Part:
+class DrawnSurface:
     """A surface somewhere below the root of a walk; paths start with a slash, or are empty.
 
     Attributes:
@@ -48,7 +48,7 @@ class Part:
     path: str
     prim: str
     matrix: Array
-    surface: Surface
+    surface: GprimSurface
     anchored: bool = False
     foreign: bool = False
     tints: Tints = ()
@@ -95,12 +95,12 @@ class Walk:
         self._without = None if without is None else Sdf.Path(without)
         self._purposes = frozenset(purposes)
         self._cache = UsdGeom.XformCache(TIME)
-        self._surfaces: dict[str, Surface] = {}
-        self._prototypes: dict[tuple[str, str], list[Part]] = {}
+        self._surfaces: dict[str, GprimSurface] = {}
+        self._prototypes: dict[tuple[str, str], list[DrawnSurface]] = {}
         self._open: set[str] = set()
         self._topologies: Topologies | None = None
 
-    def stage(self, stage: Usd.Stage) -> list[Part]:
+    def stage(self, stage: Usd.Stage) -> list[DrawnSurface]:
         """Every surface of a stage, in its order, relative to the stage's root."""
         scope = _Scope("", "", Usd.PrimDefaultPredicate)
         children = stage.GetPseudoRoot().GetFilteredChildren(scope.predicate)
@@ -108,8 +108,8 @@ class Walk:
 
     def _parts(
         self, prims: Iterable[Usd.Prim], scope: _Scope, purpose: UsdGeom.Imageable.PurposeInfo
-    ) -> list[Part]:
-        parts: list[Part] = []
+    ) -> list[DrawnSurface]:
+        parts: list[DrawnSurface] = []
         todo = [_Node(prim, np.eye(4), purpose, False) for prim in reversed(list(prims))]
         while todo:
             node, wrong = self._placed(todo.pop())
@@ -117,9 +117,11 @@ class Walk:
                 continue
             if wrong:
                 path = str(node.prim.GetPath())
-                lost = Surface(None, losses=(("approximated", wrong),))
+                lost = GprimSurface(None, losses=(("approximated", wrong),))
                 parts.append(
-                    Part(path[len(scope.home) :], path[len(scope.origin) :], node.matrix, lost)
+                    DrawnSurface(
+                        path[len(scope.home) :], path[len(scope.origin) :], node.matrix, lost
+                    )
                 )
             if node.prim.IsInstance():
                 parts += self._instance(node, scope)
@@ -151,7 +153,7 @@ class Walk:
         placed = own if resets else node.matrix @ own
         return _Node(prim, placed, purpose, node.anchored or resets), wrong
 
-    def _own(self, node: _Node, scope: _Scope) -> list[Part]:
+    def _own(self, node: _Node, scope: _Scope) -> list[DrawnSurface]:
         if not node.prim.IsA(UsdGeom.Gprim) or node.purpose.purpose not in self._purposes:
             return []
         path = str(node.prim.GetPath())
@@ -159,9 +161,9 @@ class Walk:
             self._surfaces[path] = self._read(node.prim)
         stands, prim = path[len(scope.home) :], path[len(scope.origin) :]
         surface = self._surfaces[path]
-        return [Part(stands, prim, node.matrix, surface, node.anchored, scope.foreign)]
+        return [DrawnSurface(stands, prim, node.matrix, surface, node.anchored, scope.foreign)]
 
-    def _read(self, prim: Usd.Prim) -> Surface:
+    def _read(self, prim: Usd.Prim) -> GprimSurface:
         if self._topologies is None and _may_be_refined(prim):
             # It is imported here, since most stages have none and scipy is slow to import.
             from openrooms_usd.usd.shapes.subdivided import Topologies
@@ -169,7 +171,7 @@ class Walk:
             self._topologies = Topologies()
         return read_surface(prim, bare=self._bare, topologies=self._topologies)
 
-    def _instance(self, node: _Node, scope: _Scope) -> list[Part]:
+    def _instance(self, node: _Node, scope: _Scope) -> list[DrawnSurface]:
         path = str(node.prim.GetPath())
         return _repeated(
             self._prototype(node.prim.GetPrototype(), node.purpose),
@@ -180,7 +182,9 @@ class Walk:
             foreign=scope.foreign,
         )
 
-    def _prototype(self, prototype: Usd.Prim, purpose: UsdGeom.Imageable.PurposeInfo) -> list[Part]:
+    def _prototype(
+        self, prototype: Usd.Prim, purpose: UsdGeom.Imageable.PurposeInfo
+    ) -> list[DrawnSurface]:
         root = str(prototype.GetPath())
         key = root, purpose.GetInheritablePurpose()
         if key not in self._prototypes:
@@ -189,7 +193,7 @@ class Walk:
             self._prototypes[key] = self._parts(children, scope, purpose)
         return self._prototypes[key]
 
-    def _scattered(self, node: _Node, scope: _Scope) -> list[Part]:
+    def _scattered(self, node: _Node, scope: _Scope) -> list[DrawnSurface]:
         """A point instancer's prototypes at all of its places."""
         path = str(node.prim.GetPath())
         instancer = UsdGeom.PointInstancer(node.prim)
@@ -198,8 +202,8 @@ class Walk:
         found = instances_of(instancer, len(targets))
         if isinstance(found, str) or path in self._open:
             reason = found if isinstance(found, str) else "a prototype contains its own instancer"
-            lost = Surface(None, losses=(("skipped", reason),))
-            return [Part(stands, prim, node.matrix, lost, foreign=scope.foreign)]
+            lost = GprimSurface(None, losses=(("skipped", reason),))
+            return [DrawnSurface(stands, prim, node.matrix, lost, foreign=scope.foreign)]
         self._open.add(path)
         groups = [
             self._parts(
@@ -210,11 +214,11 @@ class Walk:
             for target in targets
         ]
         self._open.remove(path)
-        parts: list[Part] = []
+        parts: list[DrawnSurface] = []
         tints, told = _tints(instancer, len(integers(instancer.GetProtoIndicesAttr())))
         if told:
-            lost = Surface(None, losses=(("approximated", told),))
-            parts.append(Part(stands, prim, node.matrix, lost, foreign=scope.foreign))
+            lost = GprimSurface(None, losses=(("approximated", told),))
+            parts.append(DrawnSurface(stands, prim, node.matrix, lost, foreign=scope.foreign))
         for number, which, place in found:
             parts += _repeated(
                 groups[which],
@@ -233,7 +237,7 @@ def _may_be_refined(prim: Usd.Prim) -> bool:
 
 
 def _repeated(
-    parts: list[Part],
+    parts: list[DrawnSurface],
     path: str,
     prim: str,
     node: _Node,
@@ -241,13 +245,13 @@ def _repeated(
     *,
     foreign: bool = False,
     tints: Tints = (),
-) -> list[Part]:
+) -> list[DrawnSurface]:
     """The parts of a prototype where one instance of it stands."""
     if not parts:
         return []
     matrices = placed @ np.array([part.matrix for part in parts])
     return [
-        Part(
+        DrawnSurface(
             path + part.path,
             part.prim if part.foreign else prim + part.prim,
             part.matrix if part.anchored else own,

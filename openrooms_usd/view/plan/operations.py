@@ -14,7 +14,7 @@ Point = tuple[Number, Number]
 Rectangle = tuple[Number, Number, Number, Number]
 
 
-class Given(Model):
+class SnapRequest(Model):
     """What comes with every operation."""
 
     snap: Switch = False
@@ -23,37 +23,37 @@ class Given(Model):
     """False while something is still being dragged: it is shown, and not done."""
 
 
-class OfCorner(Given):
+class CornerRequest(SnapRequest):
     """A corner."""
 
     corner: Whole
 
 
-class MoveCorner(OfCorner):
+class MoveCorner(CornerRequest):
     """A corner, and where it goes."""
 
     to: Point
 
 
-class OfWall(Given):
+class WallRequest(SnapRequest):
     """A wall of the outline."""
 
     wall: Whole
 
 
-class MoveWall(OfWall):
+class MoveWall(WallRequest):
     """A wall, and by which way it was dragged."""
 
     by: Point
 
 
-class SplitWall(OfWall):
+class SplitWall(WallRequest):
     """A wall, and where."""
 
     at: Point
 
 
-class AddOpening(Given):
+class AddOpening(SnapRequest):
     """An opening of a wall or a partition, by its left, right, bottom and top."""
 
     wall: Whole | None = None
@@ -62,7 +62,7 @@ class AddOpening(Given):
     rectangle: Rectangle
 
 
-class OfOpening(Given):
+class OfOpening(SnapRequest):
     """An opening."""
 
     opening: Whole
@@ -75,13 +75,13 @@ class SetOpening(OfOpening):
     rectangle: Rectangle | None = None
 
 
-class AddPartition(Given):
+class AddPartition(SnapRequest):
     """A wall that stands free, by its ends."""
 
     line: tuple[Point, Point]
 
 
-class OfPartition(Given):
+class OfPartition(SnapRequest):
     """A wall that stands free."""
 
     partition: Whole
@@ -93,7 +93,7 @@ class MovePartition(OfPartition):
     line: tuple[Point, Point]
 
 
-class SetHeight(Given):
+class SetHeight(SnapRequest):
     """How high the room is, metres."""
 
     height: Number = Field(gt=0)
@@ -107,7 +107,7 @@ class Operation(NamedTuple):
         run: Makes the changed plan.
     """
 
-    model: type[Given]
+    model: type[SnapRequest]
     run: Callable[[Drawing, Any], Drawing]
 
 
@@ -147,11 +147,13 @@ OPERATIONS: Final[Mapping[str, Operation]] = {
     "move_corner": Operation(
         MoveCorner, lambda plan, on: corners.move_corner(plan, on.corner, on.to, snap=on.snap)
     ),
-    "remove_corner": Operation(OfCorner, lambda plan, on: corners.remove_corner(plan, on.corner)),
+    "remove_corner": Operation(
+        CornerRequest, lambda plan, on: corners.remove_corner(plan, on.corner)
+    ),
     "move_wall": Operation(MoveWall, _move_wall),
     "split_wall": Operation(SplitWall, lambda plan, on: corners.split_wall(plan, on.wall, on.at)),
-    "remove_wall": Operation(OfWall, lambda plan, on: corners.remove_wall(plan, on.wall)),
-    "square": Operation(Given, lambda plan, _: corners.square(plan)),
+    "remove_wall": Operation(WallRequest, lambda plan, on: corners.remove_wall(plan, on.wall)),
+    "square": Operation(SnapRequest, lambda plan, _: corners.square(plan)),
     "add_opening": Operation(AddOpening, _add_opening),
     "set_opening": Operation(SetOpening, _set_opening),
     "remove_opening": Operation(

@@ -17,7 +17,7 @@ from openrooms_usd.view.app import App, Command, Nothing
 from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.drawing import Drawing
 from openrooms_usd.view.plan.fittings import hole_in
-from openrooms_usd.view.plan.operations import OPERATIONS, Given, Operation
+from openrooms_usd.view.plan.operations import OPERATIONS, Operation, SnapRequest
 from openrooms_usd.view.plan.pictures import Picture, from_above, heights, of_wall, view_box
 
 _DESCRIPTIONS: Final = (".yaml", ".yml")
@@ -31,7 +31,7 @@ class Answer(Model):
     take: Switch
 
 
-class Wanted(Model):
+class WallChoice(Model):
     """A wall or a partition."""
 
     wall: Whole | None = None
@@ -79,7 +79,7 @@ class Session:
             commands[name] = Command(Nothing, partial(self._step, step))
         commands["draft"] = Command(Answer, self._answer)
         commands["take"] = Command(Taken, self._take)
-        commands["elevation"] = Command(Wanted, self._elevation)
+        commands["elevation"] = Command(WallChoice, self._elevation)
         return App(
             "plan",
             f"{self.document.file.parent.resolve().name}: plan",
@@ -118,7 +118,7 @@ class Session:
             "redo": self.history.undone,
         }
 
-    def _operate(self, operation: Operation, given: Given) -> dict[str, Any]:
+    def _operate(self, operation: Operation, given: SnapRequest) -> dict[str, Any]:
         plan = operation.run(self.history.now, given)
         if not given.final:
             return self.told(plan)
@@ -158,7 +158,7 @@ class Session:
         under = self.document.under
         return from_above(under.points, self.box, self.history.now.height).png
 
-    def _elevation(self, given: Wanted) -> dict[str, Any]:
+    def _elevation(self, given: WallChoice) -> dict[str, Any]:
         plan, under = self.history.now, self.document.under
         wall = plan.seen(given.wall, given.partition)
         picture: Picture | None = None

@@ -6,13 +6,13 @@ import pytest
 from openrooms_usd.geometry.pinhole import intrinsics, look_at, pixel_directions
 from openrooms_usd.rendering.estimates import Halves
 from openrooms_usd.rendering.paths.film import Accumulation, flicker
-from openrooms_usd.rendering.paths.reprojection import Surfaces, reproject
+from openrooms_usd.rendering.paths.reprojection import VisibleSurfaces, reproject
 
 SIZE = (40, 30)
 K = intrinsics(60.0, *SIZE)
 
 
-def surfaces(pose: np.ndarray, strip: bool = False) -> Surfaces:
+def surfaces(pose: np.ndarray, strip: bool = False) -> VisibleSurfaces:
     """A floor z = 0 everywhere, and over it, where asked for, a strip |x| < 0.2 at z = 1."""
     width, height = SIZE
     eye = pose[:3, 3]
@@ -23,7 +23,9 @@ def surfaces(pose: np.ndarray, strip: bool = False) -> Surfaces:
     position = np.where(near[:, None], above, floor)
     normal = np.tile([0.0, 0.0, 1.0], (len(rays), 1))
     distance = np.linalg.norm(position - eye, axis=1)
-    return Surfaces(K, pose, (height, width), position, normal, 1 + near.astype(np.int64), distance)
+    return VisibleSurfaces(
+        K, pose, (height, width), position, normal, 1 + near.astype(np.int64), distance
+    )
 
 
 def test_a_plane_is_found_where_its_homography_says() -> None:
@@ -82,10 +84,10 @@ def test_a_still_camera_finds_its_own_pixels() -> None:
 
 
 def test_the_surroundings_turn_with_the_camera() -> None:
-    def sky(pose: np.ndarray) -> Surfaces:
+    def sky(pose: np.ndarray) -> VisibleSurfaces:
         rays = pixel_directions(K, *SIZE).reshape(-1, 3) @ pose[:3, :3].T
         nothing = np.zeros(len(rays), np.int64)
-        return Surfaces(
+        return VisibleSurfaces(
             K, pose, SIZE[::-1], pose[:3, 3] + 1e5 * rays, 0 * rays, nothing, 1e5 + 0.0 * nothing
         )
 
@@ -94,7 +96,7 @@ def test_the_surroundings_turn_with_the_camera() -> None:
 
 
 @pytest.fixture
-def still() -> tuple[Surfaces, np.ndarray]:
+def still() -> tuple[VisibleSurfaces, np.ndarray]:
     return surfaces(look_at((0.0, 0.0, 3.0), (0.0, 0.1, 0.0))), np.full(
         (*SIZE[::-1], 3), 0.5, np.float32
     )
@@ -105,7 +107,9 @@ def noisy(rng: np.random.Generator, deviation: float) -> Halves:
     return Halves(a, b, (1, 1))
 
 
-def test_frames_add_up_to_their_mean_and_say_its_error(still: tuple[Surfaces, np.ndarray]) -> None:
+def test_frames_add_up_to_their_mean_and_say_its_error(
+    still: tuple[VisibleSurfaces, np.ndarray],
+) -> None:
     here, base = still
     taps, film, rng = reproject(here, here), Accumulation(), np.random.default_rng(3)
     for number in range(16):
@@ -120,7 +124,9 @@ def test_frames_add_up_to_their_mean_and_say_its_error(still: tuple[Surfaces, np
     assert flicker(0.5 * (more.a + more.b), mean, taps) < 0.1 * 0.4 / 2.0
 
 
-def test_a_first_frame_of_many_samples_counts_for_many(still: tuple[Surfaces, np.ndarray]) -> None:
+def test_a_first_frame_of_many_samples_counts_for_many(
+    still: tuple[VisibleSurfaces, np.ndarray],
+) -> None:
     here, base = still
     film, one = Accumulation(), np.ones_like(base)
     film.add(Halves(one, one, (1, 1)), base, None, frames=8)
@@ -130,7 +136,7 @@ def test_a_first_frame_of_many_samples_counts_for_many(still: tuple[Surfaces, np
     np.testing.assert_allclose(found.a, one + noise / 9.0, atol=0.02)
 
 
-def test_light_that_changes_is_not_dragged_along(still: tuple[Surfaces, np.ndarray]) -> None:
+def test_light_that_changes_is_not_dragged_along(still: tuple[VisibleSurfaces, np.ndarray]) -> None:
     here, base = still
     taps, film = reproject(here, here), Accumulation()
     for number, light in enumerate((10.0, 10.0, 10.0, 1.0)):
@@ -139,7 +145,9 @@ def test_light_that_changes_is_not_dragged_along(still: tuple[Surfaces, np.ndarr
     np.testing.assert_allclose(found.a, 1.0, rtol=1e-4)
 
 
-def test_flicker_of_independent_frames_is_their_error(still: tuple[Surfaces, np.ndarray]) -> None:
+def test_flicker_of_independent_frames_is_their_error(
+    still: tuple[VisibleSurfaces, np.ndarray],
+) -> None:
     here, _ = still
     rng = np.random.default_rng(1)
     grey = rng.normal(1.0, 0.05, (2, SIZE[1], SIZE[0], 1)).astype(np.float32)

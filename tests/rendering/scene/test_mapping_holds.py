@@ -19,7 +19,7 @@ from openrooms_usd import names
 from openrooms_usd.rendering.scene.digest import light_digest
 from openrooms_usd.usd import mapping
 from openrooms_usd.usd.cameras import read_camera
-from openrooms_usd.usd.moments import hold
+from openrooms_usd.usd.moments import freeze_time
 from openrooms_usd.usd.rendersettings import asked_cameras, asked_purposes, is_set
 from tests.opening import open_with
 from tests.rendering.scene.conftest import Dark
@@ -56,7 +56,7 @@ FLAGS = ("disableDepthOfField", "disableMotionBlur", "instantaneousShutter")
 
 def made_of(stage: Usd.Stage, time_code: float | None = None) -> tuple[State, Rows]:
     """All that is rendered, to compare, and the report."""
-    lost = hold(stage, time_code)
+    lost = freeze_time(stage, time_code)
     opened = open_with(Dark(), stage)
     opened.report.lose(lost)
     scene = opened.scene

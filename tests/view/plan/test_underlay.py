@@ -20,7 +20,7 @@ from openrooms_usd.view.plan.document import Document
 from openrooms_usd.view.plan.drawing import Drawing
 from openrooms_usd.view.plan.fittings import add_opening, set_height
 from openrooms_usd.view.plan.pictures import from_above, heights, of_wall
-from openrooms_usd.view.plan.session import Session, Taken, Wanted, room_file
+from openrooms_usd.view.plan.session import Session, Taken, WallChoice, room_file
 
 BOX = ((0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0))
 
@@ -190,7 +190,7 @@ def test_rooms_of_a_scan_are_taken_one_by_one_or_together(
     session.history.undo()
     flat = session.history.now
     (inner, *_) = flat.partitions
-    shown = session.app().commands["elevation"].run(Wanted(partition=inner.name))
+    shown = session.app().commands["elevation"].run(WallChoice(partition=inner.name))
     assert shown["wall"] == inner.name and shown["png"]
     session.document.save(flat)
     ou.compose(session.document.file, tmp_path / "out", only="layout")

@@ -20,7 +20,7 @@ Substances = Mapping[Substance, float]
 
 
 @dataclass(frozen=True)
-class Surfaces:
+class RoomFinishes:
     """What a type of room has.
 
     Attributes:
@@ -42,13 +42,15 @@ USUAL: Final[dict[Place, dict[Substance, Weights]]] = _TABLES["usual"]
 """Families that suit a place, wherever a room says nothing else."""
 
 
-def _surfaces(floor: Substances, wall: Substances, suited: str = "") -> Surfaces:
+def _surfaces(floor: Substances, wall: Substances, suited: str = "") -> RoomFinishes:
     places: dict[Place, dict[Substance, Weights]] = _TABLES[suited] if suited else {}
     better = {(place, kind): w for place, kinds in places.items() for kind, w in kinds.items()}
-    return Surfaces(floor, wall, better)
+    return RoomFinishes(floor, wall, better)
 
 
-ROOMS: Final[dict[str, Surfaces]] = {k: _surfaces(**told) for k, told in _TABLES["rooms"].items()}
+ROOMS: Final[dict[str, RoomFinishes]] = {
+    k: _surfaces(**told) for k, told in _TABLES["rooms"].items()
+}
 
 
 def substance_of(

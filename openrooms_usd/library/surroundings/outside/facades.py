@@ -56,7 +56,7 @@ class Style:
     storey: float
 
 
-class Surfaces:
+class FacadeMaterials:
     """Patterns that the houses of a scene share."""
 
     def __init__(self, rng: np.random.Generator) -> None:
@@ -87,7 +87,7 @@ class Facade:
         eaves: Whether a roof reaches over it.
     """
 
-    surfaces: Surfaces
+    surfaces: FacadeMaterials
     style: Style
     length: float
     height: float
@@ -211,7 +211,7 @@ class Facade:
 class Tiles:
     """A roof; u runs along its eaves, v up its slope."""
 
-    surfaces: Surfaces
+    surfaces: FacadeMaterials
     albedo: Color
     number: int
 
@@ -237,7 +237,7 @@ class Tiles:
 class Plain:
     """An even face, a little stained."""
 
-    surfaces: Surfaces
+    surfaces: FacadeMaterials
     albedo: Color
 
     def __call__(self, hit: Hit) -> tuple[Floats, Floats]:

@@ -10,9 +10,9 @@ from openrooms_usd.library.surroundings.outside.canvas import Canvas
 from openrooms_usd.library.surroundings.outside.facades import (
     EAVES_M,
     Facade,
+    FacadeMaterials,
     Plain,
     Style,
-    Surfaces,
     Tiles,
 )
 from openrooms_usd.library.surroundings.outside.faces import Face, World, axes
@@ -67,7 +67,7 @@ class House:
         """(4, 2) its corners, metres from the eye."""
         return np.array([self._corner(side, *self._sides(side))[:2] for side in range(4)])
 
-    def faces(self, eye: float, surfaces: Surfaces) -> Iterator[Face]:
+    def faces(self, eye: float, surfaces: FacadeMaterials) -> Iterator[Face]:
         """Its walls, its roof and its chimney; ``eye`` is the height of the eye above the land."""
         yield from self._walls(eye, surfaces)
         yield from self._roof(eye, surfaces)
@@ -82,7 +82,7 @@ class House:
         inside = (np.abs(u) < 0.5 * self.width) & (np.abs(v) < 0.5 * self.depth)
         shadows.stand(np.where(inside, roof, 0.0).astype(np.float32))
 
-    def draw(self, canvas: Canvas, world: World, surfaces: Surfaces) -> None:
+    def draw(self, canvas: Canvas, world: World, surfaces: FacadeMaterials) -> None:
         """Put it on the canvas, its roof before its walls."""
         for face in reversed(tuple(self.faces(world.eye, surfaces))):
             face.draw(canvas, world)
@@ -93,7 +93,7 @@ class House:
         flat = along * u + out * v
         return np.array([self.x + flat[0], self.y + flat[1], z], dtype=np.float32)
 
-    def _walls(self, eye: float, surfaces: Surfaces) -> Iterator[Face]:
+    def _walls(self, eye: float, surfaces: FacadeMaterials) -> Iterator[Face]:
         up = np.array([0.0, 0.0, 1.0], dtype=np.float32)
         for side in range(4):
             along, _ = axes(self.yaw + 0.5 * math.pi * side)
@@ -125,7 +125,7 @@ class House:
         flat = -0.5 * length * along + 0.5 * deep * out
         return np.array([self.x + flat[0], self.y + flat[1], 0.0], dtype=np.float32)
 
-    def _roof(self, eye: float, surfaces: Surfaces) -> Iterator[Face]:
+    def _roof(self, eye: float, surfaces: FacadeMaterials) -> Iterator[Face]:
         if self.pitch == 0.0:
             return
         long = (self.width if self.front else self.depth) + 0.5
@@ -147,7 +147,7 @@ class House:
         if self.number % 3:
             yield from self._chimney(eye, surfaces)
 
-    def _chimney(self, eye: float, surfaces: Surfaces) -> Iterator[Face]:
+    def _chimney(self, eye: float, surfaces: FacadeMaterials) -> Iterator[Face]:
         up = np.array([0.0, 0.0, 1.0], dtype=np.float32)
         place = 0.3 * (1 - 2 * (self.number % 2)) * (self.width if self.front else self.depth)
         middle = self._at(place, 0.0, 0.0) if self.front else self._at(0.0, place, 0.0)

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd.library.surroundings.outside.canvas import Canvas
-from openrooms_usd.library.surroundings.outside.facades import Surfaces
+from openrooms_usd.library.surroundings.outside.facades import FacadeMaterials
 from openrooms_usd.library.surroundings.outside.faces import World
 from openrooms_usd.library.surroundings.outside.noise import Floats, nearest, sampled, step
 
@@ -67,7 +67,7 @@ class Ridge:
     trees: float
 
 
-def ground(world: World, zones: tuple[Zone, ...], surfaces: Surfaces, height: int) -> Floats:
+def ground(world: World, zones: tuple[Zone, ...], surfaces: FacadeMaterials, height: int) -> Floats:
     """(H / 2, 2 H, 3) nits of the land below the horizon; ``height`` is the panorama's."""
     nits = np.empty((height // 2, 2 * height, 3), dtype=np.float32)
     for first in range(0, len(nits), _BLOCK_ROWS):
@@ -77,7 +77,7 @@ def ground(world: World, zones: tuple[Zone, ...], surfaces: Surfaces, height: in
 
 
 def _rows(
-    world: World, zones: tuple[Zone, ...], surfaces: Surfaces, height: int, rows: Floats
+    world: World, zones: tuple[Zone, ...], surfaces: FacadeMaterials, height: int, rows: Floats
 ) -> Floats:
     """(R, 2 H, 3) nits of some rows below the horizon."""
     depression = (rows[:, None] + 0.5) * math.pi / height
@@ -99,7 +99,7 @@ def _rows(
 
 
 def _albedo(
-    zones: tuple[Zone, ...], surfaces: Surfaces, x: Floats, y: Floats, pixel: Floats
+    zones: tuple[Zone, ...], surfaces: FacadeMaterials, x: Floats, y: Floats, pixel: Floats
 ) -> Floats:
     """(H, W, 3) reflectance at places whose pixels are (H, 1) metres long."""
     patches = nearest(surfaces.rough, x / 31.0, y / 31.0)
@@ -139,7 +139,7 @@ def hills(
     canvas: Canvas,
     world: World,
     ridges: tuple[Ridge, ...],
-    surfaces: Surfaces,
+    surfaces: FacadeMaterials,
     rng: np.random.Generator,
 ) -> None:
     """Put lines of hills on the canvas, behind what is there; in order from the farthest."""

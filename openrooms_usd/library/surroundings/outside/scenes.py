@@ -52,7 +52,7 @@ class Scene:
 
 
 @dataclass(frozen=True, eq=False)
-class Nursery:
+class PlantPalette:
     """What a scene chooses from.
 
     Attributes:
@@ -70,7 +70,9 @@ class Nursery:
     hedge: Sprite
 
     @classmethod
-    def grown(cls, rng: np.random.Generator, pictures: np.random.Generator | None) -> "Nursery":
+    def grown(
+        cls, rng: np.random.Generator, pictures: np.random.Generator | None
+    ) -> "PlantPalette":
         """Draw the pictures.
 
         Args:
@@ -195,7 +197,7 @@ def _blank(aspect: float) -> Sprite:
     return Sprite(np.zeros((1, 1, 6), dtype=np.float32), aspect)
 
 
-def _street(grown: Nursery) -> Scene:
+def _street(grown: PlantPalette) -> Scene:
     """Houses across a road at the front, gardens at the back, neighbours to both sides."""
     rng = grown.rng
     road = grown.between(11.5, 14.5)  # to its middle
@@ -236,7 +238,7 @@ def _street(grown: Nursery) -> Scene:
     return Scene(tuple(things), zones, ridges, 6.5)
 
 
-def _garden(grown: Nursery) -> Scene:
+def _garden(grown: PlantPalette) -> Scene:
     """A garden within hedges; roofs and trees of others behind them."""
     rng = grown.rng
     front, back = grown.between(12.0, 20.0), -grown.between(8.0, 12.0)
@@ -276,7 +278,7 @@ def _garden(grown: Nursery) -> Scene:
     return Scene(tuple(things), zones, ridges, 6.0)
 
 
-def _hills(grown: Nursery) -> Scene:
+def _hills(grown: PlantPalette) -> Scene:
     """Open land: meadows, groups of trees, woods and hills in haze."""
     rng = grown.rng
     things: list[House | Plant | Hedge] = []
@@ -311,7 +313,7 @@ def _hills(grown: Nursery) -> Scene:
     return Scene(tuple(things), zones, ridges, 6.0)
 
 
-def _city(grown: Nursery) -> Scene:
+def _city(grown: PlantPalette) -> Scene:
     """A street of tall houses, wall to wall; a courtyard at the back."""
     rng = grown.rng
     front, back = grown.between(15.0, 21.0), -grown.between(17.0, 26.0)
@@ -343,7 +345,7 @@ def _city(grown: Nursery) -> Scene:
     return Scene(tuple(things), zones, (Ridge(0.0, 0.02, 3000.0, (0.1, 0.1, 0.1), 0.2),), 17.0)
 
 
-def _courtyard(grown: Nursery) -> Scene:
+def _courtyard(grown: PlantPalette) -> Scene:
     """A court that tall houses enclose."""
     rng = grown.rng
     front, back = grown.between(14.0, 22.0), -grown.between(14.0, 20.0)
@@ -371,7 +373,7 @@ def _courtyard(grown: Nursery) -> Scene:
     return Scene(tuple(things), zones, (), 13.0)
 
 
-SCENES: Final[Mapping[str, Callable[[Nursery], Scene]]] = MappingProxyType(
+SCENES: Final[Mapping[str, Callable[[PlantPalette], Scene]]] = MappingProxyType(
     {"street": _street, "garden": _garden, "hills": _hills, "city": _city, "courtyard": _courtyard}
 )
 """Scenes by name."""

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.draws import generator
-from openrooms_usd.library.surroundings.outside.facades import Surfaces
+from openrooms_usd.library.surroundings.outside.facades import FacadeMaterials
 from openrooms_usd.library.surroundings.outside.near import Near, Window, parted
-from openrooms_usd.library.surroundings.outside.scenes import SCENES, Nursery, Scene
+from openrooms_usd.library.surroundings.outside.scenes import SCENES, PlantPalette, Scene
 from openrooms_usd.library.surroundings.outside.solid import Solid, solid
 
 STOREY_M: Final = 3.0
@@ -70,9 +70,9 @@ class Site:
         x, y = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
         return x, y
 
-    def surfaces(self) -> Surfaces:
+    def surfaces(self) -> FacadeMaterials:
         """The patterns of the scene."""
-        return Surfaces(generator(self.seed, "outside", "surfaces"))
+        return FacadeMaterials(generator(self.seed, "outside", "surfaces"))
 
     def far(self, height: int) -> tuple[Scene, Scene]:
         """All that stands there, and what of it the panorama shows."""
@@ -92,7 +92,7 @@ class Site:
         near, _ = self._parted(SCENES[self.scene](self.nursery(drawn=False)), height)
         return solid(near, self.surfaces(), generator(self.seed, "outside", "near"))
 
-    def nursery(self, *, drawn: bool = True) -> Nursery:
+    def nursery(self, *, drawn: bool = True) -> PlantPalette:
         """What the scene chooses from.
 
         Args:
@@ -100,4 +100,4 @@ class Site:
         """
         rng = generator(self.seed, "outside", self.scene)
         pictures = generator(self.seed, "outside", "plants") if drawn else None
-        return Nursery.grown(rng, pictures)
+        return PlantPalette.grown(rng, pictures)

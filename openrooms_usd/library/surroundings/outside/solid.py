@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.surroundings.outside.daylight import LAND_SHARE, Daylight
-from openrooms_usd.library.surroundings.outside.facades import Surfaces
+from openrooms_usd.library.surroundings.outside.facades import FacadeMaterials
 from openrooms_usd.library.surroundings.outside.faces import Face, Hit, World
 from openrooms_usd.library.surroundings.outside.foliage import HEDGE_DEEP, HEDGE_LONG, SHADES
 from openrooms_usd.library.surroundings.outside.houses import House
@@ -38,7 +38,7 @@ _COLOR_STEP: Final = 0.22
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class Reflectance:
     """What a surface reflects.
 
     Attributes:
@@ -51,7 +51,7 @@ class Look:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class SolidPart:
     """A mesh that stands once.
 
     Attributes:
@@ -70,7 +70,7 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PlacedSolid:
     """A plant of `foliage.PLANTS` somewhere.
 
     Attributes:
@@ -98,16 +98,16 @@ class Solid:
         looks: What they look like, by name.
     """
 
-    parts: list[Part] = field(default_factory=list)
-    placed: list[Placed] = field(default_factory=list)
-    looks: dict[str, Look] = field(default_factory=dict)
+    parts: list[SolidPart] = field(default_factory=list)
+    placed: list[PlacedSolid] = field(default_factory=list)
+    looks: dict[str, Reflectance] = field(default_factory=dict)
 
 
 WOOD: Final = "Wood"
 """The look of stems."""
 
 
-def solid(near: Near, surfaces: Surfaces, rng: np.random.Generator) -> Solid:
+def solid(near: Near, surfaces: FacadeMaterials, rng: np.random.Generator) -> Solid:
     """Make the meshes.
 
     Args:
@@ -115,7 +115,7 @@ def solid(near: Near, surfaces: Surfaces, rng: np.random.Generator) -> Solid:
         surfaces: The patterns of the scene.
         rng: Turns plants.
     """
-    made = Solid(looks={WOOD: Look(np.array(_WOOD))})
+    made = Solid(looks={WOOD: Reflectance(np.array(_WOOD))})
     for number, plant in enumerate(near.plants):
         made.placed.append(_plant(made, plant, number, rng))
     for number, piece in enumerate(_pieces(near.hedges)):
@@ -134,11 +134,13 @@ def _leaves(made: Solid, albedo: Floats) -> str:
         if np.allclose(made.looks[name].albedo, coarse * shades):
             return name
     name = f"Leaves_{len(known)}"
-    made.looks[name] = Look(np.broadcast_to(coarse * shades, (1, SHADES, 3)).astype(np.float32))
+    made.looks[name] = Reflectance(
+        np.broadcast_to(coarse * shades, (1, SHADES, 3)).astype(np.float32)
+    )
     return name
 
 
-def _plant(made: Solid, plant: Plant, number: int, rng: np.random.Generator) -> Placed:
+def _plant(made: Solid, plant: Plant, number: int, rng: np.random.Generator) -> PlacedSolid:
     aspect = plant.sprite.aspect
     kind = "bush" if plant.trunk == 0.0 else "fir" if aspect < 0.5 else "tree"
     # The mesh is as wide as it is high times its own aspect.
@@ -150,7 +152,7 @@ def _plant(made: Solid, plant: Plant, number: int, rng: np.random.Generator) -> 
     )
     category = "bush" if kind == "bush" else "tree"
     name = f"{category.capitalize()}_{number}"
-    return Placed(name, kind, category, matrix, _leaves(made, plant.albedo))
+    return PlacedSolid(name, kind, category, matrix, _leaves(made, plant.albedo))
 
 
 def _pieces(hedges: Iterable[Hedge]) -> Iterator[tuple[Hedge, Floats, Floats]]:
@@ -163,7 +165,7 @@ def _pieces(hedges: Iterable[Hedge]) -> Iterator[tuple[Hedge, Floats, Floats]]:
             yield hedge, start, end
 
 
-def _hedge(made: Solid, hedge: Hedge, start: Floats, end: Floats, number: int) -> Placed:
+def _hedge(made: Solid, hedge: Hedge, start: Floats, end: Floats, number: int) -> PlacedSolid:
     step = end - start
     along = step / HEDGE_LONG
     out = np.array([step[1], -step[0]]) / np.linalg.norm(step)
@@ -173,16 +175,16 @@ def _hedge(made: Solid, hedge: Hedge, start: Floats, end: Floats, number: int) -
     matrix = np.eye(4)
     matrix[:2, 0], matrix[:2, 1] = along, -deep
     matrix[2, 2], matrix[:2, 3] = hedge.height, middle
-    return Placed(f"Hedge_{number}", "hedge", "hedge", matrix, _leaves(made, hedge.albedo))
+    return PlacedSolid(f"Hedge_{number}", "hedge", "hedge", matrix, _leaves(made, hedge.albedo))
 
 
-def _add_house(made: Solid, house: House, name: str, surfaces: Surfaces) -> None:
+def _add_house(made: Solid, house: House, name: str, surfaces: FacadeMaterials) -> None:
     world = even_light()
     for number, face in enumerate(house.faces(0.0, surfaces)):
         look = f"{name}_{number}"
         mesh, st = _polygon(face)
-        made.looks[look] = Look(painted(face, world, st))
-        made.parts.append(Part(name, f"Face_{number}", "house", mesh, look))
+        made.looks[look] = Reflectance(painted(face, world, st))
+        made.parts.append(SolidPart(name, f"Face_{number}", "house", mesh, look))
 
 
 def even_light() -> World:

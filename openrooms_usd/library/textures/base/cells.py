@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.family import Order
+from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.noise import Field
 from openrooms_usd.library.textures.base.recipe import Index, whole
 
@@ -50,7 +50,7 @@ class Cells:
 
 
 def scattered_cells(
-    order: Order, width: float, jitter: float = 1.0, warp: tuple[Field, Field] | None = None
+    order: TextureParams, width: float, jitter: float = 1.0, warp: tuple[Field, Field] | None = None
 ) -> Cells:
     """Irregular cells.
 
@@ -66,7 +66,7 @@ def scattered_cells(
     return _cells(order, offsets, warp)
 
 
-def hexagons(order: Order, width: float, warp: tuple[Field, Field] | None = None) -> Cells:
+def hexagons(order: TextureParams, width: float, warp: tuple[Field, Field] | None = None) -> Cells:
     """Regular hexagons with a corner up, in rows shifted by half.
 
     Args:
@@ -82,7 +82,7 @@ def hexagons(order: Order, width: float, warp: tuple[Field, Field] | None = None
     return _cells(order, offsets, warp)
 
 
-def _cells(order: Order, offsets: Field, warp: tuple[Field, Field] | None) -> Cells:
+def _cells(order: TextureParams, offsets: Field, warp: tuple[Field, Field] | None) -> Cells:
     """Cells of one site in each field of a grid, ``offsets`` (2, R, C) from its middle."""
     shape = (order.resolution, order.resolution)
     moved_s, moved_t = warp or (0.0, 0.0)
@@ -107,7 +107,7 @@ def _cells(order: Order, offsets: Field, warp: tuple[Field, Field] | None) -> Ce
 class _Grid:
     """A grid of fields with a site in each, and the texels on it; metres, t downwards."""
 
-    def __init__(self, order: Order, offsets: Field) -> None:
+    def __init__(self, order: TextureParams, offsets: Field) -> None:
         self.rows, self.columns = offsets.shape[1:]
         self.pitch_s, self.pitch_t = order.size / self.columns, order.size / self.rows
         self.offset_s, self.offset_t = offsets[0] * self.pitch_s, offsets[1] * self.pitch_t
@@ -135,7 +135,7 @@ class _Grid:
         return index, site_s, site_t
 
 
-def scales(order: Order, width: float) -> Cells:
+def scales(order: TextureParams, width: float) -> Cells:
     """Discs in rows half their width apart, each row shifted by half and laid over the one below.
 
     A point belongs to the topmost disc that covers it; three rows reach every point. The lower edge

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from openrooms_usd.library.textures.base.family import Order
+from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.noise import Field
 from openrooms_usd.library.textures.base.recipe import Index, whole
 
@@ -46,7 +46,7 @@ class Laid:
 
 
 def laid(
-    order: Order, heights: Field, lengths: Sequence[Field], starts: Sequence[float] | Field
+    order: TextureParams, heights: Field, lengths: Sequence[Field], starts: Sequence[float] | Field
 ) -> Laid:
     """Courses of given heights, each with its own pieces.
 
@@ -78,7 +78,9 @@ def laid(
     )
 
 
-def bond(order: Order, piece: tuple[float, float], shift: float = 0.0, repeat: int = 1) -> Laid:
+def bond(
+    order: TextureParams, piece: tuple[float, float], shift: float = 0.0, repeat: int = 1
+) -> Laid:
     """Equal pieces, each course shifted against the one above.
 
     Args:
@@ -95,7 +97,9 @@ def bond(order: Order, piece: tuple[float, float], shift: float = 0.0, repeat: i
     return laid(order, np.full(rows, order.size / rows), [lengths] * rows, starts)
 
 
-def random_courses(order: Order, height: tuple[float, float], length: tuple[float, float]) -> Laid:
+def random_courses(
+    order: TextureParams, height: tuple[float, float], length: tuple[float, float]
+) -> Laid:
     """Courses of unequal heights with pieces of unequal lengths, joints staggered by chance.
 
     Args:
@@ -109,7 +113,7 @@ def random_courses(order: Order, height: tuple[float, float], length: tuple[floa
     return laid(order, heights, lengths, starts)
 
 
-def _parts(order: Order, span: tuple[float, float]) -> Field:
+def _parts(order: TextureParams, span: tuple[float, float]) -> Field:
     """Random lengths in a range, scaled so that they add up to the size."""
     count = whole(order.size, sum(span) / 2)
     parts = order.rng.uniform(*span, count)

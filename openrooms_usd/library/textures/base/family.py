@@ -13,7 +13,7 @@ Use = Literal["floor", "wall", "ceiling", "furniture", "worktop", "textile", "ob
 
 
 @dataclass(frozen=True, eq=False)
-class Order:
+class TextureParams:
     """What is asked of a family.
 
     Attributes:
@@ -45,7 +45,7 @@ class Family:
             over the whole: a weave repeats every few threads, a cloth over metres.
     """
 
-    make: Callable[[Order], Maps]
+    make: Callable[[TextureParams], Maps]
     size: float
     uses: frozenset[Use]
     grain: bool = False

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.library.textures.base.family import Order
+from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.maps import Maps
 from openrooms_usd.library.textures.base.noise import Field, apart
 
@@ -23,7 +23,7 @@ _FINE_GRID_TEXELS: Final = 512
 _BLOCK_TEXELS: Final = 16
 
 
-def whole(order: Order, pitch: float, multiple: int = 1) -> int:
+def whole(order: TextureParams, pitch: float, multiple: int = 1) -> int:
     """How many repeats of about ``pitch`` metres go on a side: rounded, so that they tile.
 
     At least ``multiple`` and a multiple of it. On grids too coarse for them they come fewer.
@@ -32,7 +32,7 @@ def whole(order: Order, pitch: float, multiple: int = 1) -> int:
     return multiple * max(1, round(order.size / visible / multiple))
 
 
-def spacing(order: Order, pitch: float, count: int) -> float:
+def spacing(order: TextureParams, pitch: float, count: int) -> float:
     """Distance that relief is scaled by, metres: of ``count`` repeats, but not above ``pitch``."""
     return min(pitch, order.size / count)
 
@@ -61,7 +61,9 @@ def diagonal(resolution: int, columns: int, rows: int) -> tuple[Field, Field]:
     return across + along, across - along
 
 
-def resolved(make: Callable[[Order], Maps], detail: float) -> Callable[[Order], Maps]:
+def resolved(
+    make: Callable[[TextureParams], Maps], detail: float
+) -> Callable[[TextureParams], Maps]:
     """A recipe whose small pictures are averages of larger ones, so that fine detail fades.
 
     Args:
@@ -69,7 +71,7 @@ def resolved(make: Callable[[Order], Maps], detail: float) -> Callable[[Order], 
         detail: Size of the finest repeat, metres; three texels shall cover it.
     """
 
-    def make_resolved(order: Order) -> Maps:
+    def make_resolved(order: TextureParams) -> Maps:
         needed = 3.0 * order.size / detail / order.resolution
         finer = min(max(1, math.ceil(needed)), max(1, _FINE_GRID_TEXELS // order.resolution))
         maps = make(replace(order, resolution=order.resolution * finer))
@@ -92,7 +94,7 @@ def averaged(field: Field, finer: int) -> Field:
 
 
 @dataclass(frozen=True)
-class Cells:
+class LatticeCells:
     """Regions nearest to the jittered middles of a lattice. Lengths are in its pitches.
 
     Attributes:
@@ -119,7 +121,7 @@ def cells(
     rows: int,
     jitter: float,
     stagger: float = 0.0,
-) -> Cells:
+) -> LatticeCells:
     """Periodic cells (Worley, A Cellular Texture Basis Function, 1996).
 
     Args:
@@ -158,4 +160,4 @@ def cells(
             np.minimum(far, np.maximum(near, squared), out=far)
             np.minimum(near, squared, out=near)
     nearest = np.sqrt(first)
-    return Cells(index, rows * columns, nearest, np.sqrt(second) - nearest)
+    return LatticeCells(index, rows * columns, nearest, np.sqrt(second) - nearest)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.library.textures.base.family import Color, Order
+from openrooms_usd.library.textures.base.family import Color, TextureParams
 from openrooms_usd.library.textures.base.maps import ALBEDO_RANGE, ROUGHNESS_RANGE, Maps, with_mean
 from openrooms_usd.library.textures.base.noise import (
     Field,
@@ -17,13 +17,13 @@ from openrooms_usd.library.textures.base.noise import (
 Index = NDArray[np.int64]
 
 
-def drawn_color(order: Order, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
+def drawn_color(order: TextureParams, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
     """(3,) a colour of a palette, a little lighter or darker; or the one asked for."""
     drawn = side_color(order, palette, spread)
     return drawn if order.color is None else np.array(order.color)
 
 
-def side_color(order: Order, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
+def side_color(order: TextureParams, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
     """(3,) a colour between two of a palette, for parts that cannot be chosen: mortar, veins."""
     first, second = order.rng.integers(len(palette), size=2)
     share = order.rng.random()
@@ -31,7 +31,7 @@ def side_color(order: Order, palette: tuple[Color, ...], spread: float = 0.1) ->
     return np.asarray(between * order.rng.uniform(1.0 - spread, 1.0 + spread))
 
 
-def drawn_roughness(order: Order, low: float, high: float) -> float:
+def drawn_roughness(order: TextureParams, low: float, high: float) -> float:
     """A perceptual roughness in a range; or the one asked for."""
     drawn = order.rng.uniform(low, high)
     return drawn if order.roughness is None else order.roughness
@@ -45,13 +45,15 @@ def whole(size: float, unit: float, multiple: int = 1) -> int:
     return max(1, round(size / unit / multiple)) * multiple
 
 
-def noise(order: Order, length: float, along: float | None = None) -> Field:
+def noise(order: TextureParams, length: float, along: float | None = None) -> Field:
     """Smooth noise with features ``length`` metres wide and ``along`` metres long (along t)."""
     lengths = (length, length if along is None else along)
     return smooth_noise(order.rng, order.resolution, order.size, lengths)
 
 
-def fractal(order: Order, longest: float, hurst: float, along: float | None = None) -> Field:
+def fractal(
+    order: TextureParams, longest: float, hurst: float, along: float | None = None
+) -> Field:
     """Self-affine noise, such as of broken stone, of mean 0 and standard deviation 1.
 
     Its amplitude falls with the frequency f as f^-(1 + hurst) (Mandelbrot, The Fractal Geometry of
@@ -73,7 +75,7 @@ def fractal(order: Order, longest: float, hurst: float, along: float | None = No
     return standardized(np.fft.irfft2(spectrum, s=(count, count)))
 
 
-def dealt(order: Order, field: Field, index: Index, count: int) -> Field:
+def shifted_per_piece(order: TextureParams, field: Field, index: Index, count: int) -> Field:
     """A periodic field, moved by another amount on each of ``count`` pieces."""
     resolution = len(field)
     shifts = np.floor(resolution * order.rng.random((2, count))).astype(np.int64)
@@ -83,7 +85,7 @@ def dealt(order: Order, field: Field, index: Index, count: int) -> Field:
     return np.asarray(field[row, column])
 
 
-def displaced(field: Field, order: Order, along_s: Field, along_t: Field) -> Field:
+def displaced(field: Field, order: TextureParams, along_s: Field, along_t: Field) -> Field:
     """A periodic field read beside each texel, ``along_s`` and ``along_t`` metres away."""
     resolution = len(field)
     rows, columns = np.ogrid[:resolution, :resolution]
@@ -98,7 +100,7 @@ def displaced(field: Field, order: Order, along_s: Field, along_t: Field) -> Fie
     return np.asarray(upper * (1.0 - down) + lower * down)
 
 
-def covered(order: Order, inside: Field) -> Field:
+def covered(order: TextureParams, inside: Field) -> Field:
     """Share of each texel that lies inside, from the distance inside an edge, metres."""
     texel = order.size / order.resolution
     return np.clip(0.5 + inside / texel, 0.0, 1.0)
@@ -110,7 +112,7 @@ def mixed(share: Field, inside: Field, outside: Field) -> Field:
 
 
 def finished(
-    order: Order,
+    order: TextureParams,
     albedo: Field,
     height: Field,
     roughness: Field | float,
@@ -126,7 +128,7 @@ def finished(
 
 
 def dyed(
-    order: Order,
+    order: TextureParams,
     shade: Field,
     height: Field,
     rough: tuple[float, float],
@@ -150,7 +152,7 @@ def dyed(
     )
 
 
-def mean_color(order: Order, colors: Sequence[Color], spread: float = 0.15) -> Field:
+def mean_color(order: TextureParams, colors: Sequence[Color], spread: float = 0.15) -> Field:
     """(3,) the colour that is asked for, or one of some that are usual, a little varied.
 
     Args:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.library.textures.base.family import Order
+from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.noise import Field, standardized, white_spectrum
 from openrooms_usd.library.textures.base.recipe import Index, displaced, noise
 
@@ -28,7 +28,9 @@ class Strewn:
     count: int
 
 
-def pits(order: Order, share: float, radius: tuple[float, float], stretch: float = 1.0) -> Strewn:
+def pits(
+    order: TextureParams, share: float, radius: tuple[float, float], stretch: float = 1.0
+) -> Strewn:
     """Round or oval holes of which the small ones are the most; they may overlap.
 
     Args:
@@ -48,7 +50,7 @@ def pits(order: Order, share: float, radius: tuple[float, float], stretch: float
 
 
 def chips(
-    order: Order, share: float, radius: tuple[float, float], sides: tuple[int, int] = (4, 7)
+    order: TextureParams, share: float, radius: tuple[float, float], sides: tuple[int, int] = (4, 7)
 ) -> Strewn:
     """Broken pieces with straight edges, side by side: one that would overlap is left out.
 
@@ -70,7 +72,11 @@ def chips(
 
 
 def lines(
-    order: Order, count: int, length: tuple[float, float], bend: float, angle: tuple[float, float]
+    order: TextureParams,
+    count: int,
+    length: tuple[float, float],
+    bend: float,
+    angle: tuple[float, float],
 ) -> Field:
     """(N, N) how often fine straight or bent lines cross each texel, in widths of a texel.
 
@@ -111,7 +117,7 @@ def _drawn(resolution: int, row: Field, column: Field, weight: Field) -> Field:
     return field.reshape(resolution, resolution)
 
 
-def _radii(order: Order, share: float, radius: tuple[float, float]) -> Field:
+def _radii(order: TextureParams, share: float, radius: tuple[float, float]) -> Field:
     """Radii, spread evenly in their logarithm, of which the discs cover a share of the surface."""
     low, high = radius
     mean_square = (high**2 - low**2) / (2.0 * np.log(high / low))
@@ -126,13 +132,13 @@ def _edges(rng: np.random.Generator, sides: int) -> Iterator[tuple[float, float]
     return zip(angles.tolist(), rng.uniform(0.6, 1.1, sides).tolist(), strict=True)
 
 
-def _ground(order: Order, count: int) -> Strewn:
+def _ground(order: TextureParams, count: int) -> Strewn:
     shape = (order.resolution, order.resolution)
     return Strewn(np.full(shape, -np.inf), np.zeros(shape, np.int64), count + 1)
 
 
 def _window(
-    order: Order, half_s: float, half_t: float
+    order: TextureParams, half_s: float, half_t: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Field, Field]:
     """Rows and columns about a random place, and how far they are from it along s and t, metres."""
     texel = order.size / order.resolution
@@ -250,7 +256,7 @@ class Flakes:
         """(N, N) a value for each sliver."""
         return np.asarray(values[self.index])
 
-    def fibre(self, order: Order, width: float, length: float) -> Field:
+    def fibre(self, order: TextureParams, width: float, length: float) -> Field:
         """(N, N) fibres along each sliver, of mean 0 and standard deviation about 1."""
         field = noise(order, width, length)
         shift = order.rng.uniform(0.0, order.size, (2, self.count))
@@ -261,7 +267,7 @@ class Flakes:
 
 
 def flakes(
-    order: Order,
+    order: TextureParams,
     layers: float,
     length: tuple[float, float],
     width: tuple[float, float],
@@ -292,7 +298,7 @@ def flakes(
 
 
 def _lay(
-    order: Order,
+    order: TextureParams,
     pile: Flakes,
     number: int,
     middle: tuple[float, float],

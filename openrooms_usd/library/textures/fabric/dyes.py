@@ -31,7 +31,7 @@ class Dye:
     picks: tuple[str, ...]
     palettes: tuple[tuple[tx.Color, ...], ...]
 
-    def drawn(self, order: tx.Order) -> tuple[tx.Field, tx.Field]:
+    def drawn(self, order: tx.TextureParams) -> tuple[tx.Field, tx.Field]:
         """(p, 3) and (q, 3) colours of the ends and picks of one repeat."""
         choice = int(order.rng.integers(len(self.ends)))
         palette = np.array(self.palettes[int(order.rng.integers(len(self.palettes)))])

@@ -16,7 +16,11 @@ _CARPETS: Final[tuple[tx.Color, ...]] = _PALETTES["pile_carpets"]
 
 
 def _pile(
-    order: tx.Order, mean: tx.Field, shade: tx.Field, height: tx.Field, rough: tuple[float, float]
+    order: tx.TextureParams,
+    mean: tx.Field,
+    shade: tx.Field,
+    height: tx.Field,
+    rough: tuple[float, float],
 ) -> tx.Maps:
     """What lies deep is darker (already in ``shade``) and rougher."""
     deep = np.clip(tx.standardized(height), -2.0, 2.0)
@@ -27,12 +31,12 @@ def _pile(
     )
 
 
-def _curled(order: tx.Order, field: tx.Field, length: float, far: float) -> tx.Field:
+def _curled(order: tx.TextureParams, field: tx.Field, length: float, far: float) -> tx.Field:
     """A field whose lines are bent: by about ``far`` metres within ``length``."""
     return tx.displaced(field, order, far * tx.noise(order, length), far * tx.noise(order, length))
 
 
-def _corduroy(order: tx.Order) -> tx.Maps:
+def _corduroy(order: tx.TextureParams) -> tx.Maps:
     """Round ribs of pile along t, with bare ground between them."""
     n, rng = order.resolution, order.rng
     mean = tx.mean_color(order, COLORS)
@@ -48,7 +52,7 @@ def _corduroy(order: tx.Order) -> tx.Maps:
     return _pile(order, mean, shade, depth * (rib + 0.05 * tuft * rib + 0.06 * crush), (0.82, 0.9))
 
 
-def _velvet(order: tx.Order) -> tx.Maps:
+def _velvet(order: tx.TextureParams) -> tx.Maps:
     """Short dense pile that leans: strokes of a hand leave it lighter and darker."""
     mean = tx.mean_color(order, _DEEP)
     nap = tx.noise(order, 0.05, 0.07) + 0.35 * tx.noise(order, 0.014, 0.03)
@@ -59,7 +63,7 @@ def _velvet(order: tx.Order) -> tx.Maps:
     return _pile(order, mean, shade, height, (0.68, 0.8))
 
 
-def _felt(order: tx.Order) -> tx.Maps:
+def _felt(order: tx.TextureParams) -> tx.Maps:
     """Fibres matted in all directions, pressed flat."""
     mean = tx.mean_color(order, COLORS)
     straight = tx.matted(order.rng, order.resolution, order.size, 0.0003, 0.0035, 5)
@@ -69,7 +73,7 @@ def _felt(order: tx.Order) -> tx.Maps:
     return _pile(order, mean, shade, 18e-6 * hairs + 70e-6 * cloud, (0.88, 0.96))
 
 
-def _boucle(order: tx.Order) -> tx.Maps:
+def _boucle(order: tx.TextureParams) -> tx.Maps:
     """Loops of a curled yarn, strewn over each other."""
     n, rng = order.resolution, order.rng
     mean = tx.mean_color(order, NATURALS + COLORS)
@@ -85,7 +89,7 @@ def _boucle(order: tx.Order) -> tx.Maps:
     return _pile(order, mean, shade, 0.0013 * (top + 0.04 * fuzz), (0.86, 0.95))
 
 
-def _loop_carpet(order: tx.Order) -> tx.Maps:
+def _loop_carpet(order: tx.TextureParams) -> tx.Maps:
     """Rows of uncut loops, each with strands that bend over."""
     n, rng = order.resolution, order.rng
     mean = tx.mean_color(order, _CARPETS)
@@ -101,7 +105,7 @@ def _loop_carpet(order: tx.Order) -> tx.Maps:
     return _pile(order, mean, shade, depth * (dome * lift + 0.07 * strands * dome), (0.88, 0.96))
 
 
-def _cut_carpet(order: tx.Order) -> tx.Maps:
+def _cut_carpet(order: tx.TextureParams) -> tx.Maps:
     """Cut tufts stand like brushes; feet and the vacuum cleaner leave them leaning."""
     n, rng = order.resolution, order.rng
     mean = tx.mean_color(order, _CARPETS)
@@ -118,7 +122,7 @@ def _cut_carpet(order: tx.Order) -> tx.Maps:
     return _pile(order, mean, shade, height, (0.9, 0.98))
 
 
-def _shag(order: tx.Order) -> tx.Maps:
+def _shag(order: tx.TextureParams) -> tx.Maps:
     """Long strands that fall over each other, in locks."""
     n, rng, size = order.resolution, order.rng, order.size
     mean = tx.mean_color(order, _CARPETS + NATURALS)
@@ -130,7 +134,7 @@ def _shag(order: tx.Order) -> tx.Maps:
     return _pile(order, mean, 0.2 + top, 0.0055 * top, (0.9, 0.97))
 
 
-def _needlefelt(order: tx.Order) -> tx.Maps:
+def _needlefelt(order: tx.TextureParams) -> tx.Maps:
     """Entrance carpet: coarse fibres needled into rows of ribs."""
     n, rng = order.resolution, order.rng
     mean = tx.mean_color(order, _CARPETS, 0.25)

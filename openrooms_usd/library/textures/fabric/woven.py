@@ -83,7 +83,7 @@ def _make(
     wale: tuple[float, float],
     repeat: tuple[int, int],
     depth: float,
-    order: tx.Order,
+    order: tx.TextureParams,
 ) -> tx.Maps:
     """A knitted fabric with whole repeats of wales and courses.
 
@@ -131,7 +131,7 @@ KNITTED: Final[dict[str, tx.Family]] = {
 
 
 Figure = Callable[[int, int], NDArray[np.bool_]]
-Shape = Callable[[tx.Order], tx.Field]
+Shape = Callable[[tx.TextureParams], tx.Field]
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ class Fabric:
     uses: frozenset[tx.Use] = frozenset({"textile", "furniture"})
 
 
-def make(fabric: Fabric, order: tx.Order) -> tx.Maps:
+def make(fabric: Fabric, order: tx.TextureParams) -> tx.Maps:
     """A cloth with whole repeats of its weave and of its stripes on each side."""
     rng = order.rng
     end_colors, pick_colors = fabric.dye.drawn(order)
@@ -200,7 +200,7 @@ def make(fabric: Fabric, order: tx.Order) -> tx.Maps:
     )
 
 
-def _count(order: tx.Order, thread: Thread, weave: int, stripes: int) -> int:
+def _count(order: tx.TextureParams, thread: Thread, weave: int, stripes: int) -> int:
     pitch = 1.0 / order.rng.uniform(*thread.density)
     return lattice.whole(order, pitch, math.lcm(weave, stripes))
 
@@ -229,7 +229,7 @@ def medallions(picks: int, ends: int) -> NDArray[np.bool_]:
     return np.asarray(figure | vine)
 
 
-def waffle(order: tx.Order) -> tx.Field:
+def waffle(order: tx.TextureParams) -> tx.Field:
     """Square hollows between ridges, deepest in their middles."""
     count = lattice.whole(order, 0.0055)
     ridge = np.abs(lattice.offset(lattice.phase(order.resolution, count)))
@@ -237,7 +237,7 @@ def waffle(order: tx.Order) -> tx.Field:
     return np.asarray(deep * np.maximum(ridge[:, None], ridge) ** 1.5)
 
 
-def puckers(order: tx.Order) -> tx.Field:
+def puckers(order: tx.TextureParams) -> tx.Field:
     """Stripes that lie flat, and stripes that were woven slack and ripple."""
     count = lattice.whole(order, 0.008)
     slack = tx.smoothstep(-0.35, 0.35, np.cos(2.0 * np.pi * lattice.phase(order.resolution, count)))

@@ -11,7 +11,7 @@ from openrooms_usd.library.textures.leather import hide
 from openrooms_usd.library.textures.leather.hide import bent, grain, leather, pillow
 
 
-def crocodile(order: tx.Order) -> tx.Maps:
+def crocodile(order: tx.TextureParams) -> tx.Maps:
     """Belly: rows of nearly square plates, domed and shining, with creases between."""
     rows, columns = lattice.whole(order, 0.026, 2), lattice.whole(order, 0.021)
     plates = lattice.cells(order.rng, order.resolution, columns, rows, 0.24, stagger=0.5)
@@ -26,7 +26,7 @@ def crocodile(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.2, 0.32), 0.3 * crease + 0.04 * (1.0 - wrinkle))
 
 
-def snake(order: tx.Order) -> tx.Maps:
+def snake(order: tx.TextureParams) -> tx.Maps:
     """Python: overlapping diamonds; whole scales are light or dark, in saddles."""
     width = float(order.rng.uniform(0.008, 0.011))
     columns, rows = lattice.whole(order, width), lattice.whole(order, 1.4 * width)
@@ -56,7 +56,7 @@ def _of_scale(
     return np.asarray(field[row, column])
 
 
-def lizard(order: tx.Order) -> tx.Maps:
+def lizard(order: tx.TextureParams) -> tx.Maps:
     """Small scales like grains of rice, in rows, with rings of lighter ones."""
     columns, rows = lattice.whole(order, 0.0021), lattice.whole(order, 0.0029, 2)
     scales = lattice.cells(order.rng, order.resolution, columns, rows, 0.25, stagger=0.5)
@@ -68,7 +68,7 @@ def lizard(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.26, 0.36), 0.2 * (1.0 - dome))
 
 
-def ostrich(order: tx.Order) -> tx.Maps:
+def ostrich(order: tx.TextureParams) -> tx.Maps:
     """Quill follicles: bumps with a pit, strewn over a fine grain with long creases."""
     near = bent(order, grain(order, 0.014, 0.75).nearest, 0.004, 0.0005)
     bump = 1.0 - tx.smoothstep(0.06, 0.20, near)
@@ -80,7 +80,7 @@ def ostrich(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.4, 0.5), 0.1 * (1.0 - skin) - 0.08 * bump)
 
 
-def shagreen(order: tx.Order) -> tx.Maps:
+def shagreen(order: tx.TextureParams) -> tx.Maps:
     """Ray: close beads, ground flat, so that each is a light disc in a dark net."""
     count = lattice.whole(order, 0.0014)
     beads = lattice.cells(order.rng, order.resolution, count, count, 0.8)
@@ -109,7 +109,7 @@ def stitches(aside: tx.Field, along: tx.Field) -> tx.Field:
     return np.asarray(thread * np.maximum(1.0 - (lattice.offset(along) / 0.8) ** 2, 0.0))
 
 
-def quilted(order: tx.Order) -> tx.Maps:
+def quilted(order: tx.TextureParams) -> tx.Maps:
     """Padded diamonds, drawn in along slanted lines of stitches."""
     count = lattice.whole(order, 0.08)
     first, second = lattice.diagonal(order.resolution, count, count)
@@ -130,7 +130,7 @@ def quilted(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.38, 0.5), 0.08 * (1.0 - skin) + 0.2 * seam)
 
 
-def stitched(order: tx.Order) -> tx.Maps:
+def stitched(order: tx.TextureParams) -> tx.Maps:
     """Panels sewn together: a seam with a row of stitches on each side."""
     n = order.resolution
     count = lattice.whole(order, 0.2)
@@ -151,7 +151,7 @@ def stitched(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.42, 0.52), 0.1 * (1.0 - skin) + 0.2 * seam)
 
 
-def plaited(order: tx.Order) -> tx.Maps:
+def plaited(order: tx.TextureParams) -> tx.Maps:
     """Flat strips woven over and under each other."""
     count = lattice.whole(order, 0.011, 2)
     thread = Thread((90.0, 90.0), slub=0.02, melange=0.05, bend=0.03)
@@ -165,7 +165,7 @@ def plaited(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.4, 0.5), 0.08 * (1.0 - skin))
 
 
-def perforated(order: tx.Order) -> tx.Maps:
+def perforated(order: tx.TextureParams) -> tx.Maps:
     """Punched with small holes, as seats that breathe."""
     pitch = 0.0062
     count = lattice.whole(order, pitch)

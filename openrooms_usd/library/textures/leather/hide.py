@@ -16,7 +16,7 @@ _GLAZED: Final[tuple[tx.Color, ...]] = _PALETTES["hide_glazed"]
 
 
 def leather(
-    order: tx.Order,
+    order: tx.TextureParams,
     shade: tx.Field,
     height: tx.Field,
     rough: tuple[float, float],
@@ -27,13 +27,13 @@ def leather(
     return tx.dyed(order, shade, height, rough, wear, colors)
 
 
-def grain(order: tx.Order, width: float, jitter: float = 1.0) -> lattice.Cells:
+def grain(order: tx.TextureParams, width: float, jitter: float = 1.0) -> lattice.LatticeCells:
     """The small fields that creases of a hide enclose, ``width`` metres wide."""
     count = lattice.whole(order, width)
     return lattice.cells(order.rng, order.resolution, count, count, jitter)
 
 
-def bent(order: tx.Order, field: tx.Field, length: float, far: float) -> tx.Field:
+def bent(order: tx.TextureParams, field: tx.Field, length: float, far: float) -> tx.Field:
     """A field bent by about ``far`` metres within ``length``, so that no line stays straight."""
     return tx.displaced(field, order, far * tx.noise(order, length), far * tx.noise(order, length))
 
@@ -44,14 +44,14 @@ def pillow(border: tx.Field, width: float) -> tx.Field:
     return np.asarray(share * (2.0 - share))
 
 
-def pores(order: tx.Order, width: float, radius: float, share: float) -> tx.Field:
+def pores(order: tx.TextureParams, width: float, radius: float, share: float) -> tx.Field:
     """0..1 in hair pores: points in a share of fields ``width`` metres wide."""
     places = grain(order, width, 0.9)
     is_open = places.dealt(order.rng, 0.0, 1.0) < share
     return np.asarray(is_open * (1.0 - tx.smoothstep(0.4, 1.0, places.nearest / radius)))
 
 
-def full_grain(order: tx.Order) -> tx.Maps:
+def full_grain(order: tx.TextureParams) -> tx.Maps:
     """Cowhide as it grew: fine fields of uneven size, pores, and wrinkles of its life."""
     coarse = bent(order, pillow(grain(order, 0.0017).border, 0.3), 0.003, 0.0003)
     fine = pillow(grain(order, 0.0008).border, 0.5)
@@ -66,7 +66,7 @@ def full_grain(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.42, 0.56), 0.10 * (1.0 - top) + 0.1 * wrinkle)
 
 
-def pebbled(order: tx.Order) -> tx.Maps:
+def pebbled(order: tx.TextureParams) -> tx.Maps:
     """Tumbled or embossed: round pebbles between deep creases."""
     width = float(order.rng.uniform(0.0024, 0.0034))
     pebble = bent(order, pillow(grain(order, width).border, 0.75), 2.0 * width, 0.12 * width)
@@ -76,7 +76,7 @@ def pebbled(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.4, 0.52), 0.14 * (1.0 - pebble))
 
 
-def nappa(order: tx.Order) -> tx.Maps:
+def nappa(order: tx.TextureParams) -> tx.Maps:
     """Soft sheepskin: hardly any grain, gentle waves."""
     dimple = tx.band_noise(order.rng, order.resolution, order.size, 0.0011)
     soft = tx.noise(order, 0.014)
@@ -86,7 +86,7 @@ def nappa(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.36, 0.46), 0.015 * dimple)
 
 
-def suede(order: tx.Order) -> tx.Maps:
+def suede(order: tx.TextureParams) -> tx.Maps:
     """The flesh side, raised to a nap that strokes lay this way and that."""
     n, size, rng = order.resolution, order.size, order.rng
     left = tx.fibres(rng, n, size, 0.0004, 0.0022, -0.5)
@@ -97,7 +97,7 @@ def suede(order: tx.Order) -> tx.Maps:
     return leather(order, shade, 35e-6 * nap + 60e-6 * side, (0.88, 0.96), -0.01 * nap, _BUFFED)
 
 
-def nubuck(order: tx.Order) -> tx.Maps:
+def nubuck(order: tx.TextureParams) -> tx.Maps:
     """The grain side, buffed as fine as dust; pores stay, scuffs shine."""
     dust = tx.noise(order, 0.00035)
     holes = pores(order, 0.0021, 0.13, 0.8)
@@ -108,7 +108,7 @@ def nubuck(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.78, 0.88), -0.15 * scuff, _BUFFED)
 
 
-def cracked(order: tx.Order) -> tx.Maps:
+def cracked(order: tx.TextureParams) -> tx.Maps:
     """Old and dry: the finish has burst along a net of cracks, and is rubbed off on the way."""
     coarse, fine = grain(order, 0.011), grain(order, 0.0036)
     wide = bent(order, coarse.border, 0.006, 0.0011)
@@ -127,7 +127,7 @@ def cracked(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.5, 0.62), 0.2 * crack + 0.12 * worn, COLORS[:5])
 
 
-def patent(order: tx.Order) -> tx.Maps:
+def patent(order: tx.TextureParams) -> tx.Maps:
     """A thick gloss of lacquer over a smooth hide."""
     swell = tx.noise(order, 0.016)
     peel = tx.band_noise(order.rng, order.resolution, order.size, 0.0035)
@@ -136,7 +136,7 @@ def patent(order: tx.Order) -> tx.Maps:
     return leather(order, shade, height, (0.06, 0.1), 0.008 * swell, _GLAZED)
 
 
-def saffiano(order: tx.Order) -> tx.Maps:
+def saffiano(order: tx.TextureParams) -> tx.Maps:
     """Pressed with fine slanted hatching in two directions, then waxed."""
     pitch = 0.0017
     count = lattice.whole(order, pitch)

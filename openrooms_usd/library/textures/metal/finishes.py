@@ -24,7 +24,7 @@ from openrooms_usd.library.textures.metal.metals import (
 from openrooms_usd.tables import read_table
 
 
-def polished_metal(order: tx.Order) -> tx.Maps:
+def polished_metal(order: tx.TextureParams) -> tx.Maps:
     """Plated and buffed: long waves of the sheet, wiping marks, a few hairlines."""
     metal = drawn_metal(order, CHROMIUM, NICKEL, GOLD, BRASS, SILVER, COPPER)
     gloss = tx.drawn_roughness(order, 0.04, 0.12)
@@ -35,13 +35,13 @@ def polished_metal(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, height, gloss + 0.04 * smear + 0.06 * hair)
 
 
-def _hairs(order: tx.Order, density: float, length: tuple[float, float]) -> tx.Field:
+def _hairs(order: tx.TextureParams, density: float, length: tuple[float, float]) -> tx.Field:
     """(N, N) hairlines in all directions, ``density`` of them a square metre."""
     count = max(1, round(density * order.size**2 / 0.09))
     return tx.lines(order, count, length, 0.15, (0.0, 2.0 * np.pi))
 
 
-def brushed_metal(order: tx.Order) -> tx.Maps:
+def brushed_metal(order: tx.TextureParams) -> tx.Maps:
     """Ground with a belt: fine furrows along t, of uneven depth and length."""
     metal = drawn_metal(order, STEEL, ALUMINIUM, BRASS, NICKEL, COPPER)
     matt = tx.drawn_roughness(order, 0.25, 0.4)
@@ -56,7 +56,7 @@ def brushed_metal(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, 4e-6 * furrow - 8e-6 * deep, matt + 0.03 * furrow)
 
 
-def engine_turned(order: tx.Order) -> tx.Maps:
+def engine_turned(order: tx.TextureParams) -> tx.Maps:
     """Perlage: spots of 8 mm, ground by a turning peg, each over the edge of the one before."""
     metal = drawn_metal(order, STEEL, ALUMINIUM, NICKEL)
     matt = tx.drawn_roughness(order, 0.2, 0.32)
@@ -71,14 +71,14 @@ def engine_turned(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, height, matt + 0.04 * ring + 0.04 * fan)
 
 
-def _ground_profile(order: tx.Order, radius: tx.Field) -> tx.Field:
+def _ground_profile(order: tx.TextureParams, radius: tx.Field) -> tx.Field:
     """(N, N) one random profile of grinding over the distance from a centre, deviation about 1."""
     table = np.convolve(order.rng.uniform(-1.0, 1.0, 260), [0.25, 0.5, 0.25], "valid") * 2.0
     place = np.clip(radius / 0.006, 0.0, 1.0) * (len(table) - 1)
     return np.asarray(np.interp(place, np.arange(len(table)), table))
 
 
-def sandblasted_metal(order: tx.Order) -> tx.Maps:
+def sandblasted_metal(order: tx.TextureParams) -> tx.Maps:
     """Blasted with sharp grit: small craters, the same in all directions."""
     metal = drawn_metal(order, STEEL, ALUMINIUM, TITANIUM)
     matt = tx.drawn_roughness(order, 0.45, 0.62)
@@ -87,7 +87,7 @@ def sandblasted_metal(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, 9e-6 * grit, matt + 0.02 * grit)
 
 
-def hammered_metal(order: tx.Order) -> tx.Maps:
+def hammered_metal(order: tx.TextureParams) -> tx.Maps:
     """Raised by hand: facets of 8 to 14 mm, each a shallow bowl, with soft ridges between."""
     metal = drawn_metal(order, COPPER, BRASS, SILVER, BRONZE)
     gloss = tx.drawn_roughness(order, 0.15, 0.3)
@@ -105,7 +105,7 @@ def hammered_metal(order: tx.Order) -> tx.Maps:
     return bare(order, metal, 1.0 - dark - 0.03 * hair, height, gloss + 0.5 * dark + 0.04 * hair)
 
 
-def anodised_aluminium(order: tx.Order) -> tx.Maps:
+def anodised_aluminium(order: tx.TextureParams) -> tx.Maps:
     """Extruded, etched and anodised: die lines along t from end to end under a matt skin."""
     tints = (
         ALUMINIUM,
@@ -126,7 +126,7 @@ def anodised_aluminium(order: tx.Order) -> tx.Maps:
     )
 
 
-def crumpled_foil(order: tx.Order) -> tx.Maps:
+def crumpled_foil(order: tx.TextureParams) -> tx.Maps:
     """Foil that was crushed and smoothed out: flat facets between sharp creases."""
     metal, gloss = (
         drawn_metal(order, ALUMINIUM, GOLD, COPPER),
@@ -143,7 +143,7 @@ def crumpled_foil(order: tx.Order) -> tx.Maps:
     return bare(order, metal, 1.0 + 0.01 * rubbed, height, gloss + 0.015 * rubbed)
 
 
-def scratched_steel(order: tx.Order) -> tx.Maps:
+def scratched_steel(order: tx.TextureParams) -> tx.Maps:
     """Years of use: scratches in all directions, a few deep, over a faint old grain."""
     metal, gloss = drawn_metal(order, STEEL, CHROMIUM), tx.drawn_roughness(order, 0.2, 0.3)
     scale = order.size**2 / 0.16
@@ -159,7 +159,7 @@ def scratched_steel(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, height, rough)
 
 
-def orbital_sanded(order: tx.Order) -> tx.Maps:
+def orbital_sanded(order: tx.TextureParams) -> tx.Maps:
     """Sanded by a machine that circles: countless small hooks and swirls, called angel hair."""
     metal, matt = drawn_metal(order, STEEL, ALUMINIUM), tx.drawn_roughness(order, 0.3, 0.42)
     hooks = tx.lines(order, int(9000 * order.size**2 / 0.16), (0.006, 0.022), 8.0, (0.0, 2 * np.pi))
@@ -176,7 +176,7 @@ VERDIGRIS: Final[tuple[tx.Color, ...]] = _PALETTES["corroded_verdigris"]
 TARNISH: Final[tuple[tx.Color, ...]] = ((0.085, 0.05, 0.036), (0.06, 0.04, 0.032))
 
 
-def cast_iron(order: tx.Order) -> tx.Maps:
+def cast_iron(order: tx.TextureParams) -> tx.Maps:
     """Iron as it left the sand: the mould's grains, a few blisters and pits, darkened by oil."""
     metal, matt = 0.42 * drawn_metal(order, IRON), tx.drawn_roughness(order, 0.5, 0.66)
     sand = tx.fractal(order, 0.0035, 0.15)
@@ -187,7 +187,7 @@ def cast_iron(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, height, matt + 0.03 * sand + 0.1 * pit)
 
 
-def galvanised_steel(order: tx.Order) -> tx.Maps:
+def galvanised_steel(order: tx.TextureParams) -> tx.Maps:
     """Hot-dip zinc: crystals of 10 to 30 mm (spangle), feathers of one grey each."""
     metal, matt = 0.92 * drawn_metal(order, ZINC), tx.drawn_roughness(order, 0.3, 0.45)
     width = order.rng.uniform(0.014, 0.026)
@@ -212,7 +212,7 @@ def galvanised_steel(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, height + 15e-6 * tx.noise(order, 0.05), rough)
 
 
-def patina_copper(order: tx.Order) -> tx.Maps:
+def patina_copper(order: tx.TextureParams) -> tx.Maps:
     """Copper that weathered: brown tarnish, and verdigris that ran down in streaks."""
     metal, matt = drawn_metal(order, COPPER, BRONZE), tx.drawn_roughness(order, 0.3, 0.42)
     tarnish, green = tx.side_color(order, TARNISH), tx.side_color(order, VERDIGRIS)
@@ -229,7 +229,7 @@ def patina_copper(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, rough, (1.0 - grown) * (1.0 - 0.6 * brown))
 
 
-def rusted_iron(order: tx.Order) -> tx.Maps:
+def rusted_iron(order: tx.TextureParams) -> tx.Maps:
     """Iron under rust: islands of bare dark metal, orange bloom, scale that flakes off."""
     metal, matt = 0.6 * drawn_metal(order, IRON, STEEL), tx.drawn_roughness(order, 0.35, 0.5)
     fresh, old = tx.side_color(order, RUST), tx.side_color(order, OLD_RUST)
@@ -247,7 +247,7 @@ def rusted_iron(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, rough, 1.0 - rust)
 
 
-def tarnished_brass(order: tx.Order) -> tx.Maps:
+def tarnished_brass(order: tx.TextureParams) -> tx.Maps:
     """Handled brass, bronze or silver: tarnished in blots and drops, rubbed bright between."""
     metal, gloss = drawn_metal(order, BRASS, SILVER, BRONZE), tx.drawn_roughness(order, 0.16, 0.28)
     tarnish = tx.side_color(order, TARNISH)

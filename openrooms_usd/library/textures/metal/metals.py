@@ -26,14 +26,14 @@ ZINC: Final[tx.Color] = (0.66, 0.68, 0.71)
 TITANIUM: Final[tx.Color] = (0.54, 0.50, 0.45)
 
 
-def drawn_metal(order: tx.Order, *metals: tx.Color) -> tx.Field:
+def drawn_metal(order: tx.TextureParams, *metals: tx.Color) -> tx.Field:
     """(3,) one of some metals; or the colour asked for."""
     metal = metals[int(order.rng.integers(len(metals)))]
     return tx.drawn_color(order, (metal,), 0.03)
 
 
 def bare(
-    order: tx.Order, metal: tx.Field, shade: tx.Field, height: tx.Field, roughness: tx.Field
+    order: tx.TextureParams, metal: tx.Field, shade: tx.Field, height: tx.Field, roughness: tx.Field
 ) -> tx.Maps:
     """Metal without corrosion, ``shade`` (N, N) lighter or darker, never above 1."""
     albedo = np.minimum(metal * np.clip(shade, 0.1, 1.2)[..., None], 1.0)

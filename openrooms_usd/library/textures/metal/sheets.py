@@ -19,13 +19,13 @@ from openrooms_usd.library.textures.metal.metals import (
 _VOID: Final = 0.02
 
 
-def _places(order: tx.Order) -> tuple[tx.Field, tx.Field]:
+def _places(order: tx.TextureParams) -> tuple[tx.Field, tx.Field]:
     """Places of the texels along s, and up along t as a column, in shares of the side."""
     place = (np.arange(order.resolution) + 0.5) / order.resolution
     return place, 1.0 - place[:, None]
 
 
-def tread_plate(order: tx.Order) -> tx.Maps:
+def tread_plate(order: tx.TextureParams) -> tx.Maps:
     """Floor plate: lozenges of 26 x 6 mm, 1.5 mm high, that lie crosswise by turns."""
     metal, matt = drawn_metal(order, STEEL, ALUMINIUM), tx.drawn_roughness(order, 0.3, 0.45)
     count = tx.whole(order.size, 0.028, 2)
@@ -47,7 +47,7 @@ def tread_plate(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, height, matt + 0.02 * fine - 0.10 * wear)
 
 
-def perforated_sheet(order: tx.Order) -> tx.Maps:
+def perforated_sheet(order: tx.TextureParams) -> tx.Maps:
     """Round holes of 5 mm, 8 mm apart in rows shifted by half."""
     metal, matt = drawn_metal(order, STEEL, ALUMINIUM, BRASS), tx.drawn_roughness(order, 0.25, 0.4)
     holes = tx.hexagons(order, 0.008)
@@ -62,7 +62,7 @@ def perforated_sheet(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, rough, solid)
 
 
-def corrugated_sheet(order: tx.Order) -> tx.Maps:
+def corrugated_sheet(order: tx.TextureParams) -> tx.Maps:
     """Wavy sheet of 76 mm pitch and 18 mm depth, waves along t, faintly streaked."""
     metal, matt = drawn_metal(order, ZINC, ALUMINIUM, STEEL), tx.drawn_roughness(order, 0.3, 0.5)
     waves = tx.whole(order.size, 0.076)
@@ -74,7 +74,7 @@ def corrugated_sheet(order: tx.Order) -> tx.Maps:
     return bare(order, metal, shade, height, matt + 0.03 * cloud + 0.02 * streak)
 
 
-def knurled_metal(order: tx.Order) -> tx.Maps:
+def knurled_metal(order: tx.TextureParams) -> tx.Maps:
     """Diamonds pressed by a knurling tool, 1.6 mm apart, tips a little flat."""
     metal, matt = drawn_metal(order, STEEL, BRASS, ALUMINIUM), tx.drawn_roughness(order, 0.2, 0.32)
     columns = tx.whole(order.size, 0.0016 * 2.0 * np.sin(np.radians(30.0)) * 1.2)
@@ -94,7 +94,7 @@ def _tooth(phase: tx.Field) -> tx.Field:
     return np.asarray(2.0 * np.abs(phase - np.rint(phase)))
 
 
-def wire_mesh(order: tx.Order) -> tx.Maps:
+def wire_mesh(order: tx.TextureParams) -> tx.Maps:
     """Plain woven wire of 0.9 mm, 3 mm apart; dark behind."""
     metal, matt = drawn_metal(order, STEEL, BRASS, BRONZE), tx.drawn_roughness(order, 0.2, 0.35)
     wires = tx.whole(order.size, 0.003, 2)
@@ -128,7 +128,7 @@ def _wire(beside: tx.Field, radius: float) -> tx.Field:
         return np.asarray(np.sqrt(radius**2 - beside**2))
 
 
-def pressed_tin(order: tx.Order) -> tx.Maps:
+def pressed_tin(order: tx.TextureParams) -> tx.Maps:
     """Tin panels of 0.3 m with a pressed frame, a rosette and beads: ceilings of around 1900."""
     metal, matt = drawn_metal(order, ZINC, STEEL, BRONZE), tx.drawn_roughness(order, 0.3, 0.45)
     count = tx.whole(order.size, 0.305)

@@ -44,7 +44,7 @@ SPRAYED: Final = Coat((0.3, 0.5), 0.006, 4e-6, 8e-6, 0.003, JOINERY)
 POWDER: Final = Coat((0.5, 0.7), 0.0011, 7e-6, 0.0, 0.004, METALWORK)
 
 
-def _coated(order: tx.Order, coat: Coat) -> tx.Maps:
+def _coated(order: tx.TextureParams, coat: Coat) -> tx.Maps:
     color = tx.drawn_color(order, coat.colors, 0.06)
     stipple = tx.band_noise(order.rng, order.resolution, order.size, coat.stipple)
     wave, cloud = tx.noise(order, 0.12), tx.noise(order, 0.05)
@@ -55,7 +55,7 @@ def _coated(order: tx.Order, coat: Coat) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], height, roughness)
 
 
-def _high_gloss(order: tx.Order) -> tx.Maps:
+def _high_gloss(order: tx.TextureParams) -> tx.Maps:
     """Polished lacquer: flat but for long waves, a few nibs of dust and haze of wiping."""
     color = tx.drawn_color(order, JOINERY, 0.06)
     dust = tx.pits(order, 0.0006, (0.0002, 0.0006))
@@ -68,7 +68,7 @@ def _high_gloss(order: tx.Order) -> tx.Maps:
     )
 
 
-def _brushed(order: tx.Order) -> tx.Maps:
+def _brushed(order: tx.TextureParams) -> tx.Maps:
     """Gloss paint laid off by brush: fine furrows along t that flowed together."""
     color = tx.drawn_color(order, JOINERY, 0.06)
     furrow = tx.noise(order, 0.0011, 0.09) + 0.8 * tx.noise(order, 0.0025, 0.14)
@@ -79,7 +79,7 @@ def _brushed(order: tx.Order) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], height, roughness)
 
 
-def _dragged(order: tx.Order) -> tx.Maps:
+def _dragged(order: tx.TextureParams) -> tx.Maps:
     """Glaze dragged with a dry brush: threads of a darker tone run down the whole wall."""
     color = tx.drawn_color(order, WALLS, 0.06)
     thread = tx.noise(order, 0.0016, 1.2) + 0.6 * tx.noise(order, 0.005, 2.0)
@@ -89,7 +89,7 @@ def _dragged(order: tx.Order) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], -12e-6 * light, roughness)
 
 
-def _hammered(order: tx.Order) -> tx.Maps:
+def _hammered(order: tx.TextureParams) -> tx.Maps:
     """Hammer enamel: the paint has drawn back into shallow bowls with rims between."""
     warp = 0.0006 * tx.noise(order, 0.003), 0.0006 * tx.noise(order, 0.003)
     bowls = tx.scattered_cells(order, 0.0042, 0.9, warp)
@@ -102,7 +102,7 @@ def _hammered(order: tx.Order) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], height, roughness)
 
 
-def _wrinkled(order: tx.Order) -> tx.Maps:
+def _wrinkled(order: tx.TextureParams) -> tx.Maps:
     """Wrinkle finish of instruments: folds that wander like a labyrinth."""
     fold = tx.band_noise(order.rng, order.resolution, order.size, 0.0016)
     ridge = 1.0 - tx.smoothstep(0.0, 1.1, np.abs(fold))
@@ -113,7 +113,7 @@ def _wrinkled(order: tx.Order) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], height, roughness)
 
 
-def _metal_flake(order: tx.Order) -> tx.Maps:
+def _metal_flake(order: tx.TextureParams) -> tx.Maps:
     """Effect paint: flakes of mica under clear lacquer, each lying a little askew."""
     grains = tx.scattered_cells(order, 0.0005, 1.0)
     glint = order.rng.random(grains.count) ** 4
@@ -127,7 +127,7 @@ def _metal_flake(order: tx.Order) -> tx.Maps:
     )
 
 
-def _speckled(order: tx.Order) -> tx.Maps:
+def _speckled(order: tx.TextureParams) -> tx.Maps:
     """Fleck paint of corridors: drops of three colours in one coat."""
     color = tx.drawn_color(order, WALLS, 0.06)
     fine, coarse = tx.noise(order, 0.0016), tx.noise(order, 0.0035)
@@ -140,7 +140,7 @@ def _speckled(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.4, 0.6))
 
 
-def _blackboard(order: tx.Order) -> tx.Maps:
+def _blackboard(order: tx.TextureParams) -> tx.Maps:
     """Blackboard paint with what the sponge left of chalk."""
     ground = tx.drawn_color(order, ((0.030, 0.032, 0.032), (0.032, 0.055, 0.042)))
     swept = tx.fractal(order, 0.25, 0.5) + 0.8 * tx.noise(order, 0.16, 0.012)
@@ -152,7 +152,7 @@ def _blackboard(order: tx.Order) -> tx.Maps:
     )
 
 
-def _woodchip(order: tx.Order) -> tx.Maps:
+def _woodchip(order: tx.TextureParams) -> tx.Maps:
     """Woodchip wallpaper under emulsion: slivers that lie all ways below the paint."""
     chips = tx.flakes(order, 0.16, (0.002, 0.007), (0.0006, 0.0016), spread=np.pi)
     bump = tx.smoothstep(0.0, 0.0006, chips.inside)
@@ -165,7 +165,7 @@ def _woodchip(order: tx.Order) -> tx.Maps:
     )
 
 
-def _softened(order: tx.Order, field: tx.Field) -> tx.Field:
+def _softened(order: tx.TextureParams, field: tx.Field) -> tx.Field:
     """A field seen through a coat of paint: averaged over a few tenths of a millimetre."""
     frequency = np.fft.fftfreq(order.resolution, order.size / order.resolution)
     low = np.exp(-2.0 * (np.pi * 0.00035 * frequency) ** 2)

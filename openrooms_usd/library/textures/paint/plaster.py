@@ -14,7 +14,7 @@ _WOOD: Final = np.array((0.25, 0.155, 0.085))
 _PLASTER: Final = np.array((0.56, 0.52, 0.46))
 
 
-def _crackled(order: tx.Order) -> tx.Maps:
+def _crackled(order: tx.TextureParams) -> tx.Maps:
     """Paint over crackle glaze: fields within fields, the ground in the cracks."""
     warp = 0.0015 * tx.noise(order, 0.01), 0.0015 * tx.noise(order, 0.01)
     large = tx.scattered_cells(order, 0.022, 1.0, warp)
@@ -32,7 +32,7 @@ def _crackled(order: tx.Order) -> tx.Maps:
     return tx.finished(order, tx.mixed(crack, _WOOD, paint), height, roughness)
 
 
-def _chalk(order: tx.Order) -> tx.Maps:
+def _chalk(order: tx.TextureParams) -> tx.Maps:
     """Chalk paint: brushed both ways, sanded back here and there, dark wax in the furrows."""
     color = tx.drawn_color(order, MILK)
     furrow = tx.noise(order, 0.0016, 0.05) + 0.7 * tx.noise(order, 0.05, 0.0016)
@@ -44,7 +44,7 @@ def _chalk(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.7, 0.88) - 0.15 * wax)
 
 
-def _flaking(order: tx.Order) -> tx.Maps:
+def _flaking(order: tx.TextureParams) -> tx.Maps:
     """Old wall paint that has come off in flakes down to the plaster."""
     patch = tx.fractal(order, 0.4, 0.5)
     shards = tx.scattered_cells(order, 0.03, 1.0, (0.002 * tx.noise(order, 0.01), 0.002 * patch))
@@ -60,7 +60,7 @@ def _flaking(order: tx.Order) -> tx.Maps:
     return tx.finished(order, tx.mixed(bare, ground, paint), height, roughness)
 
 
-def _embossed(order: tx.Order) -> tx.Maps:
+def _embossed(order: tx.TextureParams) -> tx.Maps:
     """Embossed wallpaper: rosettes and a diaper pattern, pressed into soft paper, painted over."""
     count = tx.whole(order.size, 0.12)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count
@@ -84,7 +84,7 @@ EARTHS: Final[tuple[tx.Color, ...]] = _PALETTES["plaster_earths"]
 WHITES: Final[tuple[tx.Color, ...]] = ((0.80, 0.79, 0.77), (0.76, 0.75, 0.72), (0.70, 0.69, 0.66))
 
 
-def _limewash(order: tx.Order) -> tx.Maps:
+def _limewash(order: tx.TextureParams) -> tx.Maps:
     """Thin coats of lime brushed crosswise: clouds, and strokes of a wide brush all ways."""
     strokes = tx.flakes(order, 2.5, (0.12, 0.28), (0.05, 0.09), spread=1.4)
     tone = strokes.each(order.rng.uniform(-1.0, 1.0, strokes.count))
@@ -99,7 +99,7 @@ def _limewash(order: tx.Order) -> tx.Maps:
     )
 
 
-def _venetian(order: tx.Order) -> tx.Maps:
+def _venetian(order: tx.TextureParams) -> tx.Maps:
     """Polished lime plaster: thin layers of a trowel's breadth, veined where they overlap."""
     strokes = tx.flakes(order, 2.2, (0.06, 0.16), (0.025, 0.06), spread=np.pi)
     tone = strokes.each(order.rng.uniform(-1.0, 1.0, strokes.count))
@@ -113,7 +113,7 @@ def _venetian(order: tx.Order) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], height, np.maximum(roughness, 0.1))
 
 
-def _troweled(order: tx.Order) -> tx.Maps:
+def _troweled(order: tx.TextureParams) -> tx.Maps:
     """Skip trowel: mud drawn in thin arcs, each ending in a ridge."""
     strokes = tx.flakes(order, 0.8, (0.10, 0.22), (0.04, 0.10), spread=np.pi)
     ridge = np.exp(-strokes.inside / 0.0035) * (strokes.index > 0)
@@ -127,7 +127,7 @@ def _troweled(order: tx.Order) -> tx.Maps:
     )
 
 
-def _knockdown(order: tx.Order) -> tx.Maps:
+def _knockdown(order: tx.TextureParams) -> tx.Maps:
     """Sprayed mud, knocked flat with a knife: islands with flat tops."""
     blob = tx.band_noise(order.rng, order.resolution, order.size, 0.020) + 0.5 * tx.noise(
         order, 0.008
@@ -142,7 +142,7 @@ def _knockdown(order: tx.Order) -> tx.Maps:
     )
 
 
-def _splatter(order: tx.Order) -> tx.Maps:
+def _splatter(order: tx.TextureParams) -> tx.Maps:
     """Orange-peel drywall: drops of mud from a hopper gun, round and of all sizes."""
     drops = tx.pits(order, 0.55, (0.0015, 0.006))
     dome = np.sqrt(np.clip(drops.inside, 0.0, 0.006) / 0.006)
@@ -155,7 +155,7 @@ def _splatter(order: tx.Order) -> tx.Maps:
     )
 
 
-def _popcorn(order: tx.Order) -> tx.Maps:
+def _popcorn(order: tx.TextureParams) -> tx.Maps:
     """Acoustic ceiling spray: crumbs that stand on each other."""
     coarse = tx.band_noise(order.rng, order.resolution, order.size, 0.009)
     fine = tx.band_noise(order.rng, order.resolution, order.size, 0.0045)
@@ -170,7 +170,7 @@ def _popcorn(order: tx.Order) -> tx.Maps:
     )
 
 
-def _sponged(order: tx.Order) -> tx.Maps:
+def _sponged(order: tx.TextureParams) -> tx.Maps:
     """Distemper dabbed on with a sponge: blots full of holes, in two tones."""
     dab = tx.smoothstep(0.1, 0.5, tx.noise(order, 0.03) + 0.55 * tx.noise(order, 0.004))
     second = tx.smoothstep(0.4, 0.8, tx.noise(order, 0.035) + 0.6 * tx.noise(order, 0.005))
@@ -182,7 +182,7 @@ def _sponged(order: tx.Order) -> tx.Maps:
     )
 
 
-def _rag_rolled(order: tx.Order) -> tx.Maps:
+def _rag_rolled(order: tx.TextureParams) -> tx.Maps:
     """Glaze rolled with a crumpled rag: sharp folds that run together."""
     folded = np.abs(tx.noise(order, 0.022)) + 0.5 * np.abs(tx.noise(order, 0.010))
     crease = tx.displaced(
@@ -195,7 +195,7 @@ def _rag_rolled(order: tx.Order) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], 10e-6 * lift, roughness)
 
 
-def _combed(order: tx.Order) -> tx.Maps:
+def _combed(order: tx.TextureParams) -> tx.Maps:
     """Textured plaster drawn with a notched comb in overlapping half circles."""
     count = max(2, 2 * round(order.size / 0.2 / 2))
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count
@@ -222,7 +222,7 @@ def _combed(order: tx.Order) -> tx.Maps:
     )
 
 
-def _rough_render(order: tx.Order) -> tx.Maps:
+def _rough_render(order: tx.TextureParams) -> tx.Maps:
     """Scratched render under paint: grains that were dragged have left furrows."""
     furrows = tx.pits(order, 0.3, (0.0012, 0.003), 1.0)
     drag = tx.smoothstep(0.9, 1.5, tx.noise(order, 0.003, 0.02))

@@ -14,13 +14,13 @@ COLORS: Final[tuple[tx.Color, ...]] = _PALETTES["parts_colors"]
 DARK: Final[tuple[tx.Color, ...]] = _PALETTES["parts_dark"]
 
 
-def _plain(order: tx.Order, colors: tuple[tx.Color, ...] = COLORS) -> tx.Field:
+def _plain(order: tx.TextureParams, colors: tuple[tx.Color, ...] = COLORS) -> tx.Field:
     """(N, N, 3) one colour through and through."""
     color = tx.drawn_color(order, (colors[int(order.rng.integers(len(colors)))],), 0.08)
     return np.broadcast_to(color, (order.resolution, order.resolution, 3))
 
 
-def _moulded(order: tx.Order) -> tx.Maps:
+def _moulded(order: tx.TextureParams) -> tx.Maps:
     """Polished mould: sink marks of some centimetres, and flow lines where the melt ran."""
     flow = tx.noise(order, 0.007, 0.12)
     height = 14e-6 * tx.noise(order, 0.045) + 0.8e-6 * flow
@@ -29,7 +29,7 @@ def _moulded(order: tx.Order) -> tx.Maps:
     return tx.finished(order, _plain(order) * shade[..., None], height, roughness)
 
 
-def _leather_grain(order: tx.Order) -> tx.Maps:
+def _leather_grain(order: tx.TextureParams) -> tx.Maps:
     """Grain of dashboards and cases: rounded pads with valleys, finer ones within."""
     warp = 0.0004 * tx.noise(order, 0.004), 0.0004 * tx.noise(order, 0.004)
     pads = tx.scattered_cells(order, 0.0024, 1.0, warp)
@@ -40,7 +40,7 @@ def _leather_grain(order: tx.Order) -> tx.Maps:
     return tx.finished(order, _plain(order) * (1.0 - 0.08 * valley)[..., None], height, roughness)
 
 
-def _spark_eroded(order: tx.Order) -> tx.Maps:
+def _spark_eroded(order: tx.TextureParams) -> tx.Maps:
     """Spark-eroded mould (VDI 3400): craters over craters, equal in all directions."""
     crater = np.minimum(
         np.abs(tx.band_noise(order.rng, order.resolution, order.size, 0.0008)),
@@ -52,7 +52,7 @@ def _spark_eroded(order: tx.Order) -> tx.Maps:
     return tx.finished(order, _plain(order) * shade[..., None], height, roughness + 0.02 * crater)
 
 
-def _hairline(order: tx.Order) -> tx.Maps:
+def _hairline(order: tx.TextureParams) -> tx.Maps:
     """Brushed face of appliances: hairlines along t, each some centimetres long."""
     hair = tx.noise(order, 0.00035, 0.05) + 0.7 * tx.noise(order, 0.0008, 0.12)
     height = 1.6e-6 * hair
@@ -61,7 +61,7 @@ def _hairline(order: tx.Order) -> tx.Maps:
     return tx.finished(order, _plain(order) * shade[..., None], height, roughness)
 
 
-def _ribbed(order: tx.Order) -> tx.Maps:
+def _ribbed(order: tx.TextureParams) -> tx.Maps:
     """Round ribs along t, as grips and grilles have."""
     count = tx.whole(order.size, 0.006)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count % 1.0
@@ -73,7 +73,7 @@ def _ribbed(order: tx.Order) -> tx.Maps:
     return tx.finished(order, _plain(order) * shade[..., None], rib + 2e-6 * grain, roughness)
 
 
-def _printed(order: tx.Order) -> tx.Maps:
+def _printed(order: tx.TextureParams) -> tx.Maps:
     """Printed in layers: threads across t, each a little off, with blobs where they begin."""
     count = tx.whole(order.size, 0.0003)
     place = (np.arange(order.resolution)[:, None] + 0.5) / order.resolution * count
@@ -87,7 +87,7 @@ def _printed(order: tx.Order) -> tx.Maps:
     return tx.finished(order, _plain(order) * shade[..., None], height + 40e-6 * blob, roughness)
 
 
-def _mesh(order: tx.Order, pitch: float, share: float) -> tx.Maps:
+def _mesh(order: tx.TextureParams, pitch: float, share: float) -> tx.Maps:
     """Sheet with round holes in rows shifted by half; the holes are dark."""
     columns = tx.whole(order.size, pitch)
     rows = tx.whole(order.size, pitch * np.sqrt(0.75), 2)
@@ -104,7 +104,7 @@ def _mesh(order: tx.Order, pitch: float, share: float) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.4, 0.55) + 0.4 * hole)
 
 
-def _pyramids(order: tx.Order) -> tx.Maps:
+def _pyramids(order: tx.TextureParams) -> tx.Maps:
     """Prismatic sheet of lamps: square pyramids side by side."""
     count = tx.whole(order.size, 0.004)
     place = np.abs((np.arange(order.resolution) + 0.5) / order.resolution * count % 1.0 - 0.5)
@@ -118,7 +118,7 @@ def _pyramids(order: tx.Order) -> tx.Maps:
     )
 
 
-def _frosted(order: tx.Order) -> tx.Maps:
+def _frosted(order: tx.TextureParams) -> tx.Maps:
     """Frosted acrylic: etched evenly, with soft larger waves of the cast sheet."""
     etch = tx.noise(order, 0.00025)
     cast = tx.fractal(order, 0.06, 0.8)
@@ -130,7 +130,7 @@ def _frosted(order: tx.Order) -> tx.Maps:
     )
 
 
-def _foam(order: tx.Order) -> tx.Maps:
+def _foam(order: tx.TextureParams) -> tx.Maps:
     """Expanded polystyrene: beads pressed against each other."""
     warp = 0.0003 * tx.noise(order, 0.002), 0.0003 * tx.noise(order, 0.002)
     beads = tx.scattered_cells(order, 0.0042, 1.0, warp)
@@ -145,7 +145,7 @@ def _foam(order: tx.Order) -> tx.Maps:
     )
 
 
-def _glitter(order: tx.Order) -> tx.Maps:
+def _glitter(order: tx.TextureParams) -> tx.Maps:
     """Clear plastic over hexagons of foil, most of them dull, some in the light."""
     flakes = tx.scattered_cells(order, 0.0011, 1.0)
     tilt = order.rng.uniform(-1.0, 1.0, (2, flakes.count))
@@ -161,7 +161,7 @@ def _glitter(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, 0.08 * lean * foil + 3e-6 * tx.noise(order, 0.01), roughness)
 
 
-def _wicker(order: tx.Order) -> tx.Maps:
+def _wicker(order: tx.TextureParams) -> tx.Maps:
     """Flat bands woven like cane, as garden furniture and baskets have."""
     count = tx.whole(order.size, 0.012, 2)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count

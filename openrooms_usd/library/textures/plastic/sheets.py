@@ -16,7 +16,7 @@ _PALETTES: Final = read_table(__file__, "palettes.toml")
 FLOORS: Final[tuple[tx.Color, ...]] = _PALETTES["sheets_floors"]
 
 
-def _wood_laminate(order: tx.Order) -> tx.Maps:
+def _wood_laminate(order: tx.TextureParams) -> tx.Maps:
     """Laminate with a printed ash: the press plate's ticks lie where they like."""
     wood = face(order, staves(order, (0.3, 0.4), mirrored=True), replace(ASH, pores=0.2))
     tick = tx.smoothstep(1.3, 2.0, tx.noise(order, 0.0007, 0.014))
@@ -25,7 +25,7 @@ def _wood_laminate(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, -45e-6 * tick, roughness)
 
 
-def _vinyl_planks(order: tx.Order) -> tx.Maps:
+def _vinyl_planks(order: tx.TextureParams) -> tx.Maps:
     """Planks of vinyl with a printed oak, embossed in register, bevelled and painted edges."""
     boards = planks(order, (0.18, 0.18), (1.2, 1.2))
     wood = face(
@@ -39,7 +39,7 @@ def _vinyl_planks(order: tx.Order) -> tx.Maps:
     )
 
 
-def _marbled(order: tx.Order) -> tx.Maps:
+def _marbled(order: tx.TextureParams) -> tx.Maps:
     """Linoleum: granules of several colours rolled out along t into flames."""
     flow = 0.012 * tx.noise(order, 0.05, 0.15), 0.02 * tx.noise(order, 0.05, 0.15)
     flame = tx.displaced(
@@ -56,14 +56,18 @@ def _marbled(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.4, 0.55) + 0.02 * dark)
 
 
-def _composition_tiles(order: tx.Order) -> tx.Maps:
+def _composition_tiles(order: tx.TextureParams) -> tx.Maps:
     """Vinyl composition tiles: a foot square, streaks turned from tile to tile."""
     tiles = tx.bond(order, (0.305, 0.305))
     streak = tx.smoothstep(
-        0.7, 1.9, tx.dealt(order, tx.noise(order, 0.003, 0.03), tiles.index, tiles.count)
+        0.7,
+        1.9,
+        tx.shifted_per_piece(order, tx.noise(order, 0.003, 0.03), tiles.index, tiles.count),
     )
     crossed = tx.smoothstep(
-        0.7, 1.9, tx.dealt(order, tx.noise(order, 0.03, 0.003), tiles.index, tiles.count)
+        0.7,
+        1.9,
+        tx.shifted_per_piece(order, tx.noise(order, 0.03, 0.003), tiles.index, tiles.count),
     )
     turned = order.rng.permutation(tiles.count)[tiles.index] % 2 == 0
     mottle = np.where(turned, streak, crossed)
@@ -78,7 +82,7 @@ def _composition_tiles(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.3, 0.45) + 0.03 * scuff)
 
 
-def _chip_vinyl(order: tx.Order) -> tx.Maps:
+def _chip_vinyl(order: tx.TextureParams) -> tx.Maps:
     """Vinyl with chips rolled flat, as terrazzo looks but without its polish and relief."""
     large = tx.chips(order, 0.55, (0.003, 0.011))
     palette = np.array(
@@ -94,7 +98,7 @@ def _chip_vinyl(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.38, 0.5))
 
 
-def _anti_slip(order: tx.Order) -> tx.Maps:
+def _anti_slip(order: tx.TextureParams) -> tx.Maps:
     """Raised lozenges, each turned against its neighbours, on a matt ground."""
     count = tx.whole(order.size, 0.018, 2)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count
@@ -113,7 +117,7 @@ def _anti_slip(order: tx.Order) -> tx.Maps:
     )
 
 
-def _studded(order: tx.Order) -> tx.Maps:
+def _studded(order: tx.TextureParams) -> tx.Maps:
     """Round flat studs in rows, as of the floors of stations."""
     count = tx.whole(order.size, 0.033)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count % 1.0 - 0.5
@@ -127,7 +131,7 @@ def _studded(order: tx.Order) -> tx.Maps:
     return tx.finished(order, color * shade[..., None], 0.6e-3 * stud + 6e-6 * fine, roughness)
 
 
-def _carbon_look(order: tx.Order) -> tx.Maps:
+def _carbon_look(order: tx.TextureParams) -> tx.Maps:
     """Tows of fibre, two over two, under a clear coat that hides their relief."""
     count = tx.whole(order.size, 0.0022, 4)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count
@@ -145,7 +149,7 @@ def _carbon_look(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.08, 0.16))
 
 
-def _corrugated(order: tx.Order) -> tx.Maps:
+def _corrugated(order: tx.TextureParams) -> tx.Maps:
     """Twin-wall sheet: broad flutes along t with a web between each two."""
     count = tx.whole(order.size, 0.012)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count % 1.0 - 0.5
@@ -160,7 +164,7 @@ def _corrugated(order: tx.Order) -> tx.Maps:
     )
 
 
-def _tarpaulin(order: tx.Order) -> tx.Maps:
+def _tarpaulin(order: tx.TextureParams) -> tx.Maps:
     """Coated fabric: a square net of threads shows through the foil."""
     count = tx.whole(order.size, 0.0022)
     place = (np.arange(order.resolution) + 0.5) / order.resolution * count % 1.0 - 0.5

@@ -19,7 +19,7 @@ RENDER: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_render"]
 PLASTER: Final[tuple[tx.Color, ...]] = _PALETTES["concrete_plaster"]
 
 
-def cast_concrete(order: tx.Order) -> tx.Maps:
+def cast_concrete(order: tx.TextureParams) -> tx.Maps:
     """Concrete from smooth formwork: clouds of cement, blowholes of 1 to 8 mm."""
     color, matt = tx.drawn_color(order, CEMENT), tx.drawn_roughness(order, 0.7, 0.85)
     cloud, fine = tx.fractal(order, 0.45, 0.45), tx.fractal(order, 0.02, 0.1)
@@ -34,11 +34,11 @@ def cast_concrete(order: tx.Order) -> tx.Maps:
     return tx.finished(order, shade[..., None] * color, height, matt + 0.03 * cloud + 0.1 * hole)
 
 
-def board_formed_concrete(order: tx.Order) -> tx.Maps:
+def board_formed_concrete(order: tx.TextureParams) -> tx.Maps:
     """Concrete that shows the sawn boards of its formwork, 0.1 to 0.15 m wide, grain along s."""
     color, matt = tx.drawn_color(order, CEMENT), tx.drawn_roughness(order, 0.78, 0.9)
     boards = _boards(order)
-    grain = tx.dealt(order, _turned(_sawn(order)), boards.index, boards.count)
+    grain = tx.shifted_per_piece(order, _turned(_sawn(order)), boards.index, boards.count)
     edge = np.minimum(boards.bed, boards.side) + 0.0004 * tx.noise(order, 0.012)
     fin = 1.0 - tx.smoothstep(0.0, 0.0035, edge)
     broken = tx.smoothstep(-0.9, 0.6, tx.noise(order, 0.06))
@@ -52,7 +52,7 @@ def board_formed_concrete(order: tx.Order) -> tx.Maps:
     return tx.finished(order, shade[..., None] * color, height, matt - 0.02 * grain + 0.02 * cloud)
 
 
-def _boards(order: tx.Order) -> tx.Laid:
+def _boards(order: tx.TextureParams) -> tx.Laid:
     """Boards of 0.1 to 0.15 m and 1.5 to 2.5 m, running along s."""
     rows = tx.whole(order.size, order.rng.uniform(0.10, 0.15))
     heights = order.rng.uniform(0.85, 1.15, rows)
@@ -62,7 +62,7 @@ def _boards(order: tx.Order) -> tx.Laid:
     return tx.laid(order, heights * (order.size / float(heights.sum())), lengths, starts)
 
 
-def _sawn(order: tx.Order) -> tx.Field:
+def _sawn(order: tx.TextureParams) -> tx.Field:
     """(N, N) the relief of a sawn face, rings brushed out by the saw; along t."""
     rings = 7.0 * tx.noise(order, 0.09, 1.2) + 1.5 * tx.noise(order, 0.02, 0.25)
     return np.asarray(np.cos(rings * 2.2) * 0.8 + 0.7 * tx.noise(order, 0.0025, 0.12))
@@ -72,7 +72,7 @@ def _turned(field: tx.Field) -> tx.Field:
     return np.ascontiguousarray(field.T)
 
 
-def exposed_aggregate(order: tx.Order) -> tx.Maps:
+def exposed_aggregate(order: tx.TextureParams) -> tx.Maps:
     """Concrete washed before it set: pebbles of 6 to 14 mm stand out of the cement."""
     cement, matt = tx.side_color(order, CEMENT), tx.drawn_roughness(order, 0.75, 0.88)
     width = order.rng.uniform(0.009, 0.014)
@@ -94,7 +94,7 @@ def exposed_aggregate(order: tx.Order) -> tx.Maps:
     return tx.finished(order, tx.mixed(on, pebbles, 0.85 * mortar), height, rough)
 
 
-def stucco(order: tx.Order) -> tx.Maps:
+def stucco(order: tx.TextureParams) -> tx.Maps:
     """Render thrown on with a machine and pressed flat on top: islands with crevices between."""
     color, matt = tx.drawn_color(order, RENDER, 0.05), tx.drawn_roughness(order, 0.85, 0.95)
     coarse = order.rng.uniform(0.012, 0.022)
@@ -107,7 +107,7 @@ def stucco(order: tx.Order) -> tx.Maps:
     return tx.finished(order, shade[..., None] * color, height, matt + 0.02 * sand - 0.05 * flat)
 
 
-def trowelled_plaster(order: tx.Order) -> tx.Maps:
+def trowelled_plaster(order: tx.TextureParams) -> tx.Maps:
     """Lime or clay plaster in overlapping strokes of a trowel, each leaving a faint ridge."""
     color, matt = tx.drawn_color(order, PLASTER, 0.05), tx.drawn_roughness(order, 0.6, 0.8)
     height, tone = np.zeros((order.resolution,) * 2), np.zeros((order.resolution,) * 2)
@@ -133,12 +133,14 @@ LIMESTONE: Final[tuple[tx.Color, ...]] = _PALETTES["quarried_limestone"]
 GROUT: Final[tuple[tx.Color, ...]] = ((0.28, 0.27, 0.26), (0.20, 0.195, 0.19))
 
 
-def slate(order: tx.Order) -> tx.Maps:
+def slate(order: tx.TextureParams) -> tx.Maps:
     """Riven slate in slabs of 0.6 x 0.3 m: layers split off along ragged steps."""
     color, matt = tx.drawn_color(order, SLATE), tx.drawn_roughness(order, 0.6, 0.78)
     slabs = tx.bond(order, (0.6, 0.3), 0.5, 2)
-    bulk = tx.dealt(order, tx.fractal(order, 0.3, 0.85), slabs.index, slabs.count)
-    ragged = tx.dealt(order, tx.fractal(order, 0.03, 0.4, 0.015), slabs.index, slabs.count)
+    bulk = tx.shifted_per_piece(order, tx.fractal(order, 0.3, 0.85), slabs.index, slabs.count)
+    ragged = tx.shifted_per_piece(
+        order, tx.fractal(order, 0.03, 0.4, 0.015), slabs.index, slabs.count
+    )
     layer = 1.3 * bulk + 0.2 * ragged
     step = np.floor(layer) + tx.smoothstep(0.9, 1.0, layer - np.floor(layer))
     inside = slabs.inside(0.004, 0.001, 0.0005 * tx.noise(order, 0.02))
@@ -156,7 +158,7 @@ def slate(order: tx.Order) -> tx.Maps:
     return tx.finished(order, tx.mixed(on, shade[..., None] * hue * color, grout), height, rough)
 
 
-def travertine(order: tx.Order) -> tx.Maps:
+def travertine(order: tx.TextureParams) -> tx.Maps:
     """Cut across its beds and left unfilled: bands along s, and holes strung along them."""
     color, matt = tx.drawn_color(order, TRAVERTINE), tx.drawn_roughness(order, 0.45, 0.65)
     sway = 0.012 * tx.noise(order, 0.5, 0.2)
@@ -180,7 +182,7 @@ def travertine(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, matt + 0.02 * cloud + 0.25 * hole)
 
 
-def sandstone(order: tx.Order) -> tx.Maps:
+def sandstone(order: tx.TextureParams) -> tx.Maps:
     """Honed sandstone: thin slanting beds, cut off by the next ones (cross-bedding), and grains."""
     color, matt = tx.drawn_color(order, SANDSTONE), tx.drawn_roughness(order, 0.75, 0.88)
     size = order.size
@@ -202,7 +204,7 @@ def sandstone(order: tx.Order) -> tx.Maps:
     return tx.finished(order, shade[..., None] * iron * color, height, matt + 0.02 * grain)
 
 
-def basalt(order: tx.Order) -> tx.Maps:
+def basalt(order: tx.TextureParams) -> tx.Maps:
     """Sawn lava, full of round bubbles from 1 to 12 mm."""
     color, matt = tx.drawn_color(order, BASALT), tx.drawn_roughness(order, 0.65, 0.8)
     holes = tx.pits(order, order.rng.uniform(0.10, 0.2), (0.0006, 0.006), 1.25)
@@ -214,7 +216,7 @@ def basalt(order: tx.Order) -> tx.Maps:
     return tx.finished(order, shade[..., None] * color, height, matt + 0.03 * grain + 0.12 * hole)
 
 
-def shell_limestone(order: tx.Order) -> tx.Maps:
+def shell_limestone(order: tx.TextureParams) -> tx.Maps:
     """Honed limestone with broken shells and fine seams."""
     color, matt = tx.drawn_color(order, LIMESTONE), tx.drawn_roughness(order, 0.5, 0.7)
     cloud, fine = tx.fractal(order, 0.2, 0.4), tx.fractal(order, 0.003, 0.1)
@@ -232,7 +234,7 @@ def shell_limestone(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, matt + 0.03 * fine - 0.06 * body)
 
 
-def _seams(order: tx.Order) -> tx.Field:
+def _seams(order: tx.TextureParams) -> tx.Field:
     """(N, N) stylolites, 0..1: jagged seams along s where the stone dissolved under pressure."""
     count = order.resolution
     up = np.arange(count)[:, None] / count

@@ -28,7 +28,7 @@ _BLACK: Final = (0.032, 0.032, 0.033)
 
 
 def rubber(
-    order: tx.Order,
+    order: tx.TextureParams,
     shade: tx.Field,
     height: tx.Field,
     rough: tuple[float, float],
@@ -39,7 +39,7 @@ def rubber(
     return tx.dyed(order, shade, height, rough, wear, colors)
 
 
-def smooth(order: tx.Order) -> tx.Maps:
+def smooth(order: tx.TextureParams) -> tx.Maps:
     """Pressed sheet: the mould's fine grain, dust, and hairlines of use."""
     grain = tx.noise(order, 0.0006)
     dust = tx.fractal(order, 0.08, 0.3)
@@ -51,7 +51,7 @@ def smooth(order: tx.Order) -> tx.Maps:
 
 
 def _flecked(
-    order: tx.Order, index: lattice.Index, count: int, share: tuple[float, float]
+    order: tx.TextureParams, index: lattice.Index, count: int, share: tuple[float, float]
 ) -> tx.Field:
     """(N, N, 3) colour of granules: black, but for a share of coloured ones."""
     rng = tx.apart(order.rng)
@@ -63,7 +63,7 @@ def _flecked(
     return np.asarray(colors[index])
 
 
-def crumb(order: tx.Order) -> tx.Maps:
+def crumb(order: tx.TextureParams) -> tx.Maps:
     """Granules of old tyres, glued under pressure: gaps stay, some granules are coloured."""
     rng = order.rng
     width = float(rng.uniform(0.0022, 0.0030))
@@ -80,7 +80,7 @@ def crumb(order: tx.Order) -> tx.Maps:
     return tx.Maps(tx.tinted(colors * shade[..., None], mean), height, rough)
 
 
-def speckled(order: tx.Order) -> tx.Maps:
+def speckled(order: tx.TextureParams) -> tx.Maps:
     """Gym tile: granules so fine and pressed that only the coloured ones are seen."""
     rng = order.rng
     count = lattice.whole(order, 0.0026)
@@ -94,7 +94,7 @@ def speckled(order: tx.Order) -> tx.Maps:
     return tx.Maps(tx.tinted(colors * np.maximum(shade, 0.05)[..., None], mean), height, rough)
 
 
-def marbled(order: tx.Order) -> tx.Maps:
+def marbled(order: tx.TextureParams) -> tx.Maps:
     """Floor sheet of two mixed compounds, drawn into veins by the rollers."""
     stretched = tx.noise(order, 0.03, 0.09) + 0.5 * tx.noise(order, 0.012, 0.05)
     folded = bent(order, stretched, 0.07, 0.018)
@@ -106,7 +106,7 @@ def marbled(order: tx.Order) -> tx.Maps:
     return rubber(order, shade, height, (0.55, 0.68), 0.02 * fine, COLORS[2:])
 
 
-def foam(order: tx.Order) -> tx.Maps:
+def foam(order: tx.TextureParams) -> tx.Maps:
     """Closed-cell foam, cut open: bubbles side by side, each a shallow cup."""
     rng = order.rng
     count = lattice.whole(order, 0.0011)
@@ -119,7 +119,7 @@ def foam(order: tx.Order) -> tx.Maps:
     return rubber(order, shade, height, (0.82, 0.92), -0.03 * wall, _BRIGHT)
 
 
-def sponge(order: tx.Order) -> tx.Maps:
+def sponge(order: tx.TextureParams) -> tx.Maps:
     """Open-cell foam: holes of all sizes, deep and dark, in a soft net."""
     n, rng = order.resolution, order.rng
     depth = np.zeros((n, n))
@@ -136,7 +136,7 @@ def sponge(order: tx.Order) -> tx.Maps:
     return rubber(order, shade, 25e-6 * net - depth, (0.86, 0.95), 0.04 * hollow, _SPONGES)
 
 
-def latex(order: tx.Order) -> tx.Maps:
+def latex(order: tx.TextureParams) -> tx.Maps:
     """Poured skin: it ran, wrinkled as it set, and shines."""
     run = bent(order, tx.noise(order, 0.012, 0.06), 0.05, 0.008)
     wrinkle = tx.band_noise(order.rng, order.resolution, order.size, 0.0055)
@@ -147,7 +147,7 @@ def latex(order: tx.Order) -> tx.Maps:
     return rubber(order, shade, height, (0.25, 0.38), 0.02 * crest, _LATEX)
 
 
-def pebbled(order: tx.Order) -> tx.Maps:
+def pebbled(order: tx.TextureParams) -> tx.Maps:
     """Mats with a hammered face: flat pebbles of uneven width and height."""
     rng = order.rng
     count = lattice.whole(order, 0.0055)

@@ -28,7 +28,7 @@ class Mould:
         colors: Usual mean colours.
     """
 
-    relief: Callable[[tx.Order, float], tx.Field]
+    relief: Callable[[tx.TextureParams, float], tx.Field]
     pitch: float
     depth: float
     size: float
@@ -38,19 +38,19 @@ class Mould:
     colors: tuple[tx.Color, ...] = COLORS
 
 
-def _square(order: tx.Order, pitch: float) -> tuple[tx.Field, tx.Field]:
+def _square(order: tx.TextureParams, pitch: float) -> tuple[tx.Field, tx.Field]:
     """Places -1..1 in squares, along s and t."""
     place = lattice.phase(order.resolution, lattice.whole(order, pitch))
     return lattice.offset(place)[None], lattice.offset(place)[:, None]
 
 
-def _coins(order: tx.Order, pitch: float) -> tx.Field:
+def _coins(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Round flat studs with a bevel."""
     x, y = _square(order, pitch)
     return 1.0 - tx.smoothstep(0.66, 0.80, np.hypot(x, y))
 
 
-def _bubbles(order: tx.Order, pitch: float) -> tx.Field:
+def _bubbles(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Domes side by side, as on mats to stand on."""
     count = lattice.whole(order, pitch)
     first, second = lattice.diagonal(order.resolution, count, count)
@@ -58,13 +58,13 @@ def _bubbles(order: tx.Order, pitch: float) -> tx.Field:
     return np.sqrt(np.maximum(1.0 - (reach / 0.97) ** 2, 0.0))
 
 
-def _ribs(order: tx.Order, pitch: float) -> tx.Field:
+def _ribs(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Fine round ribs."""
     x, y = _square(order, pitch)
     return np.asarray(np.maximum(1.0 - (x / 0.85) ** 4, 0.0) + 0.0 * y)
 
 
-def _runner(order: tx.Order, pitch: float) -> tx.Field:
+def _runner(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Broad flat ribs, each followed by four narrow ones."""
     count = lattice.whole(order, pitch)
     place = np.broadcast_to(
@@ -81,7 +81,7 @@ def _bar(p: tx.Field, q: tx.Field) -> tx.Field:
     return tx.smoothstep(0.0, 0.14, inside)
 
 
-def _lozenges(order: tx.Order, pitch: float) -> tx.Field:
+def _lozenges(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Single slanted lenses, every second one the other way: diamond tread."""
     count = lattice.whole(order, pitch, 2)
     place = lattice.phase(order.resolution, count)
@@ -92,7 +92,7 @@ def _lozenges(order: tx.Order, pitch: float) -> tx.Field:
     return _bar(p / 1.35, q / 1.35)
 
 
-def _five_bars(order: tx.Order, pitch: float) -> tx.Field:
+def _five_bars(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Fields of five bars, along s and along t by turns: checker plate."""
     count = lattice.whole(order, pitch, 2)
     place = lattice.phase(order.resolution, count)
@@ -105,14 +105,14 @@ def _five_bars(order: tx.Order, pitch: float) -> tx.Field:
     return np.asarray(tx.smoothstep(0.28, 0.62, bar) * ends)
 
 
-def _honeycomb(order: tx.Order, pitch: float) -> tx.Field:
+def _honeycomb(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Walls about open hexagons."""
     edge = tx.hexagons(order, order.size / lattice.whole(order, pitch)).edge
     wall = 0.09 * min(pitch, order.size)
     return 1.0 - tx.smoothstep(wall, 1.8 * wall, edge)
 
 
-def _rings(order: tx.Order, pitch: float) -> tx.Field:
+def _rings(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Drain holes, each in a raised ring, with small ones between them."""
     x, y = _square(order, pitch)
     reach = np.hypot(x, y)
@@ -123,7 +123,7 @@ def _rings(order: tx.Order, pitch: float) -> tx.Field:
     return np.asarray((0.72 + 0.28 * ring) * (1.0 - hole))
 
 
-def _crosshatch(order: tx.Order, pitch: float) -> tx.Field:
+def _crosshatch(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Blunt pyramids between two sets of slanted grooves."""
     count = lattice.whole(order, pitch)
     first, second = lattice.diagonal(order.resolution, count, count)
@@ -131,7 +131,7 @@ def _crosshatch(order: tx.Order, pitch: float) -> tx.Field:
     return np.minimum((1.0 - edge) / 0.62, 1.0)
 
 
-def _tread(order: tx.Order, pitch: float) -> tx.Field:
+def _tread(order: tx.TextureParams, pitch: float) -> tx.Field:
     """Tyre: blocks between grooves along t and slanted ones, with fine sipes."""
     n = order.resolution
     columns, rows = lattice.whole(order, 4.0 * pitch), lattice.whole(order, pitch)
@@ -162,7 +162,7 @@ MOULDS: Final[dict[str, Mould]] = {
 }
 
 
-def _moulded(mould: Mould, order: tx.Order) -> tx.Maps:
+def _moulded(mould: Mould, order: tx.TextureParams) -> tx.Maps:
     """A pattern pressed into rubber: dust lies in its hollows, feet polish its tops."""
     pitch = mould.pitch * float(order.rng.uniform(0.85, 1.15))
     relief = mould.relief(order, pitch)
@@ -181,7 +181,7 @@ _THINGS: Final[frozenset[tx.Use]] = frozenset({"object"})
 _BOTH: Final = _FLOOR | _THINGS
 
 _COMPOUNDS: Final[
-    dict[str, tuple[Callable[[tx.Order], tx.Maps], float, float, frozenset[tx.Use]]]
+    dict[str, tuple[Callable[[tx.TextureParams], tx.Maps], float, float, frozenset[tx.Use]]]
 ] = {
     "smooth_rubber": (compound.smooth, 0.0008, 0.25, _BOTH),
     "crumb_rubber": (compound.crumb, 0.002, 0.2, _FLOOR),

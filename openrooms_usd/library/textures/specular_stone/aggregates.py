@@ -23,7 +23,7 @@ AGATE: Final[tuple[tx.Color, ...]] = _PALETTES["veins_agate"]
 _POLISH: Final = 4e-6
 
 
-def carrara_marble(order: tx.Order) -> tx.Maps:
+def carrara_marble(order: tx.TextureParams) -> tx.Maps:
     """White marble with grey clouds and a slanting net of soft veins."""
     base, vein = tx.drawn_color(order, WHITE, 0.04), tx.side_color(order, VEIN)
     gloss = tx.drawn_roughness(order, 0.06, 0.16)
@@ -34,7 +34,7 @@ def carrara_marble(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, _POLISH * (net + 0.1 * fine), gloss + 0.02 * net)
 
 
-def marble_veins(order: tx.Order) -> tx.Field:
+def marble_veins(order: tx.TextureParams) -> tx.Field:
     """(N, N) strength of veins, 0..1: few strong ones, more and finer beside them."""
     drift_s, drift_t = tx.fractal(order, 0.35, 0.9), tx.fractal(order, 0.35, 0.9)
     crumple = tx.fractal(order, 0.06, 0.5)
@@ -48,7 +48,7 @@ def marble_veins(order: tx.Order) -> tx.Field:
     return np.clip(wide + core + 0.6 * thin, 0.0, 1.0)
 
 
-def _sheets(order: tx.Order, length: float) -> tx.Field:
+def _sheets(order: tx.TextureParams, length: float) -> tx.Field:
     """(N, N) a noise whose zero lines run aslant: two noises, long along t, sheared and summed."""
     wave = tx.noise(order, length * 0.33, length)
     lean = order.rng.choice([-1, 1])
@@ -58,7 +58,7 @@ def _sheets(order: tx.Order, length: float) -> tx.Field:
     return np.asarray(wave[rows[:, None], (rows[None, :] + shift[:, None]) % order.resolution])
 
 
-def breccia_marble(order: tx.Order) -> tx.Maps:
+def breccia_marble(order: tx.TextureParams) -> tx.Maps:
     """Angular fragments of 1 to 12 cm, healed by light calcite."""
     base, calcite = tx.drawn_color(order, BRECCIA), tx.side_color(order, CALCITE, 0.05)
     gloss = tx.drawn_roughness(order, 0.06, 0.16)
@@ -81,7 +81,7 @@ def breccia_marble(order: tx.Order) -> tx.Maps:
     return tx.finished(order, tx.mixed(vein, white, pieces), _POLISH * vein, gloss + 0.03 * vein)
 
 
-def banded_onyx(order: tx.Order) -> tx.Maps:
+def banded_onyx(order: tx.TextureParams) -> tx.Maps:
     """Bands laid down by a spring, flowing along s, some sharp and white, some deep."""
     color, gloss = tx.drawn_color(order, ONYX), tx.drawn_roughness(order, 0.05, 0.12)
     up = (np.arange(order.resolution)[:, None] + 0.5) / order.resolution
@@ -98,7 +98,7 @@ def banded_onyx(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, _POLISH * 0.5 * band, gloss + 0.01 * pale)
 
 
-def agate(order: tx.Order) -> tx.Maps:
+def agate(order: tx.TextureParams) -> tx.Maps:
     """Slices of nodules: rings that follow the wall of each hollow, crystals in its middle."""
     color, gloss = tx.drawn_color(order, AGATE), tx.drawn_roughness(order, 0.04, 0.10)
     width = order.rng.uniform(0.14, 0.20)
@@ -120,7 +120,7 @@ def agate(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, _POLISH * band, gloss + 0.05 * rind)
 
 
-def _layers(order: tx.Order, depth: tx.Field, thickest: float) -> tx.Field:
+def _layers(order: tx.TextureParams, depth: tx.Field, thickest: float) -> tx.Field:
     """(N, N) lightness of layers by their depth in metres, deviation 1; periodic over the size."""
     count = 2048
     frequency = np.fft.rfftfreq(count, order.size / count)
@@ -141,7 +141,7 @@ CEMENT: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_cement"]
 QUARTZ: Final[tuple[tx.Color, ...]] = _PALETTES["aggregates_quartz"]
 
 
-def granite(order: tx.Order) -> tx.Maps:
+def granite(order: tx.TextureParams) -> tx.Maps:
     """Crystals of 3 to 10 mm: feldspar, grey quartz, black mica in clusters."""
     feldspar, gloss = tx.drawn_color(order, FELDSPAR), tx.drawn_roughness(order, 0.06, 0.15)
     width = order.rng.uniform(0.005, 0.009)
@@ -167,7 +167,7 @@ def granite(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, gloss + 0.06 * mica - 0.01 * quartz)
 
 
-def black_galaxy_granite(order: tx.Order) -> tx.Maps:
+def black_galaxy_granite(order: tx.TextureParams) -> tx.Maps:
     """Black gabbro, fine-grained, with scattered flakes of bronzite that shine like gold."""
     color = tx.drawn_color(order, ((0.026, 0.026, 0.027), (0.034, 0.033, 0.033)), 0.05)
     gloss = tx.drawn_roughness(order, 0.05, 0.10)
@@ -185,7 +185,7 @@ def black_galaxy_granite(order: tx.Order) -> tx.Maps:
     return tx.finished(order, tx.mixed(0.85 * shine, gold, dark), height, gloss + 0.08 * shine)
 
 
-def terrazzo(order: tx.Order) -> tx.Maps:
+def terrazzo(order: tx.TextureParams) -> tx.Maps:
     """Chips of marble from 2 to 20 mm in a ground binder."""
     binder, gloss = tx.side_color(order, BINDER, 0.06), tx.drawn_roughness(order, 0.1, 0.25)
     stones = tx.chips(
@@ -209,7 +209,7 @@ def terrazzo(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, gloss - 0.03 * on)
 
 
-def quartz_worktop(order: tx.Order) -> tx.Maps:
+def quartz_worktop(order: tx.TextureParams) -> tx.Maps:
     """Engineered stone: grains of quartz of 0.5 to 3 mm pressed in resin, even everywhere."""
     color, gloss = tx.drawn_color(order, QUARTZ, 0.06), tx.drawn_roughness(order, 0.1, 0.22)
     grains = tx.scattered_cells(order, order.rng.uniform(0.0018, 0.0026), 1.0)
@@ -224,7 +224,7 @@ def quartz_worktop(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, -3e-6 * resin + 0.5e-6 * fine, gloss - 0.05 * glint)
 
 
-def polished_concrete(order: tx.Order) -> tx.Maps:
+def polished_concrete(order: tx.TextureParams) -> tx.Maps:
     """A slab ground until its sand shows, clouded by the trowel, with hairline cracks."""
     color, gloss = tx.drawn_color(order, CEMENT), tx.drawn_roughness(order, 0.2, 0.38)
     cloud = tx.fractal(order, 0.6, 0.3)
@@ -242,14 +242,14 @@ def polished_concrete(order: tx.Order) -> tx.Maps:
     return tx.finished(order, shade[..., None] * color, height, rough)
 
 
-def trowel_arcs(order: tx.Order) -> tx.Field:
+def trowel_arcs(order: tx.TextureParams) -> tx.Field:
     """(N, N) arcs that a power trowel leaves, deviation about 1."""
     passes = tx.scattered_cells(order, 0.45)
     ring = np.cos(passes.radius * 2.0 * np.pi / 0.035 + 4.0 * tx.noise(order, 0.2))
     return np.asarray(ring * tx.smoothstep(0.0, 0.06, passes.edge))
 
 
-def hairlines(order: tx.Order, width: float, opening: float) -> tx.Field:
+def hairlines(order: tx.TextureParams, width: float, opening: float) -> tx.Field:
     """(N, N) cracks, 0..1, between plates of a given width; they fade in and out."""
     rag = 0.05 * width * tx.fractal(order, width / 2, 0.6)
     edge = tx.scattered_cells(order, width, 1.0, (rag, -rag)).edge

@@ -26,12 +26,14 @@ GLAZED: Final = (0.05, 0.13)
 POLISHED: Final = (0.07, 0.18)
 
 
-def porcelain_tiles(order: tx.Order) -> tx.Maps:
+def porcelain_tiles(order: tx.TextureParams) -> tx.Maps:
     """Rectified tiles of 0.6 x 0.6 m that imitate a clouded stone, joints of 2 mm."""
     floor = tx.bond(order, (0.6, 0.6))
     color, gloss = tx.drawn_color(order, PORCELAIN), tx.drawn_roughness(order, 0.12, 0.4)
-    cloud = tx.dealt(order, tx.fractal(order, 0.35, 0.45), floor.index, floor.count)
-    vein = tx.dealt(order, np.abs(tx.fractal(order, 0.25, 0.8)), floor.index, floor.count)
+    cloud = tx.shifted_per_piece(order, tx.fractal(order, 0.35, 0.45), floor.index, floor.count)
+    vein = tx.shifted_per_piece(
+        order, np.abs(tx.fractal(order, 0.25, 0.8)), floor.index, floor.count
+    )
     fine = tx.fractal(order, 0.004, 0.1)
     print_ = 1.0 + 0.07 * cloud + 0.02 * fine + 0.08 * tx.smoothstep(0.12, 0.0, vein)
     inside = floor.inside(0.002, 0.0005)
@@ -41,16 +43,16 @@ def porcelain_tiles(order: tx.Order) -> tx.Maps:
     return _grouted(order, inside, body, relief + lippage, gloss + 0.015 * cloud, DARK_GROUT)
 
 
-def subway_tiles(order: tx.Order) -> tx.Maps:
+def subway_tiles(order: tx.TextureParams) -> tx.Maps:
     """Glazed tiles of 150 x 75 mm in running bond, edges rounded by the glaze, joints of 2 mm."""
     wall = tx.bond(order, (0.152, 0.077), 0.5, 2)
     inside = wall.inside(0.002, 0.0025)
-    wave = tx.dealt(order, tx.noise(order, 0.05), wall.index, wall.count)
+    wave = tx.shifted_per_piece(order, tx.noise(order, 0.05), wall.index, wall.count)
     relief = 0.0009 + 0.0016 * _pillow(inside, 0.006) + 0.00006 * wave
     return _glazed(order, wall.index, wall.count, inside, relief, GLAZE, varied=0.025)
 
 
-def hexagon_mosaic(order: tx.Order) -> tx.Maps:
+def hexagon_mosaic(order: tx.TextureParams) -> tx.Maps:
     """Matt porcelain hexagons of 50 mm in two tones, joints of 2 mm."""
     cells = tx.hexagons(order, 0.052)
     inside = cells.edge - 0.001
@@ -68,7 +70,7 @@ def hexagon_mosaic(order: tx.Order) -> tx.Maps:
     )
 
 
-def penny_mosaic(order: tx.Order) -> tx.Maps:
+def penny_mosaic(order: tx.TextureParams) -> tx.Maps:
     """Glazed discs of 19 mm, closely packed, 21 mm apart."""
     cells = tx.hexagons(order, 0.021)
     inside = 0.0095 - cells.radius
@@ -76,20 +78,20 @@ def penny_mosaic(order: tx.Order) -> tx.Maps:
     return _glazed(order, cells.index, cells.count, inside, relief, GLAZE, varied=0.06)
 
 
-def fish_scale_tiles(order: tx.Order) -> tx.Maps:
+def fish_scale_tiles(order: tx.TextureParams) -> tx.Maps:
     """Glazed scallops, 0.12 m wide, that overlap like scales, joints of 2 mm."""
     laid = tx.scales(order, 0.12)
     inside = laid.edge - 0.001
-    wave = tx.dealt(order, tx.noise(order, 0.04), laid.index, laid.count)
+    wave = tx.shifted_per_piece(order, tx.noise(order, 0.04), laid.index, laid.count)
     relief = 0.0008 + 0.0014 * _pillow(inside, 0.005) + 0.00005 * wave
     return _glazed(order, laid.index, laid.count, inside, relief, GLAZE, varied=0.16)
 
 
-def zellige(order: tx.Order) -> tx.Maps:
+def zellige(order: tx.TextureParams) -> tx.Maps:
     """Moroccan tiles of 100 mm, cut by hand and set almost without joints: none is flat or even."""
     wall = tx.bond(order, (0.101, 0.101))
     inside = wall.inside(0.001, 0.001, 0.0004 * tx.noise(order, 0.015))
-    wave = tx.dealt(order, tx.noise(order, 0.045), wall.index, wall.count)
+    wave = tx.shifted_per_piece(order, tx.noise(order, 0.045), wall.index, wall.count)
     slope = order.rng.uniform(-0.014, 0.014, (2, wall.count))[:, wall.index]
     chip = tx.covered(order, 0.0016 * (tx.fractal(order, 0.01, 0.3) - 1.5) - inside)
     tilt = slope[0] * wall.across + slope[1] * wall.up
@@ -103,12 +105,12 @@ def zellige(order: tx.Order) -> tx.Maps:
     return tx.finished(order, tx.mixed(0.85 * bare, clay, maps.albedo), maps.height, rough)
 
 
-def checkerboard_marble(order: tx.Order) -> tx.Maps:
+def checkerboard_marble(order: tx.TextureParams) -> tx.Maps:
     """Tiles of light and dark marble by turns, 0.3 x 0.3 m, joints of 1.5 mm."""
     columns = tx.whole(order.size, 0.3, 2)
     floor = tx.bond(order, (order.size / columns, order.size / columns))
     dark = ((floor.index % columns + floor.course) % 2).astype(float)
-    vein = tx.dealt(order, marble_veins(order), floor.index, floor.count)
+    vein = tx.shifted_per_piece(order, marble_veins(order), floor.index, floor.count)
     light, gloss = tx.side_color(order, ((0.72, 0.70, 0.66), (0.66, 0.65, 0.63)), 0.05), POLISHED
     pale = light * np.maximum(1.0 - 0.45 * vein, 0.1)[..., None]
     deep = tx.mixed(0.55 * vein, np.full((1, 1, 3), LIGHT_VEIN), np.full((1, 1, 3), DARK_STONE))
@@ -119,7 +121,7 @@ def checkerboard_marble(order: tx.Order) -> tx.Maps:
     )
 
 
-def crackle_glaze(order: tx.Order) -> tx.Maps:
+def crackle_glaze(order: tx.TextureParams) -> tx.Maps:
     """Large tiles whose glaze has crazed: wide cracks first, finer ones between, stained."""
     color, gloss = (
         tx.drawn_color(order, GLAZE[:2] + GLAZE[4:5], 0.05),
@@ -142,7 +144,7 @@ def crackle_glaze(order: tx.Order) -> tx.Maps:
 
 
 def _glazed(
-    order: tx.Order,
+    order: tx.TextureParams,
     index: tx.Index,
     count: int,
     inside: tx.Field,
@@ -181,7 +183,7 @@ def _glazed(
 
 
 def _grouted(
-    order: tx.Order,
+    order: tx.TextureParams,
     inside: tx.Field,
     body: tx.Field,
     relief: tx.Field,

@@ -32,11 +32,11 @@ class Boards:
     edge: tx.Field
     oblique: bool = False
 
-    def spread(self, order: tx.Order, field: tx.Field) -> tx.Field:
+    def spread(self, order: tx.TextureParams, field: tx.Field) -> tx.Field:
         """A periodic field, grain along t, cut from another place for each piece."""
         return self.cut(order, field)[0]
 
-    def cut(self, order: tx.Order, *fields: tx.Field) -> list[tx.Field]:
+    def cut(self, order: tx.TextureParams, *fields: tx.Field) -> list[tx.Field]:
         """Periodic fields, grain along t, all cut from another place for each piece."""
         resolution = order.resolution
         texels = resolution / order.size
@@ -59,7 +59,7 @@ class Boards:
         """(N, N) a value for each piece."""
         return np.asarray(values[self.index])
 
-    def gap(self, order: tx.Order, width: float) -> tx.Field:
+    def gap(self, order: tx.TextureParams, width: float) -> tx.Field:
         """(N, N) share of each texel that is the gap between pieces, ``width`` metres wide."""
         texel = order.size / order.resolution
         return np.clip((width / 2 + texel / 2 - self.edge) / texel, 0.0, 1.0)
@@ -69,7 +69,7 @@ class Boards:
         return np.clip(1.0 - self.edge / width, 0.0, 1.0)
 
 
-def staves(order: tx.Order, width: tuple[float, float], mirrored: bool = False) -> Boards:
+def staves(order: tx.TextureParams, width: tuple[float, float], mirrored: bool = False) -> Boards:
     """Pieces that run through, edge to edge.
 
     Args:
@@ -98,7 +98,9 @@ def staves(order: tx.Order, width: tuple[float, float], mirrored: bool = False) 
     )
 
 
-def planks(order: tx.Order, width: tuple[float, float], length: tuple[float, float]) -> Boards:
+def planks(
+    order: tx.TextureParams, width: tuple[float, float], length: tuple[float, float]
+) -> Boards:
     """Rows of pieces with staggered ends.
 
     Args:
@@ -127,7 +129,7 @@ def _upright(rows: tx.Laid) -> Boards:
     return Boards(rows.index.T, rows.count, rows.up.T, -rows.across.T, edge)
 
 
-def blocks(order: tx.Order, side: float, fingers: int = 1) -> Boards:
+def blocks(order: tx.TextureParams, side: float, fingers: int = 1) -> Boards:
     """Squares of parallel fingers, each turned by a quarter against its neighbours.
 
     Args:
@@ -150,7 +152,7 @@ def blocks(order: tx.Order, side: float, fingers: int = 1) -> Boards:
     return Boards(index, count * count * fingers, across * unit, on * unit, edge * unit)
 
 
-def herringbone(order: tx.Order, width: float, ratio: int) -> Boards:
+def herringbone(order: tx.TextureParams, width: float, ratio: int) -> Boards:
     """Pieces at right angles whose ends butt against sides, at 45 degrees to the walls.
 
     Args:
@@ -186,7 +188,7 @@ def _numbered(start: tuple[tx.Index, tx.Index], lies: NDArray[np.bool_], turn: i
     return np.unique(key, return_inverse=True)[1].reshape(key.shape)
 
 
-def chevron(order: tx.Order, column: float, pitch: float, slope: float = 1.0) -> Boards:
+def chevron(order: tx.TextureParams, column: float, pitch: float, slope: float = 1.0) -> Boards:
     """Columns of parallelograms whose ends meet in straight lines along t.
 
     Args:
@@ -224,6 +226,6 @@ def _blended(field: tx.Field, corners: list[tuple[tx.Index, tx.Field]]) -> tx.Fi
     return blend
 
 
-def _place(order: tx.Order) -> tx.Field:
+def _place(order: tx.TextureParams) -> tx.Field:
     """(N,) places of the texels' centres, metres."""
     return np.asarray((np.arange(order.resolution) + 0.5) * (order.size / order.resolution))

@@ -27,26 +27,28 @@ from openrooms_usd.library.textures.wood.timber import face, lacquered
 _JOINT: Final = 0.5e-3
 
 
-def _veneer(order: tx.Order, timber: Timber, leaf: tuple[float, float] = (0.18, 0.26)) -> tx.Maps:
+def _veneer(
+    order: tx.TextureParams, timber: Timber, leaf: tuple[float, float] = (0.18, 0.26)
+) -> tx.Maps:
     """Leaves of one log, side by side like the pages of an open book."""
     wood = face(order, staves(order, leaf, mirrored=True), timber)
     return lacquered(order, wood, timber, (0.28, 0.45))
 
 
-def _panel(order: tx.Order, timber: Timber, width: tuple[float, float]) -> tx.Maps:
+def _panel(order: tx.TextureParams, timber: Timber, width: tuple[float, float]) -> tx.Maps:
     """Staves glued edge to edge."""
     wood = face(order, staves(order, width), timber)
     return lacquered(order, wood, timber, (0.32, 0.5))
 
 
-def _butcher_block(order: tx.Order) -> tx.Maps:
+def _butcher_block(order: tx.TextureParams) -> tx.Maps:
     """Short staves, finger-jointed end to end and glued: worktops."""
     boards = planks(order, (0.034, 0.046), (0.25, 0.6))
     wood = face(order, boards, BEECH, 0.14)
     return lacquered(order, wood.darker(1.0 - 0.25 * boards.gap(order, 0.0004)), BEECH, (0.35, 0.5))
 
 
-def _panelling(order: tx.Order) -> tx.Maps:
+def _panelling(order: tx.TextureParams) -> tx.Maps:
     """Knotty boards with tongue and groove: a V at every joint."""
     boards = staves(order, (0.096, 0.096))
     timber = replace(PINE, knots=26.0, knot=(0.005, 0.013))
@@ -57,7 +59,7 @@ def _panelling(order: tx.Order) -> tx.Maps:
     return replace(maps, height=maps.height - 4e-3 * vee)
 
 
-def _brushed(order: tx.Order) -> tx.Maps:
+def _brushed(order: tx.TextureParams) -> tx.Maps:
     """Larch whose soft earlywood was brushed out: the rings stand in relief."""
     boards = staves(order, (0.12, 0.17))
     wood = face(order, boards, LARCH, 0.08)
@@ -66,7 +68,7 @@ def _brushed(order: tx.Order) -> tx.Maps:
     return replace(maps, height=0.8e-3 * wood.late + 30e-6 * scratch - _JOINT * boards.bevel(2e-3))
 
 
-def _reclaimed(order: tx.Order) -> tx.Maps:
+def _reclaimed(order: tx.TextureParams) -> tx.Maps:
     """Old boards: grey, cracked along the grain, of all widths, with nail holes and stains."""
     boards = planks(order, (0.09, 0.2), (0.6, 1.7))
     timber = replace(PINE, knots=8.0, late=0.3, redder=0.04, color=(0.21, 0.165, 0.125))
@@ -85,7 +87,7 @@ def _reclaimed(order: tx.Order) -> tx.Maps:
     return tx.finished(order, wood.colored(order, timber), height, rough)
 
 
-def _whitewashed(order: tx.Order) -> tx.Maps:
+def _whitewashed(order: tx.TextureParams) -> tx.Maps:
     """Boards painted long ago: the paint is worn off where feet and hands rub, along the grain."""
     boards = planks(order, (0.12, 0.12), (1.2, 2.4))
     wood = face(order, boards, PINE, 0.1)
@@ -102,7 +104,7 @@ def _whitewashed(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.5, 0.7) + 0.2 * worn)
 
 
-def _slats(order: tx.Order) -> tx.Maps:
+def _slats(order: tx.TextureParams) -> tx.Maps:
     """Rounded slats on dark felt, as acoustic panels have."""
     boards = staves(order, (0.04, 0.04))
     wood = face(order, boards, OAK, 0.12)
@@ -115,7 +117,7 @@ def _slats(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, rough)
 
 
-def _charred(order: tx.Order) -> tx.Maps:
+def _charred(order: tx.TextureParams) -> tx.Maps:
     """Boards burnt at their face: the char has cracked into scales."""
     boards = staves(order, (0.13, 0.13))
     wood = face(order, boards, LARCH, 0.15)
@@ -132,7 +134,7 @@ def _charred(order: tx.Order) -> tx.Maps:
     return tx.finished(order, np.maximum(albedo, 0.02), height, rough)
 
 
-def _burl(order: tx.Order) -> tx.Maps:
+def _burl(order: tx.TextureParams) -> tx.Maps:
     """Veneer of a burl: grain that turns about countless small buds."""
     boards = staves(order, (0.3, 0.34), mirrored=True)
     timber = replace(

@@ -44,7 +44,7 @@ class Face:
         """The same with its brightness multiplied."""
         return replace(self, shade=self.shade * factor)
 
-    def colored(self, order: tx.Order, timber: Timber) -> tx.Field:
+    def colored(self, order: tx.TextureParams, timber: Timber) -> tx.Field:
         """(N, N, 3) albedo: dark parts are redder than light ones."""
         drawn = np.array(timber.color) * order.rng.uniform(0.88, 1.12)
         mean = drawn if order.color is None else np.array(order.color)
@@ -52,7 +52,7 @@ class Face:
         return tx.with_mean(np.maximum(self.shade, 0.04)[..., None] ** redness, mean)
 
 
-def face(order: tx.Order, boards: Boards, timber: Timber, variety: float = 0.1) -> Face:
+def face(order: tx.TextureParams, boards: Boards, timber: Timber, variety: float = 0.1) -> Face:
     """The face of pieces of one timber.
 
     Args:
@@ -91,13 +91,15 @@ def face(order: tx.Order, boards: Boards, timber: Timber, variety: float = 0.1) 
     )
 
 
-def lacquered(order: tx.Order, wood: Face, timber: Timber, gloss: tuple[float, float]) -> tx.Maps:
+def lacquered(
+    order: tx.TextureParams, wood: Face, timber: Timber, gloss: tuple[float, float]
+) -> tx.Maps:
     """Planed, sanded and finished; no joint is felt."""
     roughness = tx.drawn_roughness(order, *gloss)
     return tx.finished(order, wood.colored(order, timber), wood.height, roughness + wood.gloss)
 
 
-def _unevenness(order: tx.Order, timber: Timber) -> tx.Field:
+def _unevenness(order: tx.TextureParams, timber: Timber) -> tx.Field:
     """(N, N) how far rings lie beside where a round tree has them, metres."""
     fine = 0.0006 * tx.noise(order, 0.012, 0.12)
     if timber.cut == "peeled":
@@ -105,7 +107,7 @@ def _unevenness(order: tx.Order, timber: Timber) -> tx.Field:
     return 0.003 * tx.noise(order, 0.07, 0.4) + fine
 
 
-def _rings(order: tx.Order, boards: Boards, timber: Timber, uneven: tx.Field) -> tx.Field:
+def _rings(order: tx.TextureParams, boards: Boards, timber: Timber, uneven: tx.Field) -> tx.Field:
     """(N, N) number of the ring: the rings of each piece's own tree."""
     ring = order.rng.uniform(*timber.ring, boards.count)
     radius = uneven if timber.cut == "peeled" else uneven + _radius(order, boards, timber.cut)
@@ -116,7 +118,7 @@ def _rings(order: tx.Order, boards: Boards, timber: Timber, uneven: tx.Field) ->
     return rings + np.interp((rings + 17.0 * boards.index) % 255.0, np.arange(256), years)
 
 
-def _radius(order: tx.Order, boards: Boards, cut: Cut) -> tx.Field:
+def _radius(order: tx.TextureParams, boards: Boards, cut: Cut) -> tx.Field:
     """(N, N) distance to the pith, metres; periodic along the grain over the picture."""
     rng, count = order.rng, boards.count
     flat = rng.random(count) < 0.5 if cut == "mixed" else np.full(count, cut == "flat")
@@ -157,7 +159,7 @@ def _pores(timber: Timber, streak: tx.Field, rings: tx.Field, late: tx.Field) ->
     return tx.smoothstep(0.9, 2.4, streak) * (1.0 - 0.5 * late)
 
 
-def _figure(order: tx.Order, timber: Timber) -> tx.Field:
+def _figure(order: tx.TextureParams, timber: Timber) -> tx.Field:
     """(N, N) what rays, curls, ribbons and streaks add to the brightness."""
     figure = np.zeros((order.resolution, order.resolution))
     if timber.flecks:
@@ -174,7 +176,7 @@ def _figure(order: tx.Order, timber: Timber) -> tx.Field:
     return figure
 
 
-def _waves(order: tx.Order, distance: float) -> tx.Field:
+def _waves(order: tx.TextureParams, distance: float) -> tx.Field:
     """(N, N) waves across the grain that end and begin again, about -1..1."""
     count = tx.whole(order.size, distance)
     place = (np.arange(order.resolution)[:, None] + 0.5) / order.resolution * count
@@ -200,7 +202,9 @@ class Knots:
     depth: tx.Field
 
 
-def knots(order: tx.Order, boards: Boards, density: float, radius: tuple[float, float]) -> Knots:
+def knots(
+    order: tx.TextureParams, boards: Boards, density: float, radius: tuple[float, float]
+) -> Knots:
     """Knots by chance; each stays on its own piece.
 
     Args:
@@ -216,7 +220,7 @@ def knots(order: tx.Order, boards: Boards, density: float, radius: tuple[float, 
     return found
 
 
-def _grow(order: tx.Order, boards: Boards, found: Knots, size: float) -> None:
+def _grow(order: tx.TextureParams, boards: Boards, found: Knots, size: float) -> None:
     texel = order.size / order.resolution
     middle = order.rng.uniform(0.0, order.size, 2)
     oval = order.rng.uniform(1.0, 1.5)

@@ -19,7 +19,7 @@ from openrooms_usd.library.textures.wood.species import BEECH, OAK, WALNUT, Timb
 from openrooms_usd.library.textures.wood.timber import Face, face, lacquered
 
 
-def _strand_board(order: tx.Order) -> tx.Maps:
+def _strand_board(order: tx.TextureParams) -> tx.Maps:
     """OSB: long strands of pine, pressed, most of them along the board."""
     laid = tx.flakes(order, 2.4, (0.06, 0.13), (0.008, 0.03), spread=1.0)
     fibre = laid.fibre(order, 0.0012, 0.03)
@@ -34,7 +34,7 @@ def _strand_board(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.55, 0.75) - 0.04 * tone)
 
 
-def _chipboard(order: tx.Order) -> tx.Maps:
+def _chipboard(order: tx.TextureParams) -> tx.Maps:
     """Particles of all sizes, sanded flat."""
     coarse = tx.flakes(order, 1.1, (0.006, 0.016), (0.0015, 0.004), spread=np.pi)
     tone = coarse.each(order.rng.uniform(-1.0, 1.0, coarse.count))
@@ -45,7 +45,7 @@ def _chipboard(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.7, 0.85))
 
 
-def _fibreboard(order: tx.Order) -> tx.Maps:
+def _fibreboard(order: tx.TextureParams) -> tx.Maps:
     """MDF: matted fibres, nearly even."""
     hair = tx.matted(order.rng, order.resolution, order.size, 0.0006, 0.006, 5)
     cloud = tx.fractal(order, 0.08, 0.3)
@@ -56,7 +56,7 @@ def _fibreboard(order: tx.Order) -> tx.Maps:
     )
 
 
-def _cork(order: tx.Order) -> tx.Maps:
+def _cork(order: tx.TextureParams) -> tx.Maps:
     """Granules of bark, pressed: each its own brown, with dark seams and pores."""
     warp = (0.0006 * tx.noise(order, 0.004), 0.0006 * tx.noise(order, 0.004))
     granules = tx.scattered_cells(order, 0.0055, 1.0, warp)
@@ -72,7 +72,7 @@ def _cork(order: tx.Order) -> tx.Maps:
     return tx.finished(order, albedo, height, tx.drawn_roughness(order, 0.55, 0.75) + 0.05 * seam)
 
 
-def _bamboo(order: tx.Order) -> tx.Maps:
+def _bamboo(order: tx.TextureParams) -> tx.Maps:
     """Strips of bamboo, glued flat, each with the nodes of its cane."""
     strips = staves(order, (0.019, 0.021))
     nodes = tx.whole(order.size, 0.27)
@@ -99,7 +99,11 @@ _JOINT: Final = 0.5e-3
 
 
 def _jointed(
-    order: tx.Order, boards: Boards, timber: Timber, variety: float = 0.14, bevel: float = 2.5e-3
+    order: tx.TextureParams,
+    boards: Boards,
+    timber: Timber,
+    variety: float = 0.14,
+    bevel: float = 2.5e-3,
 ) -> tx.Maps:
     """Pieces of a floor: dark gaps, small bevels, lacquered or oiled."""
     wood = face(order, boards, timber, variety)
@@ -110,29 +114,29 @@ def _jointed(
     return tx.finished(order, albedo, height, roughness)
 
 
-def _planks(order: tx.Order, timber: Timber) -> tx.Maps:
+def _planks(order: tx.TextureParams, timber: Timber) -> tx.Maps:
     return _jointed(order, planks(order, (0.15, 0.15), (0.9, 1.5)), timber)
 
 
-def _strips(order: tx.Order) -> tx.Maps:
+def _strips(order: tx.TextureParams) -> tx.Maps:
     """Narrow strips of three a board, as ready-made parquet has."""
     return _jointed(order, planks(order, (0.066, 0.066), (0.25, 0.5)), BEECH, 0.16, 0.8e-3)
 
 
-def _herringbone(order: tx.Order) -> tx.Maps:
+def _herringbone(order: tx.TextureParams) -> tx.Maps:
     return _jointed(order, herringbone(order, 0.075, 6), OAK)
 
 
-def _chevron(order: tx.Order) -> tx.Maps:
+def _chevron(order: tx.TextureParams) -> tx.Maps:
     return _jointed(order, chevron(order, 0.42, 0.13), replace(WALNUT, streaks=0.15), 0.2)
 
 
-def _mosaic(order: tx.Order) -> tx.Maps:
+def _mosaic(order: tx.TextureParams) -> tx.Maps:
     """Squares of five fingers, each turned against the next."""
     return _jointed(order, blocks(order, 0.12, 5), replace(OAK, cut="mixed"), 0.16, 0.6e-3)
 
 
-def _end_grain(order: tx.Order) -> tx.Maps:
+def _end_grain(order: tx.TextureParams) -> tx.Maps:
     """Blocks that show the ends of their trunks: rings about a pith that lies beside them."""
     boards = blocks(order, 0.07)
     pith = order.rng.uniform(-0.09, 0.09, (2, boards.count))
