@@ -23,7 +23,7 @@ _INNER: Final = ("disagreements", "located", "model_post_init")
 _HEAD: Final = """\
 # Reference of the Python interface
 
-Made from the docstrings (`python -m docs.api`). [From Python](../howto/python.md) shows how the
+Made from the docstrings (`python -m docs.api`). [Use Python](../howto/python.md) shows how the
 functions belong together. Every error is an `ou.OrusdError`. Paths may be `str` or `Path`; a
 `Scene`, a `Render` and a `View` stand for their files. Poses are (4, 4) matrices for column
 vectors, from the named frame to the world: Z up, metres.

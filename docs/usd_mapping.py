@@ -20,7 +20,7 @@ What becomes of every concept of OpenUSD {version} when a stage is rendered or c
 |---|---|
 | supported | the picture has it |
 | approximated | the picture has something near; the report says so where that can be seen |
-| reported | the picture lacks it; whoever uses it reads so in the report |
+| reported | the picture lacks it; the report says so |
 | ignored | it means nothing to a picture |
 
 A row counts for all that its name stands for (`*`), and for schemas that inherit from its own, \

@@ -8,10 +8,16 @@ from pathlib import Path
 import pytest
 import yaml
 
+from docs import reference_pages
 from tests.chromium import needs_chromium, opened
 
 ROOT = Path(__file__).parents[2]
 PAGES = {path.relative_to(ROOT / "docs").as_posix() for path in (ROOT / "docs").rglob("*.md")}
+# Pages that programs write; other tests compare them with what the programs say.
+GENERATED = {f"reference/{name}" for name in reference_pages.PAGES} | {
+    f"reference/{name}.md" for name in ("api", "channels", "settings", "usd-mapping")
+}
+MOST_WORDS = 45_000  # of all pages that people write, tables and code included
 # Where `make docs` has it, or this environment.
 MKDOCS = shutil.which("mkdocs", path=str(ROOT / ".venv-docs/bin")) or shutil.which("mkdocs")
 
@@ -39,6 +45,15 @@ def test_every_page_is_once_in_the_navigation() -> None:
     text = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     found = leaves(yaml.safe_load(text[text.index("\nnav:") :])["nav"])
     assert sorted(one for one in found if not one.startswith("project/")) == sorted(PAGES)
+
+
+def test_the_pages_that_people_write_stay_short() -> None:
+    words = {
+        name: len((ROOT / "docs" / name).read_text(encoding="utf-8").split())
+        for name in PAGES - GENERATED
+    }
+    longest = sorted(words, key=lambda name: words[name], reverse=True)[:5]
+    assert sum(words.values()) <= MOST_WORDS, {name: words[name] for name in longest}
 
 
 def test_links_lead_from_the_first_page_to_every_page() -> None:
