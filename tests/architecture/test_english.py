@@ -53,7 +53,7 @@ LIMITS: dict[str, Limits] = {
     "openrooms_usd": Limits(0, 0),
     "openrooms_usd/api": Limits(0, 0),
     "openrooms_usd/building": Limits(0, 0),
-    "openrooms_usd/cli": Limits(9, 0),
+    "openrooms_usd/cli": Limits(0, 0),
     "openrooms_usd/comparison": Limits(0, 0),
     "openrooms_usd/dataset": Limits(0, 0),
     "openrooms_usd/demo": Limits(0, 0),
