@@ -76,7 +76,7 @@ LIMITS: dict[str, Limits] = {
     "openrooms_usd/validation": Limits(0, 0),
     "openrooms_usd/view": Limits(0, 0),
     "schemas": Limits(0, 0),
-    "top": Limits(9, 3),
+    "top": Limits(0, 0),
 }
 
 
