@@ -14,7 +14,7 @@ from openrooms_usd.errors import OutputError, writing
 
 
 @contextmanager
-def making(folder: Path) -> Iterator[None]:
+def making_folder(folder: Path) -> Iterator[None]:
     """Make a folder and its parents; when the block raises, those that are new go again.
 
     A new folder with other files in it stays.
@@ -36,7 +36,7 @@ def making(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def naming(target: Path, beside: Path) -> Iterator[None]:
+def naming_target(target: Path, beside: Path) -> Iterator[None]:
     """Let errors speak of ``target``, not of what is written in its place for the moment."""
     try:
         yield
@@ -46,7 +46,7 @@ def naming(target: Path, beside: Path) -> Iterator[None]:
         raise
 
 
-def appear(beside: Path, target: Path) -> None:
+def rename_into_place(beside: Path, target: Path) -> None:
     """Give what was written whole its final name; a file of that name is replaced.
 
     Args:
@@ -79,7 +79,7 @@ def replacing(target: Path) -> Iterator[Path]:
     """
     check_replaceable(target)
     beside = unfinished.beside(target)
-    with writing(target), making(target.parent), naming(target, beside):
+    with writing(target), making_folder(target.parent), naming_target(target, beside):
         try:
             yield beside
             take_places([(beside, target)])
@@ -104,7 +104,7 @@ def take_places(files: Iterable[tuple[Path, Path]]) -> None:
     for new, target in files:
         if new not in same:
             target.parent.mkdir(parents=True, exist_ok=True)
-            appear(new, target)
+            rename_into_place(new, target)
 
 
 def _is_same(new: Path, target: Path) -> bool:
@@ -168,7 +168,7 @@ def check_free(targets: Iterable[Path]) -> None:
 
 
 @contextmanager
-def filling(folder: Path) -> Iterator[Path]:
+def replacing_files(folder: Path) -> Iterator[Path]:
     """Give an empty folder to write files to, and move them all into ``folder`` on success.
 
     Files of the same names are replaced where they are ours, others stay. When the block raises,
@@ -184,7 +184,7 @@ def filling(folder: Path) -> Iterator[Path]:
         OutputError: A file cannot be written, or one that is not ours would give way.
     """
     beside = unfinished.beside(folder / "new")
-    with writing(folder), making(folder), naming(folder, beside):
+    with writing(folder), making_folder(folder), naming_target(folder, beside):
         try:
             beside.mkdir()
             yield beside
@@ -199,7 +199,7 @@ def filling(folder: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def appearing(target: Path) -> Iterator[Path]:
+def replacing_folder(target: Path) -> Iterator[Path]:
     """Give an empty folder beside ``target`` to fill, which then becomes ``target``.
 
     One that has the name gives way, provided that all in it was written here (see `check_own`).
@@ -215,7 +215,7 @@ def appearing(target: Path) -> Iterator[Path]:
         OutputError: It cannot be written, or the one that is there cannot be replaced.
     """
     beside = unfinished.beside(target)
-    with writing(target), making(target.parent), naming(target, beside):
+    with writing(target), making_folder(target.parent), naming_target(target, beside):
         try:
             beside.mkdir()
             yield beside
@@ -227,10 +227,10 @@ def appearing(target: Path) -> Iterator[Path]:
 def _swap(beside: Path, target: Path) -> None:
     """Let a folder take a name; one that has it goes, provided that all in it was written here."""
     if not target.is_symlink() and not target.exists():
-        appear(beside, target)
+        rename_into_place(beside, target)
         return
     check_own(target)
-    old = unfinished.parked(target)
+    old = unfinished.parking_name(target)
     ledger.note(beside, target)
     try:
         removal.rename(target, old)

@@ -86,7 +86,7 @@ def refilling(folder: Path, file: str) -> Iterator[Refill]:
             not ours would give way.
     """
     with claimed(folder, file) as kept:
-        with atomic.filling(folder) as beside:
+        with atomic.replacing_files(folder) as beside:
             refill = Refill(beside)
             yield refill
             inner = [path.relative_to(beside) for path in beside.rglob("*") if path.is_file()]
@@ -119,7 +119,10 @@ def output(target: Path) -> Iterator[None]:
     Raises:
         OutputError: It cannot be written, or is there and not ours.
     """
-    with atomic.making(target.parent), ledger.kept(target.parent, _ledger_of(target), deep=False):
+    with (
+        atomic.making_folder(target.parent),
+        ledger.kept(target.parent, _ledger_of(target), deep=False),
+    ):
         yield
 
 
@@ -157,7 +160,7 @@ def locked(folder: Path) -> Iterator[bool]:
         return
     with writing(folder):
         is_new = not folder.exists()
-    with atomic.making(folder), _exclusively(folder) as was_killed:
+    with atomic.making_folder(folder), _exclusively(folder) as was_killed:
         _HELD.add(key)
         if is_new:
             _MADE.add(key[0])

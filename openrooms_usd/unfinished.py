@@ -35,7 +35,7 @@ def beside(target: Path) -> Path:
     return target.with_name(_marked(target.stem, target.suffix))
 
 
-def parked(target: Path) -> Path:
+def parking_name(target: Path) -> Path:
     """A free name for the folder that a new one replaces; swept back where the new never came."""
     return target.with_name(_marked(target.name, _OLD))
 
@@ -45,7 +45,7 @@ def is_unfinished(path: Path) -> bool:
     return any(_NAME.fullmatch(part) for part in path.parts)
 
 
-def remains(folder: Path, *, own: bool = False) -> Iterator[Path]:
+def leftovers(folder: Path, *, own: bool = False) -> Iterator[Path]:
     """What processes that are gone left in a folder, itself and no deeper.
 
     Args:
@@ -71,7 +71,7 @@ def sweep(folder: Path, *, own: bool = False) -> None:
         folder: One that no other process of this program writes to now.
         own: Whether this process is as good as gone, too.
     """
-    for path in list(remains(folder, own=own)):
+    for path in list(leftovers(folder, own=own)):
         found = _NAME.fullmatch(path.name)
         with suppress(OSError):
             before = path.with_name(found["stem"]) if found else path

@@ -76,7 +76,7 @@ class OpenRoomsDataset:
 
         lists = [f"{name}.txt" for name in SUBSETS]
         with claims.claimed(root, f".orusd.{options.scene}.sha256", shared=lists) as kept:
-            with atomic.filling(root) as beside:
+            with atomic.replacing_files(root) as beside:
                 for split, render, least in zip(options.splits, renders, crowded, strict=True):
                     place = Place(beside, options.scene, split, options.layout)
                     frames[split] = _write_split(place, render, options, least, missing, finished)

@@ -317,10 +317,10 @@ class Room(description.Room):
         Raises:
             OutputError: The file cannot be written.
         """
-        from openrooms_usd.atomic import making, write_text
+        from openrooms_usd.atomic import making_folder, write_text
 
         path, text = path_of(file), description.dump_room(self)
-        with making(path.parent):
+        with making_folder(path.parent):
             write_text(path, text)
         return path
 

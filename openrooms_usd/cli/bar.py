@@ -12,7 +12,7 @@ from openrooms_usd.progress import Counted, Progress, silent
 
 @contextmanager
 def progress_bar(first: str) -> Iterator[Progress]:
-    """Show how far a command is, where standard error is a terminal and nobody asked for quiet.
+    """Show how far a command is, on a terminal and without ``--quiet``.
 
     Args:
         first: What is worked on at first.

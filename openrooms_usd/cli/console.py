@@ -71,12 +71,12 @@ def told_aside() -> Iterator[None]:
 if TYPE_CHECKING:
     _Choice = click.Choice[str]
 else:
-    # Older ones of click are no generic.
+    # In older versions of click it is not generic.
     _Choice = click.Choice
 
 
 class Choice(_Choice):
-    """One of several words; what is none is answered with the nearest."""
+    """One of several words; an error names the nearest."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
         """What is wrong, and what may have been meant."""

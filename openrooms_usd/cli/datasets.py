@@ -42,7 +42,7 @@ _FOLDER: Final = click.argument("folder", type=_root, metavar="DIR")
 
 
 class _Commands(Group):
-    """Says to who names a render where finished renders go."""
+    """Points from the path of a render to ``dataset write``."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

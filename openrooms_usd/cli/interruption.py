@@ -31,7 +31,7 @@ _LEAVE_SECONDS: Final = 10.0
 def prompt_interrupts() -> Iterator[None]:
     """Let Ctrl-C end the process within a second or so, whatever the main thread does.
 
-    Where signals are ignored (``nohup``), or belong to somebody else, nothing changes.
+    Where signals are ignored (``nohup``), or another handler is installed, nothing changes.
     """
     ours = threading.current_thread() is threading.main_thread()
     if not ours or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:

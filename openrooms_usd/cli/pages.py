@@ -29,7 +29,7 @@ page_options: Final = section(
 
 
 def show(app: App, *, export: Path | None, host: str, port: int, no_open: bool) -> None:
-    """Write a page as one file, or serve it until somebody presses Ctrl-C.
+    """Write a page as one file, or serve it until Ctrl-C.
 
     Raises:
         OutputError: The file cannot be written, or the port is taken.

@@ -265,7 +265,7 @@ def _print_summary(summary: "RenderSummary") -> None:
         spares = named([path.rpartition("/")[2] for path in summary.spares])
         echo(f"not drawn, since they are spare cameras: {spares}; --camera NAME draws one")
     for path in summary.stay:
-        said = f"{path} stays: it is no view of this run, and holds what no run wrote"
+        said = f"{path} stays: it is not a view of this run, and has files of others"
         echo(said, err=True)
     echo(f"wrote {summary.out / 'contact_sheet.png'} and manifest.json")
 
@@ -279,7 +279,7 @@ def _losses(report: Mapping[str, Any]) -> str:
 
 
 def _alarms(report: Mapping[str, Any]) -> Iterator[str]:
-    """What is likely a mistake of the stage: each once, with the first prim of which it is told."""
+    """Likely mistakes of the stage: each once, with the first prim that has it."""
     from openrooms_usd.rendering.scene.unseen import is_alarming
 
     said = (

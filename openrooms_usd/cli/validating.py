@@ -38,7 +38,7 @@ def validate(stage: Path, strict: bool) -> None:
     """Check any USD stage against USD's rules and ours; exit with 1 when it has errors.
 
     Our own rules are warnings for stages that other tools wrote. The licences of all assets and
-    textures are listed too; without a statement they are unknown.
+    textures are listed too; a licence that is not stated is unknown.
     """
     from openrooms_usd.rules import check
     from openrooms_usd.usd.files.diagnostics import quiet

@@ -168,7 +168,7 @@ class _OpenRoom:
         """Write what all views share: what openings see, and the record of the scene."""
         folder, job = self.store.render(self.job), self.job
         if by_light(self.opened.listed):
-            with atomic.filling(folder) as beside:
+            with atomic.replacing_files(folder) as beside:
                 write_openings(beside, self.opened.lights)
         found = sorted({one.licence for one in licences(self.opened.stage)})
         record = {
@@ -199,7 +199,7 @@ class _OpenRoom:
         rendered = time.perf_counter()
         request, lights, settings = opened.listed, opened.lights, opened.settings
         check_view(name, view, request, len(lights))
-        with atomic.appearing(store.render(job) / name) as beside:
+        with atomic.replacing_folder(store.render(job) / name) as beside:
             stored = storing(view, settings.storage)
             previews = write_view(beside, view, stored, settings.tone)
             shown = opened.photograph(taken.view) if taken.view else None

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 
-from openrooms_usd.atomic import filling, write_bytes
+from openrooms_usd.atomic import replacing_files, write_bytes
 from openrooms_usd.description import schema
 from openrooms_usd.errors import OutputError, writing
 
@@ -62,6 +62,6 @@ def _write(folder: Path, files: Mapping[str, bytes]) -> None:
                 place=path,
                 remedy="choose another folder, or move the file away",
             )
-    with filling(folder) as beside:
+    with replacing_files(folder) as beside:
         for name, data in files.items():
             write_bytes(beside / name, data)

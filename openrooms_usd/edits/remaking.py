@@ -218,7 +218,7 @@ def _stand(
     elif on is not None or item.on == SURFACE:
         z = _top(stage, room, item, on) + item.lift if item.z is None else item.z
         item = replace(item, on=FLOOR, z=z)
-    return Supports({item.name: item}, room, notes).stands()[item.name]
+    return Supports({item.name: item}, room, notes).resolve()[item.name]
 
 
 def _top(stage: Usd.Stage, room: RoomGeometry, item: Placement, on: str | None) -> float:

@@ -11,7 +11,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, Final
 
 from openrooms_usd.adapters import IMPORTERS, load
-from openrooms_usd.atomic import filling, replacing, write_bytes, write_text
+from openrooms_usd.atomic import replacing, replacing_files, write_bytes, write_text
 from openrooms_usd.capture import NO_OPTIONS, Capture, Importer, Packed, checked_options
 from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
@@ -94,7 +94,7 @@ def import_capture(
     with locked(out):
         with writing(out):
             _refuse_to_replace(out, {**packed.contents, ROOM: text.encode()})
-        with filling(out) as folder:
+        with replacing_files(out) as folder:
             for name, content in packed.contents.items():
                 if not os.path.lexists(out / name):
                     _copy(content, folder / name)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import names
-from openrooms_usd.atomic import appearing
+from openrooms_usd.atomic import replacing_folder
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.joinery.pieces import Furniture, Joint, part_of
@@ -127,7 +127,7 @@ def publish(folder: Path, asset: Asset) -> str:
     target = folder / asset.name
     if not (target / f"{asset.name}.usda").is_file():
         model = asset.build()
-        with appearing(target) as beside:
+        with replacing_folder(target) as beside:
             pictures = _copy_textures(model, beside)
             _write_geometry(asset, pictures, beside / GEOMETRY)
             _write_interface(asset, model, beside / f"{asset.name}.usda")

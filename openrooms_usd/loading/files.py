@@ -138,7 +138,7 @@ class RemoteFiles:
     def _keep(self, kept: Path, wanted: Mapping[str, str]) -> None:
         """See that something is in the cache, and the last to leave it."""
         if not kept.is_dir():
-            with atomic.appearing(kept) as beside:
+            with atomic.replacing_folder(kept) as beside:
                 self._fetch(wanted, beside)
             _remove_oldest(kept, self.most)
         # Finer than the clock that a file system keeps times by.

@@ -115,7 +115,10 @@ class Run:
         check_view(name, view, request, len(self._lights))
         began = time.perf_counter()
         # Where one of them finds no space, neither appears: the view first, then what lists it.
-        with atomic.filling(self._out) as lists, atomic.appearing(self._out / name) as beside:
+        with (
+            atomic.replacing_files(self._out) as lists,
+            atomic.replacing_folder(self._out / name) as beside,
+        ):
             stored = storing(view, self._storage)
             previews = write_view(beside, view, stored, self._tone, check)
             check()

@@ -116,7 +116,7 @@ class Draft:
         """Let the new layers take their places, and remove what nothing refers to any more."""
         with writing(self.out):
             for target, beside in self._new.items():
-                atomic.appear(beside, target)
+                atomic.rename_into_place(beside, target)
             for name, kept in self._kept.items():
                 self._remove_others(name, kept)
 
@@ -151,7 +151,7 @@ class Draft:
         beside = unfinished.beside(target)
         # Known before it is there: an interruption may come in between.
         self._new[target] = beside
-        with atomic.naming(target, beside):
+        with atomic.naming_target(target, beside):
             usd_layers.export(layer, beside)
 
 
@@ -171,7 +171,7 @@ def drafting(out: Path) -> Iterator[Draft]:
     Raises:
         OutputError: It cannot be written.
     """
-    with claims.claimed(out) as ledger, atomic.making(out / names.LAYERS):
+    with claims.claimed(out) as ledger, atomic.making_folder(out / names.LAYERS):
         draft = Draft(out, ledger)
         try:
             yield draft

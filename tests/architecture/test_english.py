@@ -53,7 +53,7 @@ LIMITS: dict[str, Limits] = {
     "openrooms_usd": Limits(0, 0),
     "openrooms_usd/api": Limits(0, 0),
     "openrooms_usd/building": Limits(0, 0),
-    "openrooms_usd/cli": Limits(8, 0),
+    "openrooms_usd/cli": Limits(0, 0),
     "openrooms_usd/comparison": Limits(0, 0),
     "openrooms_usd/dataset": Limits(0, 0),
     "openrooms_usd/demo": Limits(0, 0),
@@ -76,7 +76,7 @@ LIMITS: dict[str, Limits] = {
     "openrooms_usd/validation": Limits(0, 0),
     "openrooms_usd/view": Limits(0, 0),
     "schemas": Limits(0, 0),
-    "top": Limits(53, 61),
+    "top": Limits(0, 0),
 }
 
 

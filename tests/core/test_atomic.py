@@ -36,7 +36,7 @@ def test_a_folder_left_by_a_killed_run_is_in_nobody_s_way(tmp_path: Path) -> Non
     left = unfinished.beside(tmp_path / "new")
     left.mkdir()
     (left / "half.txt").write_text("half")
-    with atomic.filling(tmp_path) as beside:
+    with atomic.replacing_files(tmp_path) as beside:
         (beside / "whole.txt").write_text("whole")
     assert sorted(path.name for path in tmp_path.iterdir()) == [left.name, "whole.txt"]
 

@@ -177,14 +177,14 @@ def test_a_ledger_of_somebody_else_names_nothing_outside(path: str, tmp_path: Pa
 def test_a_folder_is_replaced_where_all_in_it_is_ours(tmp_path: Path) -> None:
     with claims.claimed(tmp_path):
         for text in ("one", "two"):
-            with atomic.appearing(tmp_path / "view") as beside:
+            with atomic.replacing_folder(tmp_path / "view") as beside:
                 (beside / text).write_text(text)
     assert [path.name for path in (tmp_path / "view").iterdir()] == ["two"]
     (tmp_path / "view" / "notes.txt").write_text("mine")
     with (
         claims.claimed(tmp_path),
         pytest.raises(OutputError, match=r"'notes.txt' in it was not written"),
-        atomic.appearing(tmp_path / "view") as beside,
+        atomic.replacing_folder(tmp_path / "view") as beside,
     ):
         (beside / "three").write_text("three")
     assert sorted(p.name for p in (tmp_path / "view").iterdir()) == ["notes.txt", "two"]
@@ -198,7 +198,7 @@ def test_a_link_is_not_replaced(tmp_path: Path) -> None:
     with (
         claims.claimed(tmp_path / "out"),
         pytest.raises(OutputError, match="not a folder that this tool made"),
-        atomic.appearing(tmp_path / "out" / "view"),
+        atomic.replacing_folder(tmp_path / "out" / "view"),
     ):
         pass
     assert (tmp_path / "out" / "view").is_symlink()
@@ -269,7 +269,7 @@ def test_filling_spares_what_is_no_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "out" / "b")
     with (
         pytest.raises(OutputError, match="a pipe, and will not be replaced"),
-        atomic.filling(tmp_path / "out") as beside,
+        atomic.replacing_files(tmp_path / "out") as beside,
     ):
         (beside / "a").write_text("a")
         (beside / "b").write_text("b")
@@ -285,7 +285,7 @@ def test_files_that_say_the_same_stay_and_others_stop_all(tmp_path: Path) -> Non
     """Where a room was copied without its ledger, as by a version control."""
     for name in ("a.txt", "b.txt"):
         (tmp_path / name).write_text("same")
-    with claims.claimed(tmp_path), atomic.filling(tmp_path) as beside:
+    with claims.claimed(tmp_path), atomic.replacing_files(tmp_path) as beside:
         for name in ("a.txt", "b.txt", "c.txt"):
             (beside / name).write_text("same")
     before = {path: path.read_text() for path in tmp_path.glob("*.txt")}
@@ -293,7 +293,7 @@ def test_files_that_say_the_same_stay_and_others_stop_all(tmp_path: Path) -> Non
     with (
         pytest.raises(OutputError, match="not as an earlier run wrote it") as refused,
         claims.claimed(tmp_path),
-        atomic.filling(tmp_path) as beside,
+        atomic.replacing_files(tmp_path) as beside,
     ):
         for name in ("b.txt", "c.txt", "d.txt"):
             (beside / name).write_text("other")

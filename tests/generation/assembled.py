@@ -37,7 +37,7 @@ def assembled(text: str, shapes: Shapes, folder: Path) -> Scene:
     assert isinstance(room.alignment, ObjectList)
     known: dict[BuiltForm, Form] = {}
     placements = _placements(room, shapes)
-    stands = Supports(placements, surroundings(Usd.Stage.Open(str(composed))), []).stands()
+    stands = Supports(placements, surroundings(Usd.Stage.Open(str(composed))), []).resolve()
     for (name, stand), shape in zip(stands.items(), _shapes(room, shapes), strict=True):
         if shape not in known:
             known[shape] = _form(shape)

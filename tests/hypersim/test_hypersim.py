@@ -82,7 +82,7 @@ def write_render(folder: Path, count: int) -> Path:
             "world_from_camera": pose(number).tolist(),
         }
     legend = {"instance": {"1": "/World/a", "8": "/World/b"}}
-    manifest = {"generator": "openrooms_usd 0.1.0", "views": views, "legend": legend, "lights": []}
+    manifest = {"generator": "openrooms_usd 0.2.0", "views": views, "legend": legend, "lights": []}
     (folder / "manifest.json").write_text(json.dumps(manifest))
     return folder
 

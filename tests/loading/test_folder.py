@@ -87,7 +87,7 @@ def test_a_room_without_lights_has_none_of_each(tmp_path: Path) -> None:
     depth = np.ones((6, 8, 1), np.float32)
     exr.write_channels(tmp_path / "view_0" / "channels.exr", {"depth": depth})
     manifest = {
-        "generator": "openrooms_usd 0.1.0",
+        "generator": "openrooms_usd 0.2.0",
         "lights": [],
         "channels": {"depth": {}, "direct_i": {}, "mask_i": {}},
         "views": {

@@ -198,7 +198,7 @@ def make_render(
         "lights": lights,
         "legend": legend,
         "channels": {},
-        "generator": "openrooms_usd 0.1.0",
+        "generator": "openrooms_usd 0.2.0",
     }
     (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     return read_render(folder)

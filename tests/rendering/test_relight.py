@@ -49,7 +49,7 @@ def view(tmp_path: Path) -> Path:
         "lights": LIGHTS,
         "stage": "scene.usda",
         "legend": {},
-        "generator": "openrooms_usd 0.1.0",
+        "generator": "openrooms_usd 0.2.0",
     }
     (tmp_path / "out/manifest.json").write_text(json.dumps(manifest))
     return folder

@@ -29,7 +29,7 @@ def stands(
     *items: Placement, of: RoomGeometry | None = None, notes: list[str] | None = None
 ) -> dict[str, ResolvedPose]:
     kept = [] if notes is None else notes
-    return Supports({thing.name: thing for thing in items}, of or room(), kept).stands()
+    return Supports({thing.name: thing for thing in items}, of or room(), kept).resolve()
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3, 2.0, -1.1])

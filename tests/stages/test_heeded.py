@@ -258,7 +258,7 @@ def test_what_a_field_says_is_heeded_or_answered(
 FILLED: Final = re.compile(r"(RoomPlan|Scan2Cad|Boxes|Scan|Imported|Captured|Generated)[A-Z]\w*")
 ELSEWHERE: Final = {"FrameCameras", "ScannedObject", "ScannedPose", "ScannedBox", "FileEnvironment"}
 OTHERWISE: Final = {
-    "Look.file",
+    "MaterialChoice.file",
     "Room.name",
     "Room.clutter",
     "Cameras.views",

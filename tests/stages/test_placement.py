@@ -26,7 +26,7 @@ def _stands(
 ) -> dict[str, ResolvedPose]:
     kept = [] if notes is None else notes
     room = RoomGeometry(0.0, ceiling)
-    return Supports({item.name: item for item in items}, room, kept).stands()
+    return Supports({item.name: item for item in items}, room, kept).resolve()
 
 
 def test_floor_ceiling_and_given_heights() -> None:

@@ -47,7 +47,7 @@ def write_render(folder: Path, seed: int, names: tuple[str, ...] = VIEWS) -> Non
             "channels": {"depth": {"preview": f"{name}/depth.png"}},
         }
     manifest = {
-        "generator": "openrooms_usd 0.1.0",
+        "generator": "openrooms_usd 0.2.0",
         "format": 1,
         "views": views,
         "report": {"losses": []},

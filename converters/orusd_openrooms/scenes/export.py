@@ -65,7 +65,10 @@ def export_scene(stage: Usd.Stage, destination: Path, name: str) -> Report:
         OutputError: A file cannot be written.
     """
     floor_of(stage)
-    with claims.claimed(destination, f".orusd.{name}.sha256"), atomic.filling(destination) as root:
+    with (
+        claims.claimed(destination, f".orusd.{name}.sha256"),
+        atomic.replacing_files(destination) as root,
+    ):
         export = _Export(stage, without_shaping(translate(stage, outside=False)), root, name)
         export.write()
     return export.report

@@ -177,10 +177,11 @@ def add_clutter(
     boards = sills(room.shell, len(groups))
     tops = list(enumerate([*spots(groups, surfaces, room_type), *boards]))
     soft = list(enumerate(seats(groups, surfaces), len(tops)))
-    hems = list(enumerate(edges(groups, surfaces), len(tops) + len(soft)))
+    hanging_edges = list(enumerate(edges(groups, surfaces), len(tops) + len(soft)))
     hanging = list(pegs(groups, surfaces))
     numbers = {
-        item.key: number for number, item in enumerate(items, len(tops) + len(soft) + len(hems))
+        item.key: number
+        for number, item in enumerate(items, len(tops) + len(soft) + len(hanging_edges))
     }
     hollow: dict[str, Vessel] = {}
     ground = Ground(room, items, scatter.taken, rng)
@@ -191,14 +192,16 @@ def add_clutter(
             _put_mice(scatter, [spot for _, spot in tops], items)
         for number, spot in tops:
             scatter.fill(number, spot, step)
-        inner = _inside(scatter, surfaces, known=len(tops) + len(soft) + len(hems) + len(items))
+        inner = _inside(
+            scatter, surfaces, known=len(tops) + len(soft) + len(hanging_edges) + len(items)
+        )
         for number, spot in inner:
             scatter.fill(number, spot, step)
         if step == _MEALS_FROM:
             _lay_tables(scatter, [spot for _, spot in tops], groups, room_type)
         for number, seat in soft:
-            scatter.sit(number, seat, step)
-        for number, edge in hems:
+            scatter.place_on_seat(number, seat, step)
+        for number, edge in hanging_edges:
             drape(scatter, number, edge, step)
         for peg in hanging:
             hang(scatter, numbers[peg.carrier.key], peg, ground, step)

@@ -94,7 +94,7 @@ class Scatter:
             if drawn is not None:
                 self._lay(number, spot, *drawn)
 
-    def sit(self, number: int, seat: Seat, level: int) -> None:
+    def place_on_seat(self, number: int, seat: Seat, level: int) -> None:
         """Lay on a seat or a bed what a level adds.
 
         Args:

@@ -233,9 +233,11 @@ class _Files:
     @contextmanager
     def writing(self, size: tuple[int, int], rate: int) -> Iterator["_Writer"]:
         """What takes the frames; the files appear when all are there."""
-        beside_frames = atomic.appearing(self.frames) if self.keep_frames else nullcontext(None)
+        beside_frames = (
+            atomic.replacing_folder(self.frames) if self.keep_frames else nullcontext(None)
+        )
         with (
-            atomic.filling(self.out) as beside,
+            atomic.replacing_files(self.out) as beside,
             beside_frames as inner,
             video.writing(beside / self.video.name, size, rate) as encoder,
         ):

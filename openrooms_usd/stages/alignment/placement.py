@@ -228,7 +228,7 @@ class Supports:
     notes: list[str]
     _stands: dict[str, ResolvedPose] = field(default_factory=dict)
 
-    def stands(self) -> dict[str, ResolvedPose]:
+    def resolve(self) -> dict[str, ResolvedPose]:
         """Every object's stand by name, in the order of the objects.
 
         Raises:

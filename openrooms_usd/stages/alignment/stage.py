@@ -77,7 +77,7 @@ class EditPropagation:
     notes: list[str]
     _motions: dict[str, Array] = field(default_factory=dict)
 
-    def author(self, by_hand: frozenset[str]) -> None:
+    def propagate(self, by_hand: frozenset[str]) -> None:
         """Write the poses of all that follows.
 
         Args:
@@ -195,11 +195,11 @@ class AlignmentStage:
         """
         room = surroundings(context.stage)
         placements = {item.name: item for item in _placements(context, room)}
-        stands = placement.Supports(placements, room, context.notes).stands()
+        stands = placement.Supports(placements, room, context.notes).resolve()
         _publish(context, [item.asset for item in placements.values()])
         by_hand = poses.moved_by_hand(context.stage)
         _author_furniture(context, placements, stands)
-        EditPropagation(context.stage, room, placements, stands, context.notes).author(by_hand)
+        EditPropagation(context.stage, room, placements, stands, context.notes).propagate(by_hand)
 
 
 def _explicit(room: Room) -> ObjectList | CapturedAlignment | ScanAlignment:

@@ -157,7 +157,7 @@ def export_by_content(layer: Sdf.Layer, folder: Path, stem: str, suffix: str) ->
         ``folder/stem-<12 hex digits>suffix``.
     """
     beside = unfinished.beside(folder / f"{stem}{suffix}")
-    with writing(folder), atomic.making(folder):
+    with writing(folder), atomic.making_folder(folder):
         try:
             _export(layer, beside)
             digest = hashlib.sha256(beside.read_bytes()).hexdigest()[:12]

@@ -70,7 +70,7 @@ class PlantPalette:
     hedge: Sprite
 
     @classmethod
-    def grown(
+    def create(
         cls, rng: np.random.Generator, pictures: np.random.Generator | None
     ) -> "PlantPalette":
         """Draw the pictures.
@@ -197,32 +197,34 @@ def _blank(aspect: float) -> Sprite:
     return Sprite(np.zeros((1, 1, 6), dtype=np.float32), aspect)
 
 
-def _street(grown: PlantPalette) -> Scene:
+def _street(plants: PlantPalette) -> Scene:
     """Houses across a road at the front, gardens at the back, neighbours to both sides."""
-    rng = grown.rng
-    road = grown.between(11.5, 14.5)  # to its middle
-    half, walk = grown.between(2.8, 3.4), 2.0
-    kerb, back = road + half, -grown.between(15.0, 22.0)
-    front = kerb + walk + grown.between(3.5, 6.0)
+    rng = plants.rng
+    road = plants.between(11.5, 14.5)  # to its middle
+    half, walk = plants.between(2.8, 3.4), 2.0
+    kerb, back = road + half, -plants.between(15.0, 22.0)
+    front = kerb + walk + plants.between(3.5, 6.0)
     things: list[House | Plant | Hedge] = []
-    things += grown.row(front, 0.0, (1.5, 5.0), 75.0)
-    things += grown.row(2.0 * back - 4.0, math.pi, (3.0, 8.0), 75.0)
+    things += plants.row(front, 0.0, (1.5, 5.0), 75.0)
+    things += plants.row(2.0 * back - 4.0, math.pi, (3.0, 8.0), 75.0)
     for side in (-1.0, 1.0):
         for place in (1.0, 2.0, 3.0):
-            x = side * place * grown.between(15.5, 17.5)
-            things.append(grown.house(x, -4.0 + 8.5, math.pi, grown.between(8.5, 10.5)))
+            x = side * place * plants.between(15.5, 17.5)
+            things.append(plants.house(x, -4.0 + 8.5, math.pi, plants.between(8.5, 10.5)))
     low = road - half - walk
-    things += grown.fence((-70.0, kerb + walk), (70.0, kerb + walk), height=grown.between(0.8, 1.4))
-    things += grown.fence((-60.0, low - 0.4), (-7.0, low - 0.4), height=1.0)
-    things += grown.fence((70.0, back), (-70.0, back), height=grown.between(1.5, 2.1))
-    for x in np.arange(-60.0, 60.0, grown.between(11.0, 19.0)).tolist():
+    things += plants.fence(
+        (-70.0, kerb + walk), (70.0, kerb + walk), height=plants.between(0.8, 1.4)
+    )
+    things += plants.fence((-60.0, low - 0.4), (-7.0, low - 0.4), height=1.0)
+    things += plants.fence((70.0, back), (-70.0, back), height=plants.between(1.5, 2.1))
+    for x in np.arange(-60.0, 60.0, plants.between(11.0, 19.0)).tolist():
         if rng.random() < 0.6:
-            things.append(grown.tree(x + grown.between(-3, 3), kerb + 0.5 * walk, 4.5, 7.5))
+            things.append(plants.tree(x + plants.between(-3, 3), kerb + 0.5 * walk, 4.5, 7.5))
         if rng.random() < 0.7:
-            things.append(grown.tree(x, back + grown.between(-7, 4), 4.0, 9.0))
-        things.append(grown.bush(x + grown.between(-4, 4), front - 1.2))
-        things.append(grown.bush(x + grown.between(-4, 4), back + 1.5))
-    things += grown.scattered(60, 50.0, 130.0, 7.0, 13.0)
+            things.append(plants.tree(x, back + plants.between(-7, 4), 4.0, 9.0))
+        things.append(plants.bush(x + plants.between(-4, 4), front - 1.2))
+        things.append(plants.bush(x + plants.between(-4, 4), back + 1.5))
+    things += plants.scattered(60, 50.0, 130.0, 7.0, 13.0)
     zones = (
         Zone("meadow", _ALL, _ALL),
         Zone("lawn", (-90.0, 90.0), (-60.0, 60.0)),
@@ -238,33 +240,35 @@ def _street(grown: PlantPalette) -> Scene:
     return Scene(tuple(things), zones, ridges, 6.5)
 
 
-def _garden(grown: PlantPalette) -> Scene:
+def _garden(plants: PlantPalette) -> Scene:
     """A garden within hedges; roofs and trees of others behind them."""
-    rng = grown.rng
-    front, back = grown.between(12.0, 20.0), -grown.between(8.0, 12.0)
-    wide = grown.between(10.0, 15.0)
-    tall = grown.between(1.5, 2.1)
+    rng = plants.rng
+    front, back = plants.between(12.0, 20.0), -plants.between(8.0, 12.0)
+    wide = plants.between(10.0, 15.0)
+    tall = plants.between(1.5, 2.1)
     things: list[House | Plant | Hedge] = []
-    things += grown.fence(
+    things += plants.fence(
         (-wide, back), (-wide, front), (wide, front), (wide, back), (-wide, back), height=tall
     )
     for _ in range(9):
-        things.append(grown.bush(grown.between(-wide, wide), front - grown.between(1, 2)))
+        things.append(plants.bush(plants.between(-wide, wide), front - plants.between(1, 2)))
         things.append(
-            grown.bush(float(rng.choice((-1, 1))) * (wide - 1.3), grown.between(back, front))
+            plants.bush(float(rng.choice((-1, 1))) * (wide - 1.3), plants.between(back, front))
         )
     for _ in range(4):
         things.append(
-            grown.tree(grown.between(-wide, wide), front * grown.between(0.6, 1.2), 3.5, 7.5)
+            plants.tree(plants.between(-wide, wide), front * plants.between(0.6, 1.2), 3.5, 7.5)
         )
     for yaw, y in ((0.0, front + 14.0), (math.pi, back - 20.0)):
-        things += [house for house in grown.row(y, yaw, (6.0, 16.0), 60.0) if rng.random() < 0.7]
+        things += [house for house in plants.row(y, yaw, (6.0, 16.0), 60.0) if rng.random() < 0.7]
     for side in (-1.0, 1.0):
         things.append(
-            grown.house(side * (wide + 9.0), grown.between(-6.0, 8.0), -math.pi / 2.0 * side, 10.0)
+            plants.house(
+                side * (wide + 9.0), plants.between(-6.0, 8.0), -math.pi / 2.0 * side, 10.0
+            )
         )
-    things += grown.scattered(22, wide + 6.0, 45.0, 5.0, 10.0)
-    things += grown.scattered(90, 50.0, 140.0, 7.0, 14.0)
+    things += plants.scattered(22, wide + 6.0, 45.0, 5.0, 10.0)
+    things += plants.scattered(90, 50.0, 140.0, 7.0, 14.0)
     zones = (
         Zone("meadow", _ALL, _ALL),
         Zone("lawn", (-70.0, 70.0), (-60.0, 60.0)),
@@ -278,23 +282,23 @@ def _garden(grown: PlantPalette) -> Scene:
     return Scene(tuple(things), zones, ridges, 6.0)
 
 
-def _hills(grown: PlantPalette) -> Scene:
+def _hills(plants: PlantPalette) -> Scene:
     """Open land: meadows, groups of trees, woods and hills in haze."""
-    rng = grown.rng
+    rng = plants.rng
     things: list[House | Plant | Hedge] = []
-    things += grown.scattered(5, 14.0, 32.0, 4.0, 9.0)
-    things += grown.scattered(60, 40.0, 140.0, 6.0, 13.0)
-    things += grown.scattered(150, 150.0, 360.0, 8.0, 15.0)
+    things += plants.scattered(5, 14.0, 32.0, 4.0, 9.0)
+    things += plants.scattered(60, 40.0, 140.0, 6.0, 13.0)
+    things += plants.scattered(150, 150.0, 360.0, 8.0, 15.0)
     for _ in range(5):
-        angle, away = grown.between(0.0, 2.0 * math.pi), grown.between(60.0, 160.0)
+        angle, away = plants.between(0.0, 2.0 * math.pi), plants.between(60.0, 160.0)
         things.append(
-            grown.house(
-                away * math.cos(angle), away * math.sin(angle), grown.between(0.0, math.pi), 11.0
+            plants.house(
+                away * math.cos(angle), away * math.sin(angle), plants.between(0.0, math.pi), 11.0
             )
         )
     things += [
-        grown.bush(
-            grown.between(-14, 14), float(rng.choice((-1, 1)) * rng.uniform(7, 12)), 0.6, 1.4
+        plants.bush(
+            plants.between(-14, 14), float(rng.choice((-1, 1)) * rng.uniform(7, 12)), 0.6, 1.4
         )
         for _ in range(8)
     ]
@@ -313,27 +317,28 @@ def _hills(grown: PlantPalette) -> Scene:
     return Scene(tuple(things), zones, ridges, 6.0)
 
 
-def _city(grown: PlantPalette) -> Scene:
+def _city(plants: PlantPalette) -> Scene:
     """A street of tall houses, wall to wall; a courtyard at the back."""
-    rng = grown.rng
-    front, back = grown.between(15.0, 21.0), -grown.between(17.0, 26.0)
+    rng = plants.rng
+    front, back = plants.between(15.0, 21.0), -plants.between(17.0, 26.0)
     things: list[House | Plant | Hedge] = []
-    things += grown.block(front, 0.0, 90.0, (4, 6))
-    things += grown.block(back, math.pi, 60.0, (4, 6))
+    things += plants.block(front, 0.0, 90.0, (4, 6))
+    things += plants.block(back, math.pi, 60.0, (4, 6))
     for side in (-1.0, 1.0):
         things += [
             house
-            for house in grown.block(
+            for house in plants.block(
                 side * 34.0, -side * math.pi / 2.0, 14.0, (4, 5), along_x=False
             )
             if house.y < 8.0
         ]
     kerb = front - 3.2
-    for x in np.arange(-70.0, 70.0, grown.between(9.0, 13.0)).tolist():
+    for x in np.arange(-70.0, 70.0, plants.between(9.0, 13.0)).tolist():
         if rng.random() < 0.75:
-            things.append(grown.tree(x, kerb - 0.4, 6.0, 9.0))
+            things.append(plants.tree(x, kerb - 0.4, 6.0, 9.0))
     things += [
-        grown.tree(grown.between(-22, 22), grown.between(back + 3, -7), 5.0, 10.0) for _ in range(4)
+        plants.tree(plants.between(-22, 22), plants.between(back + 3, -7), 5.0, 10.0)
+        for _ in range(4)
     ]
     zones = (
         Zone("paving", _ALL, _ALL),
@@ -345,26 +350,26 @@ def _city(grown: PlantPalette) -> Scene:
     return Scene(tuple(things), zones, (Ridge(0.0, 0.02, 3000.0, (0.1, 0.1, 0.1), 0.2),), 17.0)
 
 
-def _courtyard(grown: PlantPalette) -> Scene:
+def _courtyard(plants: PlantPalette) -> Scene:
     """A court that tall houses enclose."""
-    rng = grown.rng
-    front, back = grown.between(14.0, 22.0), -grown.between(14.0, 20.0)
-    wide = grown.between(15.0, 22.0)
+    rng = plants.rng
+    front, back = plants.between(14.0, 22.0), -plants.between(14.0, 20.0)
+    wide = plants.between(15.0, 22.0)
     things: list[House | Plant | Hedge] = []
-    things += grown.block(front, 0.0, wide + 12.0, (3, 5))
-    things += grown.block(back, math.pi, wide + 12.0, (3, 5))
+    things += plants.block(front, 0.0, wide + 12.0, (3, 5))
+    things += plants.block(back, math.pi, wide + 12.0, (3, 5))
     for side in (-1.0, 1.0):
-        things += grown.block(side * wide, -side * math.pi / 2.0, 24.0, (3, 5), along_x=False)
+        things += plants.block(side * wide, -side * math.pi / 2.0, 24.0, (3, 5), along_x=False)
     things += [
-        grown.tree(
-            grown.between(-wide + 4, wide - 4),
+        plants.tree(
+            plants.between(-wide + 4, wide - 4),
             float(rng.choice((rng.uniform(6, front - 3), rng.uniform(back + 3, -6)))),
             4.5,
             9.0,
         )
         for _ in range(5)
     ]
-    things += [grown.bush(grown.between(-wide, wide), front - 1.0) for _ in range(7)]
+    things += [plants.bush(plants.between(-wide, wide), front - 1.0) for _ in range(7)]
     zones = (
         Zone("paving", _ALL, _ALL),
         Zone("lawn", (-wide + 4.0, wide - 4.0), (6.0, front - 3.0)),

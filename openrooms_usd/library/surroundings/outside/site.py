@@ -100,4 +100,4 @@ class Site:
         """
         rng = generator(self.seed, "outside", self.scene)
         pictures = generator(self.seed, "outside", "plants") if drawn else None
-        return PlantPalette.grown(rng, pictures)
+        return PlantPalette.create(rng, pictures)
