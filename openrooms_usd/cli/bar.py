@@ -11,7 +11,6 @@ from typing import Final
 from openrooms_usd.cli.console import asked, echo
 from openrooms_usd.progress import Counted, Progress, silent
 
-
 # Seconds between the lines of a log.
 _LINE_SECONDS: Final = 10.0
 
