@@ -1,25 +1,32 @@
-"""Progress: a bar on a terminal, and with ``--verbose`` the time of each step."""
+"""Progress: a bar on a terminal, lines in a log, and with ``--verbose`` the time of each step."""
 
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from datetime import timedelta
 from time import perf_counter
+from typing import Final
 
 from openrooms_usd.cli.console import asked, echo
 from openrooms_usd.progress import Counted, Progress, silent
 
+# Seconds between the lines of a log.
+_LINE_SECONDS: Final = 10.0
+
 
 @contextmanager
 def progress_bar(first: str) -> Iterator[Progress]:
-    """Show how far a command is, on a terminal and without ``--quiet``.
+    """Show on standard error how far a command is, without ``--quiet``.
 
     Args:
         first: What is worked on at first.
     """
     output = asked()
-    is_shown = sys.stderr.isatty() and not output.quiet
-    with _bar(first) if is_shown else nullcontext(silent) as shown:
+    is_terminal = sys.stderr.isatty()
+    is_shown = not output.quiet and (is_terminal or not output.verbose)
+    kind = _bar if is_terminal else _lines
+    with kind(first) if is_shown else nullcontext(silent) as shown:
         if not output.verbose:
             yield shown
             return
@@ -62,6 +69,30 @@ def _bar(first: str) -> Iterator[Progress]:
             bar.update(task, description=named, completed=fraction, total=total, end=end)
 
         yield show
+
+
+@contextmanager
+def _lines(first: str) -> Iterator[Progress]:
+    """Progress for logs: every few seconds a line, where it says something new."""
+    latest, ended = [(first, 0.0)], threading.Event()
+
+    def report() -> None:
+        reported: tuple[str, float] | None = None
+        while not ended.wait(_LINE_SECONDS):
+            if latest[0] != reported:
+                reported = latest[0]
+                echo(f"{reported[1]:4.0%} {_told(reported[0])}", err=True)
+
+    def take(what: str, fraction: float) -> None:
+        latest[0] = what or first, fraction
+
+    thread = threading.Thread(target=report, daemon=True)
+    thread.start()
+    try:
+        yield take
+    finally:
+        ended.set()
+        thread.join()
 
 
 def _told(what: str) -> str:

@@ -178,7 +178,28 @@ def asking(**words: bool) -> click.Context:
     return context
 
 
-def test_a_pipe_sees_no_progress_and_verbose_the_time_of_each_step(
+def test_progress_in_a_log_is_lines_that_say_something_new(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bar, "_LINE_SECONDS", 0.01)
+
+    def next_line() -> str:
+        while not (said := capsys.readouterr().err):
+            time.sleep(0.005)
+        time.sleep(0.05)
+        assert not capsys.readouterr().err
+        return said
+
+    with asking().scope(), bar.progress_bar("reading") as told:
+        assert next_line() == "  0% reading\n"
+        told(Counted("room_0/main/view_0", 1, 3), 1 / 3)
+        assert next_line() == " 33% room_0/main/view_0 (1 of 3)\n"
+    with asking(quiet=True).scope(), bar.progress_bar("reading"):
+        time.sleep(0.05)
+    assert not capsys.readouterr().err
+
+
+def test_a_moment_has_no_progress_and_verbose_the_time_of_each_step(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     for context in (asking(), asking(quiet=True), asking(json=True)):
