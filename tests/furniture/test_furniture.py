@@ -36,14 +36,14 @@ def _extent(parts: Parts) -> np.ndarray:
     return joined(list(parts.values())).extent
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(2, rest="long")
 @pytest.mark.parametrize(("name", "style"), STYLES)
 @pytest.mark.parametrize(
     "factor",
     [
-        pytest.param((1, 1, 1), marks=pytest.mark.slow),
+        pytest.param((1, 1, 1), marks=pytest.mark.long),
         (1.3, 0.8, 1.1),
-        pytest.param((0.02, 9, 3), marks=pytest.mark.slow),
+        pytest.param((0.02, 9, 3), marks=pytest.mark.long),
     ],
 )
 def test_fills_the_box_exactly(name: str, style: str, factor: Size) -> None:
@@ -54,7 +54,7 @@ def test_fills_the_box_exactly(name: str, style: str, factor: Size) -> None:
     np.testing.assert_allclose(extent, expected, atol=1e-9)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize(("name", "style"), STYLES)
 def test_is_planned_for_its_box(name: str, style: str) -> None:
     # What the last stretch corrects is small, so boards and legs keep their thickness.
@@ -68,7 +68,7 @@ def test_is_planned_for_its_box(name: str, style: str) -> None:
 
 @pytest.mark.parametrize(("name", "style"), STYLES)
 @pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))]
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))]
 )
 def test_meshes_are_sound(name: str, style: str, seed: int) -> None:
     size = usual(name, style)
@@ -85,7 +85,7 @@ def test_meshes_are_sound(name: str, style: str, seed: int) -> None:
     assert 40 < triangles < 12_000
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.one_in(8, rest="long")
 @pytest.mark.parametrize(("name", "style"), STYLES)
 def test_follows_from_its_seed(name: str, style: str) -> None:
     first, second = (make(name, usual(name, style), style, _rng(7)).parts for _ in range(2))

@@ -125,14 +125,14 @@ def _made(name: str, style: str, seed: int, factor: Size = (1.0, 1.0, 1.0)) -> F
 
 
 @pytest.mark.parametrize(("name", "style"), STYLES)
-@pytest.mark.parametrize("seed", [0, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, pytest.param(5, marks=pytest.mark.long)])
 def test_what_moves_stays_clear_of_the_rest(name: str, style: str, seed: int) -> None:
     factor = (1.0, 1.0, 1.0) if seed == 0 else (1.15, 0.95, 1.06)
     assert list(collisions(_made(name, style, seed, factor))) == []
 
 
 @pytest.mark.parametrize(("name", "style"), STYLES)
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_joints_are_sound_and_open_to_the_front(name: str, style: str, seed: int) -> None:
     furniture = _made(name, style, seed)
     moving = [mesh for joint in furniture.joints for mesh in joint.meshes]

@@ -71,7 +71,7 @@ def test_instances_of_a_part_share_its_label(tmp_path: Path) -> None:
     assert {read_label(prim, "part") for prim in legs} == {"leg"}
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.one_in(8, rest="long")
 @pytest.mark.parametrize("name", [(n, s) for n, spec in CATEGORIES.items() for s in spec.styles])
 def test_every_style_passes_the_validators(tmp_path: Path, name: tuple[str, str]) -> None:
     stage = Usd.Stage.Open(str(tmp_path / publish(tmp_path, _furniture(*name))))

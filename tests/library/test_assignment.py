@@ -189,7 +189,7 @@ def test_what_cannot_be_read_is_refused(tmp_path: Path) -> None:
         read_annotation(tmp_path / "ann.txt")
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize("name", sorted(CATEGORIES))
 def test_every_part_of_every_style_has_a_finish(name: str) -> None:
     spec = CATEGORIES[name]

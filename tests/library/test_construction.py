@@ -62,7 +62,7 @@ def built(category: str, style: str, seed: int) -> MassProperties:
     return combined([weighed(category, style, name, finishes[part_of(name)]) for name in parts])
 
 
-@pytest.mark.one_in(51)
+@pytest.mark.one_in(51, rest="long")
 @pytest.mark.parametrize("category", sorted(name for name in CATEGORIES if mass_range(name)))
 def test_things_weigh_what_such_things_weigh(category):
     for style in CATEGORIES[category].styles:
@@ -72,7 +72,7 @@ def test_things_weigh_what_such_things_weigh(category):
             assert low <= mass <= high, f"{category}/{style}: {mass:.2f} kg"
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize("category", sorted(CATEGORIES))
 def test_everything_in_the_library_can_be_a_rigid_body(category):
     for style in CATEGORIES[category].styles:

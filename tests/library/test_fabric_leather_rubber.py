@@ -41,7 +41,7 @@ def test_each_substance_has_its_dozen() -> None:
     assert min(counts) >= 14 and sum(counts) == len(FAMILIES)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize("name", FAMILIES)
 def test_values_are_finite_and_plausible(name: str) -> None:
     maps = made(name, 3)
@@ -62,7 +62,7 @@ def test_values_are_finite_and_plausible(name: str) -> None:
     assert 1e-5 < np.ptp(maps.height) < 0.016
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(2, rest="long")
 @pytest.mark.parametrize("name", FAMILIES)
 def test_they_tile_without_a_seam_at_any_size(name: str) -> None:
     """Steps across the seam are like those between neighbours elsewhere, in both directions."""
@@ -76,7 +76,7 @@ def test_they_tile_without_a_seam_at_any_size(name: str) -> None:
             assert steps[0] <= usual + 1e-12, (axis, steps[0], usual)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(4, rest="long")
 @pytest.mark.parametrize("name", FAMILIES)
 def test_equal_orders_give_equal_maps_and_others_do_not(name: str) -> None:
     first, again, other = (made(name, seed, 48) for seed in (7, 7, 8))
@@ -86,7 +86,7 @@ def test_equal_orders_give_equal_maps_and_others_do_not(name: str) -> None:
     assert not np.array_equal(first.height, other.height)
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(2, rest="long")
 @pytest.mark.parametrize("name", FAMILIES)
 def test_what_is_given_is_kept(name: str) -> None:
     color = (0.24, 0.30, 0.16)
@@ -95,7 +95,7 @@ def test_what_is_given_is_kept(name: str) -> None:
     assert maps.roughness.mean() == pytest.approx(0.55, abs=0.005)
 
 
-@pytest.mark.one_in(25)
+@pytest.mark.one_in(25, rest="long")
 @pytest.mark.parametrize("name", ["linen", "sisal", "cable_knit", "crocodile_leather", "sponge"])
 def test_a_finer_grid_shows_the_same_piece(name: str) -> None:
     """Means over four texels of twice the resolution are what the coarse grid has."""
@@ -106,7 +106,7 @@ def test_a_finer_grid_shows_the_same_piece(name: str) -> None:
         assert np.corrcoef(a.ravel(), b.ravel())[0, 1] > 0.9
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(4, rest="long")
 @pytest.mark.parametrize("name", FAMILIES)
 @pytest.mark.parametrize(("resolution", "size"), [(1, 1e-3), (33, 1e3)])
 def test_extreme_sizes_are_finite(name: str, resolution: int, size: float) -> None:
@@ -139,7 +139,7 @@ THREADS = {
 }
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize("name", THREADS)
 def test_threads_are_as_many_as_stated(name: str) -> None:
     size = FAMILIES[name].size

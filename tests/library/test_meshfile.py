@@ -374,7 +374,7 @@ def test_coordinates_of_a_part_with_pictures_are_its_own(tmp_path: Path) -> None
         assert len(model.notes) == 1
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize("category", CATEGORIES)
 def test_texture_coordinates_of_furniture_are_metric_and_hardly_stretched(category: str) -> None:
     spec = CATEGORIES[category]

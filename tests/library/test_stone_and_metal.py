@@ -42,7 +42,7 @@ def test_maps_are_finite_and_in_range(name: str) -> None:
     assert np.ptp(maps.height) < 0.06
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(4, rest="long")
 @pytest.mark.parametrize("name", FAMILIES)
 def test_equal_orders_give_equal_bytes(name: str) -> None:
     size = FAMILIES[name].size

@@ -35,7 +35,7 @@ def linear(encoded_bytes: np.ndarray) -> np.ndarray:
     return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize("name", NAMES)
 def test_values_are_plausible(name: str) -> None:
     material = made(name)
@@ -52,7 +52,7 @@ def test_values_are_plausible(name: str) -> None:
     np.testing.assert_allclose(vectors[..., :2].mean(axis=(0, 1)), 0.0, atol=0.03)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(3, rest="long")
 @pytest.mark.parametrize("name", NAMES)
 def test_metalness_is_what_the_family_says(name: str) -> None:
     even = FAMILIES[KINDS[name]][name].metallic
@@ -77,7 +77,7 @@ def test_it_tiles_without_a_seam(name: str, picture: str) -> None:
         assert seam <= inside.max() * 1.3 + 0.25, (axis, seam, inside.max())
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(4, rest="long")
 @pytest.mark.parametrize("name", NAMES)
 def test_a_finer_grid_shows_the_same_material(name: str) -> None:
     """What is drawn does not depend on the resolution: mean colour and roughness agree."""
@@ -87,7 +87,7 @@ def test_a_finer_grid_shows_the_same_material(name: str) -> None:
     assert coarse.roughness.mean() / 255.0 == pytest.approx(fine.roughness.mean() / 255, abs=0.05)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(4, rest="long")
 @pytest.mark.parametrize("name", NAMES)
 def test_the_smallest_resolution(name: str) -> None:
     material = make(name, 1, resolution=16, size=20.0 if "plank" in name else None)
