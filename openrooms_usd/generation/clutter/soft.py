@@ -31,6 +31,8 @@ _UPPER_SHARE: Final = 0.4
 _TURN_DEG: Final = 1.0
 _TURNS: Final = 6
 _MAX_LEAN_DEG: Final = 32.0
+# It swings round where one of its sides is farther from what is behind, metres.
+_MAX_SIDE_GAP_M: Final = 0.012
 # Down becomes backwards.
 _BACKWARDS: Final = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 # Which part of a bed or a seat is meant: least and greatest x and y, as shares of its size.
@@ -153,12 +155,15 @@ def _leant(seat: Seat, thing: PosedObject, key: str, place: Pose) -> tuple[Item,
         thing = thing.turned((float(np.clip(angle + turn, -_MAX_LEAN_DEG, 0.0)), thing.tilt[1]))
         if thing.tilt[0] == angle:
             return None
+    sides = [_gap_behind(seat, thing, place, side) for side in (-1.0, 1.0)]
+    if any(gap is None or gap > _MAX_SIDE_GAP_M for gap in sides):
+        return None
     points = thing.skin @ about_z(np.radians(place[2])).T
     return _laid(seat, thing, key, points, place)
 
 
-def _gap_behind(seat: Seat, thing: PosedObject, place: Pose) -> float | None:
-    """How far the upper part of a thing is in front of what is behind it, metres."""
+def _gap_behind(seat: Seat, thing: PosedObject, place: Pose, side: float = 0.0) -> float | None:
+    """How far the upper part of a thing, or a side of it, is in front of what is behind, metres."""
     corners = thing.above(place)
     z = rest_on(seat.shape.corners, corners)
     if not np.isfinite(z):
@@ -166,6 +171,7 @@ def _gap_behind(seat: Seat, thing: PosedObject, place: Pose) -> float | None:
     corners = corners + np.array([0.0, 0.0, z])
     low, high = corners[..., 2].min(), corners[..., 2].max()
     level = low + _UPPER_SHARE * (high - low)
+    corners = corners[side * thing.corners[..., 0].mean(axis=1) >= 0.0]
     upper, behind = (
         some[some[..., 2].min(axis=1) > level] @ _BACKWARDS.T
         for some in (corners, seat.shape.corners)
