@@ -217,7 +217,7 @@ def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) ->
         "physics.usda",
     ]
     said = [note for note in second.notes if note not in first.notes]
-    assert len(said) == 1 and "1 opinions that do nothing" in said[0]
+    assert len(said) == 1 and "1 opinions without effect" in said[0]
     source.write_text("alignment: {objects: []}\nphysics: {gravity: 1.6}\n")
     third = compose_room(source, out, workers=1)
     assert "older than the physics" in third.notes[0]
