@@ -24,7 +24,7 @@ def progress_bar(first: str) -> Iterator[Progress]:
     """
     output = asked()
     is_terminal = sys.stderr.isatty()
-    is_shown = not output.quiet and (is_terminal or not output.verbose)
+    is_shown = not output.quiet and (is_terminal or not (output.verbose or output.json))
     kind = _bar if is_terminal else _lines
     with kind(first) if is_shown else nullcontext(silent) as shown:
         if not output.verbose:

@@ -194,9 +194,10 @@ def test_progress_in_a_log_is_lines_that_say_something_new(
         assert next_line() == "  0% reading\n"
         told(Counted("room_0/main/view_0", 1, 3), 1 / 3)
         assert next_line() == " 33% room_0/main/view_0 (1 of 3)\n"
-    with asking(quiet=True).scope(), bar.progress_bar("reading"):
-        time.sleep(0.05)
-    assert not capsys.readouterr().err
+    for asked in (asking(quiet=True), asking(json=True)):
+        with asked.scope(), bar.progress_bar("reading"):
+            time.sleep(0.05)
+        assert not capsys.readouterr().err
 
 
 def test_a_moment_has_no_progress_and_verbose_the_time_of_each_step(
