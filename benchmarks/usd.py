@@ -191,7 +191,7 @@ from openrooms_usd.rendering.channel_plan import ChannelPlan
 from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.files.layers import open_stage
-from openrooms_usd.usd.moments import hold
+from openrooms_usd.usd.moments import freeze_time
 from openrooms_usd.usd.shading.mtlxlayers import read_mtlx_layers
 from orusd_mitsuba import MitsubaRenderer
 from orusd_mitsuba.variants import choose
@@ -203,7 +203,7 @@ before, began = memory(), time.perf_counter()
 # As the commands do: looked through before USD reads it.
 stage = open_stage(Path(sys.argv[1]))
 read_mtlx_layers(stage)
-hold(stage)
+freeze_time(stage)
 looked = time.perf_counter() - began
 scene = translate(stage)
 translated = time.perf_counter() - began

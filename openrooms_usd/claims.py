@@ -75,7 +75,7 @@ class Refill:
 
 @contextmanager
 def refilling(folder: Path, file: str) -> Iterator[Refill]:
-    """Write all files of a folder, as `atomic.filling`; those of an earlier run give way.
+    """Write all files of a folder, as `atomic.replacing_files`; those of an earlier run give way.
 
     Args:
         folder: The folder; what is not noted in the ledger stays.

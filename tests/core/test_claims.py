@@ -79,7 +79,7 @@ def test_a_killed_process_leaves_nothing_for_long(tmp_path: Path) -> None:
     write = "atomic.write_text(out / 'layers' / 'a.txt', 'a')\n    "
     begun = (
         "one = atomic.replacing(out / 'layers' / 'b.txt'); one.__enter__().write_text('b')\n    "
-        "two = atomic.filling(out); (two.__enter__() / 'c.txt').write_text('c')"
+        "two = atomic.replacing_files(out); (two.__enter__() / 'c.txt').write_text('c')"
     )
     process = start(out, write + begun)
     process.send_signal(signal.SIGKILL)

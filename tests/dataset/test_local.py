@@ -72,11 +72,11 @@ def test_a_script_without_a_guard_runs_once(tmp_path: Path) -> None:
     """As people paste it: nothing asks for ``if __name__ == "__main__"``."""
     script = tmp_path / "t.py"
     script.write_text(
-        "from openrooms_usd.dataset.executor import Wanted\n"
+        "from openrooms_usd.dataset.executor import WorkerDemand\n"
         "from openrooms_usd.dataset.local import LocalExecutor\n"
         "from executor_tasks import work\n"
         "print('begun')\n"
-        "with LocalExecutor().hired(Wanted(1)) as crew:\n"
+        "with LocalExecutor().hired(WorkerDemand(1)) as crew:\n"
         "    print([told for _, told in crew.run([{'name': 'a'}], work)][1:])\n"
     )
     path = os.pathsep.join([str(Path(__file__).parent), *filter(None, sys.path)])
