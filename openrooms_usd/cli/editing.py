@@ -38,6 +38,16 @@ _COMPOSED: Final = click.option(
 )
 
 
+def _folder_of(context: click.Context, parameter: click.Parameter, given: Path) -> Path:
+    """The composed room's folder, of which scene.usda may be named as well."""
+    return given.parent if given.name == names.SCENE else given
+
+
+_OUT: Final = click.argument(
+    "out", type=click.Path(path_type=Path), metavar="OUT", callback=_folder_of
+)
+
+
 @click.group(cls=Group, former={"adopt": "import-changes", "fit": "fix-units"})
 def edit() -> None:
     """Correct a room in the browser, or keep what other programs changed in it.
@@ -146,7 +156,7 @@ def _print(adoption: "Adoption", dry_run: bool) -> None:
 
 
 @edit.command("fix-units", example="orusd edit fix-units out --dry-run")
-@click.argument("out", type=click.Path(path_type=Path), metavar="OUT")
+@_OUT
 @click.option("--dry-run", is_flag=True, help="Say what would be corrected, and write nothing.")
 def fix_units(out: Path, dry_run: bool) -> None:
     """Correct the units and axes of files that OUT/layers/edits.usda refers to.
@@ -170,7 +180,7 @@ def fix_units(out: Path, dry_run: bool) -> None:
 
 
 @edit.command(example="orusd edit orphans out")
-@click.argument("out", type=click.Path(path_type=Path), metavar="OUT")
+@_OUT
 def orphans(out: Path) -> None:
     """List the opinions of OUT/layers/edits.usda that do nothing."""
     from openrooms_usd.edits.orphans import orphans_of

@@ -64,6 +64,8 @@ def commands(folder: Path) -> list[list[Any]]:
         ["convert", scene, folder / "none", "--format", "openrooms-xml"],
         ["edit", "orphans", folder / "out"],
         ["edit", "fix-units", folder / "out"],
+        ["edit", "orphans", scene],
+        ["edit", "fix-units", scene],
     ]
 
 
