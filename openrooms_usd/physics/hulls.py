@@ -20,6 +20,8 @@ MOST_VERTICES: Final = 64
 LEAST_THICKNESS: Final = 1e-3
 # A hull that has lost so little is as good as the whole one, as a share of its diagonal.
 ENOUGH_SHARE: Final = 1e-3
+# Of what is wider, metres, that share would be seen: its highest face keeps its corners.
+WIDE_M: Final = 0.5
 # Corners closer than this share of the diagonal are one: Qhull would make slivers of them.
 WELD_SHARE: Final = 1e-5
 # Triangles that are less high, as a share of the diagonal, have no area in float32. Where planes
@@ -53,7 +55,7 @@ def convex_hull(
     distinct, _ = distinct_rows(np.round(local / size / WELD_SHARE))
     corners, triangles = _closed(local[distinct] / size)
     if len(corners) > vertices:
-        corners, triangles = _closed(_farthest(corners, vertices))
+        corners, triangles = _closed(_farthest(corners, vertices, size > WIDE_M))
     while (flat := _between(corners, triangles)).any():
         corners, triangles = _closed(corners[~flat])
     return _ordered(corners * size + centre, triangles)
@@ -258,12 +260,14 @@ def _is_closed(triangles: Rows) -> bool:
     return bool((np.diff(forward) > 0).all() and np.array_equal(forward, backward))
 
 
-def _farthest(corners: Array, most: int) -> Array:
+def _farthest(corners: Array, most: int, wide: bool) -> Array:
     """The corners that a hull of few is best made of: always the ones farthest outside."""
     from scipy.spatial import ConvexHull, QhullError
 
     directions = np.concatenate([np.eye(3), -np.eye(3), _DIAGONALS, -_DIAGONALS])
-    level = [*_lowest_face(corners), *_lowest_face(corners * [1.0, 1.0, -1.0])]
+    level = [*_lowest_face(corners)]
+    if wide:
+        level += [*_lowest_face(corners * [1.0, 1.0, -1.0])]
     chosen = np.unique([*(corners @ directions.T).argmax(axis=0), *level])
     while len(chosen) < most:
         try:
