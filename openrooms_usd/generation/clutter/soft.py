@@ -155,6 +155,8 @@ def _leant(seat: Seat, thing: PosedObject, key: str, place: Pose) -> tuple[Item,
         thing = thing.turned((float(np.clip(angle + turn, -_MAX_LEAN_DEG, 0.0)), thing.tilt[1]))
         if thing.tilt[0] == angle:
             return None
+    else:
+        return None
     sides = [_gap_behind(seat, thing, place, side) for side in (-1.0, 1.0)]
     if any(gap is None or gap > _MAX_SIDE_GAP_M for gap in sides):
         return None
