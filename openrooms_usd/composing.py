@@ -17,9 +17,9 @@ from openrooms_usd.edits.orphans import Orphan, orphans_of
 from openrooms_usd.errors import InputError, OutputError, StageError, printable
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.spelling import did_you_mean
-from openrooms_usd.stages import base, checks, runner
-from openrooms_usd.stages.draft import Draft, drafting
-from openrooms_usd.stages.reports import OVERLAY, REPORT, gather
+from openrooms_usd.steps import base, checks, runner
+from openrooms_usd.steps.draft import Draft, drafting
+from openrooms_usd.steps.reports import OVERLAY, REPORT, gather
 
 State = Literal["written", "unchanged"]
 
@@ -197,7 +197,7 @@ def _run(
 
 
 def _chosen(only: str | None) -> list[base.Step]:
-    stages = runner.stages()
+    stages = runner.steps()
     if only is None:
         return stages
     chosen = [stage for stage in stages if stage.name == only]

@@ -25,7 +25,7 @@ from openrooms_usd.library.models.cads import merged
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_furniture, find_rooms
-from openrooms_usd.stages.alignment.shelf import CadCandidates
+from openrooms_usd.steps.alignment.shelf import CadCandidates
 
 # A word, width, depth and height, the middle in the room and the heading in degrees.
 THINGS: Final = (

@@ -69,7 +69,7 @@ class Scene(os.PathLike[str]):
     def notes(self) -> tuple[str, ...]:
         """What composing approximated or guessed, one sentence each; also of an opened room."""
         if self.composed is None:
-            from openrooms_usd.stages.runner import notes_of
+            from openrooms_usd.steps.runner import notes_of
 
             layers = [(self.folder / names.LAYERS / f"{n}.usda", n) for n in names.STEPS]
             kept = [*layers, (self.path, "")] if self.path.name == names.SCENE else []

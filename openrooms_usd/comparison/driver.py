@@ -30,7 +30,7 @@ from openrooms_usd.rendering.denoise import DENOISED, is_usable
 from openrooms_usd.rendering.opening import check_settings, open_for_rendering
 from openrooms_usd.rendering.previews import preview
 from openrooms_usd.rendering.sheet import MOST_VIEWS, Tile, reduced, write_sheet
-from openrooms_usd.stages.cameras.selection import intrinsics_for
+from openrooms_usd.steps.cameras.selection import intrinsics_for
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.shading.textures import read_texture

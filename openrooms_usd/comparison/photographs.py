@@ -12,7 +12,7 @@ from openrooms_usd import names, untrusted
 from openrooms_usd.capture import CapturedFrame, read_capture
 from openrooms_usd.description import load_room
 from openrooms_usd.errors import InputError
-from openrooms_usd.stages.captures import captured_section
+from openrooms_usd.steps.captures import captured_section
 
 Array = NDArray[np.float64]
 

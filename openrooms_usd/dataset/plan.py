@@ -34,7 +34,7 @@ from openrooms_usd.untrusted import check_path, opened
 
 # What makes the views of a job, but for what is loaded by name.
 _MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generation")
-_STAGES: Final = "openrooms_usd.stages"
+_STAGES: Final = "openrooms_usd.steps"
 # The fractional part of the golden ratio: multiples of it fill 0 to 1 evenly, however many.
 _GOLDEN: Final = 0.6180339887498949
 # The parts of a dataset.yaml that its views depend on, beside their room.
@@ -302,11 +302,11 @@ def inputs_digest(description: Path) -> str | None:
         None where there are none; and where the room.yaml is wrong or a file is missing, which is
         said when the room's turn comes.
     """
-    from openrooms_usd.stages import runner
+    from openrooms_usd.steps import runner
 
     with suppress(OrusdError):
         room, folder = load_room(description), description.parent
-        names = sorted({name for stage in runner.stages() for name in stage.inputs(room, folder)})
+        names = sorted({name for stage in runner.steps() for name in stage.inputs(room, folder)})
         digest = hashlib.sha256()
         for name in names:
             digest.update(f"{file_digest(folder / name)}  {name}\n".encode())

@@ -283,7 +283,7 @@ def coverage_of(job: Job, room: Room, folder: Path, scene: Path) -> dict[str, fl
     # What finds rooms in points takes a second to import.
     from openrooms_usd.composing import compose_room
     from openrooms_usd.scan.shown import shown
-    from openrooms_usd.stages.layout.scanned import found_in
+    from openrooms_usd.steps.layout.scanned import found_in
     from openrooms_usd.usd.files.layers import open_stage
 
     least: Any = job.room.source.get("coverage")

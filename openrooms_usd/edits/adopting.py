@@ -16,8 +16,8 @@ from openrooms_usd.edits.flattened import Differences
 from openrooms_usd.edits.foreign import Foreign, anchored, foreign_to, own_layers, real_path
 from openrooms_usd.edits.merging import empty, make_absolute, merged_over, with_sublayers
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.stages import runner
-from openrooms_usd.stages.draft import drafting
+from openrooms_usd.steps import runner
+from openrooms_usd.steps.draft import drafting
 from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.files.layers import open_stage, prim_specs, stacked_files
 

@@ -19,7 +19,7 @@ from openrooms_usd.edits.snapping import PlanPoint, hung, snapped
 from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.geometry.rotations import in_plan
-from openrooms_usd.stages.alignment.surroundings import RoomGeometry, surroundings
+from openrooms_usd.steps.alignment.surroundings import RoomGeometry, surroundings
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.places.placements import author_placed
 from openrooms_usd.usd.semantics import label, read_label

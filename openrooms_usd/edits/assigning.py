@@ -20,10 +20,10 @@ from openrooms_usd.edits.editing import editing
 from openrooms_usd.edits.targets import Scope, object_of, parts_meant
 from openrooms_usd.library.styles.assignment.rooms import Place, families_of
 from openrooms_usd.library.styles.finishes import furniture_families
-from openrooms_usd.stages.base import StepContext
-from openrooms_usd.stages.materials.dressing import Chooser
-from openrooms_usd.stages.materials.looks import define_all
-from openrooms_usd.stages.materials.palette import TEXTURES, Palette
+from openrooms_usd.steps.base import StepContext
+from openrooms_usd.steps.materials.dressing import Chooser
+from openrooms_usd.steps.materials.looks import define_all
+from openrooms_usd.steps.materials.palette import TEXTURES, Palette
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading.materials import bound_subsets
 

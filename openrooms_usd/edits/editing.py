@@ -13,8 +13,8 @@ from pxr import Sdf, Usd
 
 from openrooms_usd import atomic, claims, names, untrusted
 from openrooms_usd.errors import InputError, StageError
-from openrooms_usd.stages import runner
-from openrooms_usd.stages.draft import drafting
+from openrooms_usd.steps import runner
+from openrooms_usd.steps.draft import drafting
 from openrooms_usd.usd.files.layers import open_stage
 
 _EDITS: Final = f"{names.LAYERS}/{names.EDITS}.usda"

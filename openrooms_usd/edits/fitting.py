@@ -12,8 +12,8 @@ from openrooms_usd import claims, names, untrusted
 from openrooms_usd.edits.foreign import own_layers
 from openrooms_usd.edits.merging import copied
 from openrooms_usd.errors import InputError
-from openrooms_usd.stages import runner
-from openrooms_usd.stages.draft import drafting
+from openrooms_usd.steps import runner
+from openrooms_usd.steps.draft import drafting
 from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.files.layers import open_stage, stacked_files
 from openrooms_usd.usd.places.metrics import SCALE, TURN, UnitMismatch, find_unit_mismatches, is_own

@@ -26,21 +26,21 @@ from openrooms_usd.furniture import CATEGORIES, category, check, styles
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.assets import Asset, publish
-from openrooms_usd.stages.alignment.catalogue import Catalogue
-from openrooms_usd.stages.alignment.placement import (
+from openrooms_usd.steps.alignment.catalogue import Catalogue
+from openrooms_usd.steps.alignment.placement import (
     FLOOR,
     SURFACE,
     Placement,
     ResolvedPose,
     Supports,
 )
-from openrooms_usd.stages.alignment.poses import author_described
-from openrooms_usd.stages.alignment.stage import ASSETS, placement_of
-from openrooms_usd.stages.alignment.surroundings import RoomGeometry, surroundings
-from openrooms_usd.stages.base import StepContext
-from openrooms_usd.stages.materials.dressing import Chooser, MaterialAssigner
-from openrooms_usd.stages.materials.looks import publish_look
-from openrooms_usd.stages.materials.palette import Palette
+from openrooms_usd.steps.alignment.poses import author_described
+from openrooms_usd.steps.alignment.step import ASSETS, placement_of
+from openrooms_usd.steps.alignment.surroundings import RoomGeometry, surroundings
+from openrooms_usd.steps.base import StepContext
+from openrooms_usd.steps.materials.dressing import Chooser, MaterialAssigner
+from openrooms_usd.steps.materials.looks import publish_look
+from openrooms_usd.steps.materials.palette import Palette
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.places.placements import author_placed
 from openrooms_usd.usd.semantics import label, read_label

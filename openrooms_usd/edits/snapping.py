@@ -10,7 +10,7 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
-from openrooms_usd.stages.alignment.surroundings import RoomGeometry
+from openrooms_usd.steps.alignment.surroundings import RoomGeometry
 
 # Nearer than this a side comes to its wall, and turned by less it turns with it.
 REACH_M: Final = 0.15

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from openrooms_usd.stages.alignment.captured import Captured
+    from openrooms_usd.steps.alignment.captured import Captured
 
 
 # About how many cameras a capture with photographs begins with.
@@ -222,7 +222,7 @@ def _pose(capture: Capture, model: CapturedModel) -> str:
     import numpy as np
     from scipy.spatial.transform import Rotation
 
-    from openrooms_usd.stages.layout.scanned import in_metres
+    from openrooms_usd.steps.layout.scanned import in_metres
 
     matrix = in_metres(capture.source_from_world) @ model.world_from_model
     scale = np.linalg.norm(matrix[:3, :3], axis=0)
@@ -331,8 +331,8 @@ def material_lines(capture: Capture) -> Iterator[str]:
 def _objects(capture: Capture) -> "dict[str, Captured]":
     """The objects of a capture as they will be placed, by their identifiers in it."""
     # What places objects needs USD, which takes a moment to import.
-    from openrooms_usd.stages.alignment.aligned import with_boxes
-    from openrooms_usd.stages.alignment.captured import captured_objects
+    from openrooms_usd.steps.alignment.aligned import with_boxes
+    from openrooms_usd.steps.alignment.captured import captured_objects
 
     return {one.box.id: one for one in captured_objects(with_boxes(capture), 0.0, (), [])}
 

@@ -41,7 +41,7 @@ class SettledRoom:
             with claims.output(self.target):
                 layers.export(self.layer, self.target)
             return
-        from openrooms_usd.stages import draft, runner
+        from openrooms_usd.steps import draft, runner
 
         with draft.drafting(self.composed) as room:
             room.check_unchanged(names.SETTLED)
@@ -88,7 +88,7 @@ def settling(path: Path, out: Path | None) -> Iterator[SettledRoom]:
         if not ours:
             claims.check_output(target)
         elif not ledger.may_replace(target):
-            from openrooms_usd.stages.draft import changed
+            from openrooms_usd.steps.draft import changed
 
             raise changed(target)
         for key in _METADATA:

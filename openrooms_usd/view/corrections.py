@@ -19,9 +19,9 @@ from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import furniture
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
-from openrooms_usd.stages.alignment.instances import instances_of
-from openrooms_usd.stages.alignment.surroundings import surroundings
-from openrooms_usd.stages.layout.scanned import found_in, in_metres
+from openrooms_usd.steps.alignment.instances import instances_of
+from openrooms_usd.steps.alignment.surroundings import surroundings
+from openrooms_usd.steps.layout.scanned import found_in, in_metres
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.places.frames import TIME

@@ -16,8 +16,8 @@ from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import Scope, furniture, object_of, parts_meant
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.library.styles.assignment.kinds import kind_of
-from openrooms_usd.stages.alignment.surroundings import surroundings
-from openrooms_usd.stages.materials.dressing import ALL
+from openrooms_usd.steps.alignment.surroundings import surroundings
+from openrooms_usd.steps.materials.dressing import ALL
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.view.describing import Described, Objects

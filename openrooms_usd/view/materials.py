@@ -12,7 +12,7 @@ from openrooms_usd.edits.targets import SCOPES, Scope
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.textures import FAMILIES, family_of
 from openrooms_usd.library.thumbnails import thumbnail
-from openrooms_usd.stages.materials.dressing import NUMBERS_PER_FAMILY
+from openrooms_usd.steps.materials.dressing import NUMBERS_PER_FAMILY
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.shading.materials import bound_material
 from openrooms_usd.view.app import App, Command

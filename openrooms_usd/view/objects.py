@@ -15,7 +15,7 @@ from openrooms_usd.edits.remaking import choices
 from openrooms_usd.edits.snapping import PlanPoint
 from openrooms_usd.edits.targets import all_furniture, furniture
 from openrooms_usd.furniture import CATEGORIES
-from openrooms_usd.stages.alignment.surroundings import surroundings
+from openrooms_usd.steps.alignment.surroundings import surroundings
 from openrooms_usd.usd.files.diagnostics import quiet
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.validation.room_rules import about

@@ -70,7 +70,7 @@ LIMITS: dict[str, Limits] = {
     "openrooms_usd/scan": Limits(0, 0),
     "openrooms_usd/showroom": Limits(0, 0),
     "openrooms_usd/simulation": Limits(0, 0),
-    "openrooms_usd/stages": Limits(0, 0),
+    "openrooms_usd/steps": Limits(0, 0),
     "openrooms_usd/unpickling": Limits(0, 0),
     "openrooms_usd/usd": Limits(0, 0),
     "openrooms_usd/validation": Limits(0, 0),

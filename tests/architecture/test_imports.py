@@ -31,7 +31,7 @@ RANKS = (
         "view",
         "edits",
         "loading",
-        "stages",
+        "steps",
         "rendering",
         "exporters",
         "engines",

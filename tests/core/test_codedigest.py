@@ -331,7 +331,7 @@ def test_every_file_of_data_counts_for_some_module() -> None:
 def test_a_copy_of_the_package_has_the_same_digest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = code_digest("openrooms_usd.stages.layout.stage")
+    before = code_digest("openrooms_usd.steps.layout.step")
     shutil.copytree(
         ROOT / "openrooms_usd",
         tmp_path / "openrooms_usd",
@@ -341,8 +341,8 @@ def test_a_copy_of_the_package_has_the_same_digest(
     assert spec is not None
     forget()
     monkeypatch.setattr(spec, "origin", str(tmp_path / "openrooms_usd" / "__init__.py"))
-    assert code_digest("openrooms_usd.stages.layout.stage") == before
+    assert code_digest("openrooms_usd.steps.layout.step") == before
     with (tmp_path / "openrooms_usd" / "names.py").open("a") as file:
         file.write("PLANTED = 1\n")
     forget()
-    assert code_digest("openrooms_usd.stages.layout.stage") != before
+    assert code_digest("openrooms_usd.steps.layout.step") != before

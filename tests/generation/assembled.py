@@ -16,9 +16,9 @@ from openrooms_usd.furniture import FitOptions, category
 from openrooms_usd.generation.rooms import Generated, named
 from openrooms_usd.generation.shapes import BuiltForm, Shapes
 from openrooms_usd.library.assets import Asset, Model
-from openrooms_usd.stages.alignment.placement import Placement, Supports
-from openrooms_usd.stages.alignment.poses import matrix_of
-from openrooms_usd.stages.alignment.surroundings import surroundings
+from openrooms_usd.steps.alignment.placement import Placement, Supports
+from openrooms_usd.steps.alignment.poses import matrix_of
+from openrooms_usd.steps.alignment.surroundings import surroundings
 from tests.generation.scenes import Body, Form, Scene, fans, read
 
 

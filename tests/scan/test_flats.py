@@ -19,10 +19,10 @@ from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import elsewhere, find_rooms
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.rooms.flat import flat_of
-from openrooms_usd.stages.alignment.furnished import segmented
-from openrooms_usd.stages.base import StepContext
-from openrooms_usd.stages.layout.scanned import scanned
-from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.steps.alignment.furnished import segmented
+from openrooms_usd.steps.base import StepContext
+from openrooms_usd.steps.layout.scanned import scanned
+from openrooms_usd.steps.layout.step import LayoutStep
 from tests.scan.scanned_rooms import RoomScan
 
 HALL = ((0.0, 0.0), (4.0, 0.0), (4.0, 5.0), (0.0, 5.0))
@@ -117,7 +117,7 @@ def author(file: Path, more: str) -> tuple[Usd.Stage, list[str]]:
     room = parse_room(f"layout: {{from: scan, scan: {file.name}, {more}}}")
     stage = Usd.Stage.CreateInMemory()
     context = StepContext(room, file.parent, stage, file.parent / "layout")
-    LayoutStage().author(context)
+    LayoutStep().author(context)
     return stage, context.notes
 
 

@@ -16,7 +16,7 @@ from openrooms_usd.scan.openings.detection import find_openings
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.reconstruction import VOXEL_M, FoundLayout, find_rooms
 from openrooms_usd.scan.results import FoundOpening
-from openrooms_usd.stages.layout.scanned import in_metres
+from openrooms_usd.steps.layout.scanned import in_metres
 
 Array = NDArray[np.float64]
 

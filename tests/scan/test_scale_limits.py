@@ -12,7 +12,7 @@ from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.hints import Box, Hint
 from openrooms_usd.scan.registration.scalelimits import SCALES, sizes_of, turns_of
 from openrooms_usd.scan.registration.selection import CadSelection
-from openrooms_usd.stages.alignment.captured import sizes_of as sizes_of_category
+from openrooms_usd.steps.alignment.captured import sizes_of as sizes_of_category
 from tests.scan.alignment_cases import CHAIR, SENSOR_ORIGINS, Block, Placed, cad, room, scan
 
 UP = np.eye(3)

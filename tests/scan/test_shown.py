@@ -9,7 +9,7 @@ import pytest
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 from openrooms_usd.scan.shown import shown
-from openrooms_usd.stages.layout.scanned import scanned
+from openrooms_usd.steps.layout.scanned import scanned
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 0.0], [0.0, 3.0, 0.0]])
 DOOR = FoundOpening(

@@ -8,9 +8,9 @@ from pxr import Usd, UsdGeom
 
 from openrooms_usd.description import parse_room
 from openrooms_usd.errors import DescriptionError, InputError
-from openrooms_usd.stages.alignment.surroundings import surroundings
-from openrooms_usd.stages.base import StepContext
-from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.steps.alignment.surroundings import surroundings
+from openrooms_usd.steps.base import StepContext
+from openrooms_usd.steps.layout.step import LayoutStep
 from openrooms_usd.validation.roomview import RoomView
 
 CORNERS = [[0, 0], [5, 0], [5, 4], [0, 4]]
@@ -20,7 +20,7 @@ def author(path: Path, more: str = "") -> tuple[Usd.Stage, list[str]]:
     room = parse_room(f"layout: {{from: roomplan, file: {path.name}{more}}}")
     stage = Usd.Stage.CreateInMemory()
     context = StepContext(room, path.parent, stage, path.parent / "layout")
-    LayoutStage().author(context)
+    LayoutStep().author(context)
     return stage, context.notes
 
 

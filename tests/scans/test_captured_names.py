@@ -17,8 +17,8 @@ from openrooms_usd.furniture.registry import BUILT
 from openrooms_usd.furniture.words import Meaning, library_words, meaning, named_in, plain
 from openrooms_usd.names import SHELL
 from openrooms_usd.scan.points.cloud import Cloud
-from openrooms_usd.stages.alignment.captured import Captured, captured_objects, substitute
-from openrooms_usd.stages.alignment.instances import instances_of, told_left_out
+from openrooms_usd.steps.alignment.captured import Captured, captured_objects, substitute
+from openrooms_usd.steps.alignment.instances import instances_of, told_left_out
 from openrooms_usd.usd.semantics import NYU40
 
 THINGS = st.lists(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd.capture import read_capture
-from openrooms_usd.stages.alignment.instances import instances_of
+from openrooms_usd.steps.alignment.instances import instances_of
 
 Real = Callable[[str], Path]
 

@@ -7,8 +7,8 @@ import pytest
 import shapely
 
 from openrooms_usd.description import parse_room
-from openrooms_usd.stages.base import StepContext
-from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.steps.base import StepContext
+from openrooms_usd.steps.layout.step import LayoutStep
 from tests.scans.roomplan_usdz import read
 
 WIDTH, DEPTH, HEIGHT, RADIUS = 4.0, 3.0, 2.5, 2.5
@@ -119,7 +119,7 @@ def _authored(path: Path):
 
     stage = Usd.Stage.CreateInMemory()
     room = parse_room(f"layout: {{from: roomplan, file: {path.name}}}")
-    LayoutStage().author(StepContext(room, path.parent, stage, path.parent / "layout"))
+    LayoutStep().author(StepContext(room, path.parent, stage, path.parent / "layout"))
     return stage
 
 

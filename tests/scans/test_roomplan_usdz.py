@@ -11,9 +11,9 @@ import shapely
 from pxr import Sdf, Usd
 
 from openrooms_usd.description import parse_room
-from openrooms_usd.stages.alignment.stage import AlignmentStage
-from openrooms_usd.stages.base import StepContext
-from openrooms_usd.stages.layout.stage import LayoutStage
+from openrooms_usd.steps.alignment.step import AlignmentStep
+from openrooms_usd.steps.base import StepContext
+from openrooms_usd.steps.layout.step import LayoutStep
 from tests.scans.roomplan_usdz import (
     HEAD,
     assert_same,
@@ -284,8 +284,8 @@ def test_both_formats_give_the_same_prims(scanner, tmp_path: Path) -> None:
         room = parse_room(f"layout: {section}\nalignment: {section}")
         stage = Usd.Stage.CreateInMemory()
         context = StepContext(room, path.parent, stage, tmp_path / path.suffix[1:])
-        LayoutStage().author(context)
-        AlignmentStage().author(context)
+        LayoutStep().author(context)
+        AlignmentStep().author(context)
         stages.append({str(prim.GetPath()) for prim in stage.Traverse()})
     assert stages[0] == stages[1]
     assert len([path for path in stages[0] if path.startswith("/World/Furniture/")]) == 2

@@ -7,7 +7,7 @@ import pytest
 
 from openrooms_usd.capture import Capture
 from openrooms_usd.errors import InputError
-from openrooms_usd.stages.alignment.instances import instances_of
+from openrooms_usd.steps.alignment.instances import instances_of
 from orusd_scans.s3dis import S3disImporter
 
 THINGS = ("board_1", "bookcase_1", "ceiling_1", "chair_1", "chair_2", "clutter_1", "wall_3")

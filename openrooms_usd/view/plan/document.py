@@ -13,7 +13,7 @@ from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.rewriting import rewritten
 from openrooms_usd.description.room import Room, refused_fields
 from openrooms_usd.errors import DescriptionError, OrusdError, OutputError
-from openrooms_usd.stages.layout.stage import described_plan, plan_of
+from openrooms_usd.steps.layout.step import described_plan, plan_of
 from openrooms_usd.untrusted import read_bytes, read_text
 from openrooms_usd.view.plan.drawing import Drawing
 from openrooms_usd.view.plan.underlay import Underlay, first_drawing, underlay_of, walls_of_a_seed

@@ -22,10 +22,10 @@ from openrooms_usd.description.layout import (
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError, SparseScanError
 from openrooms_usd.names import ROOM_HEIGHT, SCANNED_HEIGHT
-from openrooms_usd.stages.base import input_file
-from openrooms_usd.stages.layout.openings import Cut
-from openrooms_usd.stages.layout.scanned import ScannedRoom, find, scanned, taken
-from openrooms_usd.stages.layout.stage import Plan, plan_of
+from openrooms_usd.steps.base import input_file
+from openrooms_usd.steps.layout.openings import Cut
+from openrooms_usd.steps.layout.scanned import ScannedRoom, find, scanned, taken
+from openrooms_usd.steps.layout.step import Plan, plan_of
 from openrooms_usd.view.plan.drawing import Drawing, Point
 
 Array = NDArray[np.float64]
