@@ -15,6 +15,7 @@ ENGINES: Final = "openrooms_usd.engines"
 SEGMENTERS: Final = "openrooms_usd.segmenters"
 EXECUTORS: Final = "openrooms_usd.executors"
 SOURCES: Final = "openrooms_usd.sources"
+PHOTOGRAPHS: Final = "openrooms_usd.photographs"
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -43,7 +44,7 @@ def load(group: str, name: str) -> Any:
 
     Args:
         group: One of `IMPORTERS`, `RENDERERS`, `EXPORTERS`, `DATASETS`, `ENGINES`, `SEGMENTERS`,
-            `EXECUTORS`, `SOURCES`.
+            `EXECUTORS`, `SOURCES`, `PHOTOGRAPHS`.
         name: The name under which it is registered.
 
     Returns:

@@ -148,6 +148,12 @@ class CapturedFrame:
         K: (3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
         resolution: Width and height of the picture, pixels.
         picture: The picture's file name in the source; None where it has none.
+        distortion: Of the lens, by OpenCV's model: k1 k2 p1 p2, then k3, then k4 k5 k6; of a
+            fisheye k1 k2 k3 k4. Empty for a pinhole.
+        fisheye: Whether the lens is OpenCV's fisheye: angles, not tangents, grow with the radius.
+        depth: The file name of a map of planar depth that shows the same as the picture, whole
+            numbers of 16 bits; 0 and 65535 hold no depth. None where there is none.
+        depth_unit: Metres for a count of that map.
     """
 
     id: str
@@ -155,6 +161,10 @@ class CapturedFrame:
     K: NDArray[np.float64]
     resolution: tuple[int, int]
     picture: str | None = None
+    distortion: tuple[float, ...] = ()
+    fisheye: bool = False
+    depth: str | None = None
+    depth_unit: float = 0.001
 
 
 @dataclass(frozen=True)

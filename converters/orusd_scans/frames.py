@@ -8,7 +8,7 @@
 
 Cameras look along +z with x to the right and y down (OpenCV). ``world_from_camera`` is row by row,
 in the frame and the unit of the capture; K is in pixels, and the centre of the top-left pixel is
-(0.5, 0.5).
+(0.5, 0.5). A frame may have ``distortion``, ``fisheye``, ``depth`` and ``depth_unit``, too.
 """
 
 import json
@@ -21,11 +21,15 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, CapturedFrame, Packed
-from orusd_scans.records import Node, identifiers, read_json, text
+from orusd_scans.records import Node, flag, identifiers, positive, read_json, text
 from orusd_scans.worldframe import WorldFrame, rigid
 
 # Focal lengths, principal points and sides of pictures, pixels.
 _MAX_PIXELS: Final = 1e6
+_MAX_COEFFICIENT: Final = 1e6
+_LENS_COUNTS: Final = (0, 4, 5, 8)
+_FISHEYE_COUNTS: Final = (0, 4)
+_MAY_HAVE: Final = ("distortion", "fisheye", "depth", "depth_unit")
 _REMEDY: Final = "write [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], in pixels"
 # Beyond this, pixels are not square any more: USD's cameras and ours have square ones.
 _SQUARE_PIXEL_TOLERANCE: Final = 5e-3
@@ -65,7 +69,28 @@ def _frame(node: Node, identifier: str) -> CapturedFrame:
         K=intrinsics(node.need("K")),
         resolution=(int(width), int(height)),
         picture=text(picture) if picture else None,
+        **_more(node),
     )
+
+
+def _more(node: Node) -> dict[str, Any]:
+    """The fields that a frame may have: its lens and its depth map."""
+    lens, fisheye, depth, unit = (node.get(key) for key in _MAY_HAVE)
+    found: dict[str, Any] = {}
+    if fisheye is not None:
+        found["fisheye"] = flag(fisheye)
+    if lens is not None:
+        counts = _FISHEYE_COUNTS if found.get("fisheye") else _LENS_COUNTS
+        count = len(lens.value) if isinstance(lens.value, list) else -1
+        if count not in counts:
+            known = ", ".join(map(str, counts))
+            raise lens.error(f"a lens has one of {known} coefficients", "write k1 k2 p1 p2 ...")
+        found["distortion"] = tuple(lens.numbers(count, _MAX_COEFFICIENT).tolist())
+    if depth is not None:
+        found["depth"] = text(depth)
+    if unit is not None:
+        found["depth_unit"] = positive(unit, 1e3)
+    return found
 
 
 def intrinsics(node: Node) -> Array:
@@ -116,9 +141,15 @@ def as_plain(frames: Iterable[CapturedFrame]) -> list[dict[str, Any]]:
             "resolution": list(frame.resolution),
             "K": frame.K.tolist(),
             "world_from_camera": frame.world_from_camera.tolist(),
+            **{key: getattr(frame, key) for key in _MAY_HAVE if _differs(frame, key)},
         }
         for frame in frames
     ]
+
+
+def _differs(frame: CapturedFrame, key: str) -> bool:
+    """Whether a field that a frame may have is not the usual one."""
+    return bool(getattr(frame, key) != getattr(CapturedFrame, key))
 
 
 # The files of a scan that lie in folders, as far as a room needs them.

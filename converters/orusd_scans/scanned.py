@@ -109,8 +109,8 @@ def counted(path: Path, text: str, what: str = "points") -> int:
     return int(text)
 
 
-def line_of_numbers(line: str, count: int, path: Path, index: int) -> Array:
-    """(count,) the numbers of a line of text; its index counts from 0.
+def line_of_numbers(line: str, count: int, path: Path, index: int, largest: float = 1e6) -> Array:
+    """(count,) the numbers of a line of text, none beyond the largest; its index counts from 0.
 
     Raises:
         InputError: There are others.
@@ -119,7 +119,7 @@ def line_of_numbers(line: str, count: int, path: Path, index: int) -> Array:
         values = [float(word) for word in line.split()]
     except ValueError as error:
         raise broken(path, f"line {index + 1}: {error}") from error
-    return Node(values, path, f"line {index + 1}").numbers(count, 1e6)
+    return Node(values, path, f"line {index + 1}").numbers(count, largest)
 
 
 def one_in(options: Mapping[str, str], usual: int, place: Path, what: str) -> int:

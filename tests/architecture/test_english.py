@@ -52,6 +52,7 @@ LIMITS: dict[str, Limits] = {
     "docs": Limits(0, 0),
     "openrooms_usd": Limits(0, 0),
     "openrooms_usd/api": Limits(0, 0),
+    "openrooms_usd/appearance": Limits(0, 0),
     "openrooms_usd/building": Limits(0, 0),
     "openrooms_usd/cli": Limits(0, 0),
     "openrooms_usd/comparison": Limits(0, 0),

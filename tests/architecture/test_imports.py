@@ -21,6 +21,7 @@ RANKS = (
     ("cli",),
     ("api",),
     (
+        "appearance",
         "comparison",
         "composing",
         "dataset",
@@ -87,6 +88,7 @@ RANK = {name: rank for rank, names in enumerate(RANKS) for name in names}
 # The arrows between neighbours of one rank, and those that skip what they must not see.
 LEAVES = {"description", "geometry"}
 FOR_CONVERTERS = {
+    "appearance",
     "furniture",
     # Importers of finished scenes read models, and know what stands for those that are missing.
     "library",

@@ -14,6 +14,7 @@ READERS = (
     "converters/orusd_hypersim",
     "converters/orusd_openrooms",
     "converters/orusd_scans",
+    "openrooms_usd/appearance",
     "openrooms_usd/importing/captures.py",
     "openrooms_usd/description",
     "openrooms_usd/edits",

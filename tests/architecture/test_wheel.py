@@ -91,6 +91,7 @@ def test_a_wheel_registers_the_command_and_the_adapters(wheel: zipfile.ZipFile) 
         "executors",
         "segmenters",
         "sources",
+        "photographs",
     }
     assert kinds == {
         section.removeprefix("openrooms_usd.") for section in points if "openrooms_usd" in section

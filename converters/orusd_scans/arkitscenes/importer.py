@@ -29,8 +29,8 @@ from orusd_scans.worldframe import MAX_COORDINATE_M, WorldFrame
 
 _MESH: Final = "*_3dod_mesh.ply"
 _BOXES: Final = "*_3dod_annotation.json"
-_TRAJECTORY: Final = "lowres_wide.traj"
-_POSED: Final = (_TRAJECTORY, "lowres_wide_intrinsics/*.pincam")
+TRAJECTORY: Final = "lowres_wide.traj"
+_POSED: Final = (TRAJECTORY, "lowres_wide_intrinsics/*.pincam")
 _DEPTH: Final = ("lowres_depth/*.png", "confidence/*.png")
 _MAX_SIZE_M: Final = 1e3  # metres
 _RIGHT_ANGLE_TOLERANCE: Final = 1e-2
@@ -203,13 +203,13 @@ class ARKitScenesImporter:
         """
         notes: list[str] = []
         mesh, annotation = _one(source, _MESH), _one(source, _BOXES)
-        folder = _frames_folder(source)
-        poses = read_path(folder / _TRAJECTORY) if folder is not None else None
+        folder = frames_folder(source)
+        poses = read_path(folder / TRAJECTORY) if folder is not None else None
         frames = captured_frames(folder, poses, notes) if folder is not None and poses else ()
         if "fuse" in options or mesh is None:
             if folder is None or poses is None:
                 raise InputError(
-                    f"neither a mesh {_MESH} nor {_TRAJECTORY} with lowres_depth is here",
+                    f"neither a mesh {_MESH} nor {TRAJECTORY} with lowres_depth is here",
                     place=source,
                     remedy="give the folder of one scan of ARKitScenes",
                 )
@@ -233,7 +233,7 @@ class ARKitScenesImporter:
 
     def pack(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Packed:
         """The mesh or the depth that is fused, the boxes, and the camera's path."""
-        mesh, folder = _one(source, _MESH), _frames_folder(source)
+        mesh, folder = _one(source, _MESH), frames_folder(source)
         fused = "fuse" in options or mesh is None
         files = [None if fused else mesh, _one(source, _BOXES)]
         if folder is not None:
@@ -251,10 +251,10 @@ def _one(source: Path, pattern: str) -> Path | None:
     return found[0] if found else None
 
 
-def _frames_folder(source: Path) -> Path | None:
-    """The folder of the camera's trajectory."""
+def frames_folder(source: Path) -> Path | None:
+    """The folder of the camera's trajectory; None where there is none."""
     folders = [source, *sorted(source.glob("*_frames"))] if source.is_dir() else []
-    return next((folder for folder in folders if (folder / _TRAJECTORY).is_file()), None)
+    return next((folder for folder in folders if (folder / TRAJECTORY).is_file()), None)
 
 
 def read_boxes(path: Path) -> tuple[CapturedBox, ...]:

@@ -1,0 +1,1 @@
+"""The materials and lights of a room, from photographs of it."""
