@@ -135,6 +135,8 @@ class FrameCameras(Exposed):
     """Prefix of the cameras' names; the frame's identifier follows."""
     every: Whole = Field(default=1, ge=1)
     """Use every n-th frame, starting with the first one."""
+    plates: bool = False
+    """Copy the photographs into the scene, as back plates of their cameras (`BackPlateAPI`)."""
 
 
 View = Annotated[

@@ -13,6 +13,7 @@ from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.usd.cameras import photograph, read_camera
 from openrooms_usd.usd.shapes.meshes import read_meshes, world_triangles
+from tests.scans.posedforms import picture
 
 K = np.array([[610.0, 0, 345.5], [0, 610.0, 221.25], [0, 0, 1]])
 SIZE = (720, 480)
@@ -135,3 +136,31 @@ def test_a_changed_pose_runs_the_stage_again(tmp_path: Path) -> None:
         stage = compose(tmp_path, "{from: capture}")
         eyes.append(read_camera(cameras_of(stage)["frame_0"], *SIZE).world_from_camera[:3, 3])
     assert eyes[1] - eyes[0] == pytest.approx([0.5, 0, 0])
+
+
+def test_photographs_are_copied_as_back_plates_where_that_is_asked(tmp_path: Path) -> None:
+    capture(tmp_path)
+    (tmp_path / "color").mkdir()
+    for i in range(0, 40, 20):
+        picture(tmp_path / f"color/{i}.jpg", i)
+    stage = compose(tmp_path, "{from: capture, resolution: [360, 180], plates: true}")
+    folder = tmp_path / "out/layers"
+    for name, prim in cameras_of(stage).items():
+        number = int(name.removeprefix("frame_"))
+        assert prim.HasAPI(UsdGeom.BackPlateAPI) == (number in (0, 20))
+        if number in (0, 20):
+            plate = UsdGeom.BackPlateAPI(prim, "photograph")
+            asset = plate.GetImageAttr().Get()
+            shown = Path(asset.resolvedPath)
+            assert shown.parent == folder / "cameras"
+            assert shown.read_bytes() == (tmp_path / f"color/{number}.jpg").read_bytes()
+            # A third of its rows is above and below what this camera sees.
+            assert plate.GetScaleTweakAttr().Get()[1] == pytest.approx(4 / 3)
+    assert len(list((folder / "cameras").glob("*.jpg"))) == 2
+    picture(tmp_path / "color/20.jpg", 200)
+    compose(tmp_path, "{from: capture, resolution: [360, 180], plates: true}")
+    shown = sorted(path.read_bytes() for path in (folder / "cameras").glob("*.jpg"))
+    assert shown == sorted((tmp_path / f"color/{i}.jpg").read_bytes() for i in (0, 20))
+    plain = compose(tmp_path, "{from: capture}")
+    assert not any(p.HasAPI(UsdGeom.BackPlateAPI) for p in cameras_of(plain).values())
+    assert not list((folder / "cameras").glob("*.jpg"))

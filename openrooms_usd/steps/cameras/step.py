@@ -34,6 +34,7 @@ from openrooms_usd.geometry.pinhole import intrinsics, look_at
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.steps.alignment.surroundings import RoomGeometry, surroundings
 from openrooms_usd.steps.base import StepContext
+from openrooms_usd.steps.cameras.plates import plate_inputs, show_plate
 from openrooms_usd.steps.cameras.selection import (
     ViewCandidates,
     frame_name,
@@ -67,8 +68,11 @@ class CamerasStep:
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The capture, where cameras are those of its photographs."""
         section = captured_section(room)
-        framed = any(isinstance(view, FrameCameras) for view in room.cameras.views)
-        return capture_inputs(section, source) if framed and section else ()
+        framed = [view for view in room.cameras.views if isinstance(view, FrameCameras)]
+        if not framed or section is None:
+            return ()
+        plates = plate_inputs(section, source) if any(view.plates for view in framed) else ()
+        return dict.fromkeys([*capture_inputs(section, source), *plates])
 
     def author(self, context: StepContext) -> None:
         """Write one Camera for each view, and the render settings.
@@ -81,7 +85,7 @@ class CamerasStep:
         UsdGeom.Scope.Define(stage, names.CAMERAS)
         resolution = _resolution(context, capture)
         estimate = room_exposure(stage)
-        paths = []
+        paths, lost = [], 0
         # The room is read once, and only if a view is selected in it.
         selection = cache(lambda: ViewCandidates.of(stage))
         for shot in _named(context, capture, selection):
@@ -98,7 +102,10 @@ class CamerasStep:
             )
             if shot.frame and capture:
                 name_photograph(camera.GetPrim(), shot.frame, capture)
+                lost += not _has_plate(camera, shot, resolution, context)
             paths.append(path)
+        if lost:
+            context.notes.append(f"the photographs of {lost} cameras are not here: no back plates")
         _define_settings(stage, resolution, paths)
 
 
@@ -119,6 +126,16 @@ class _Shot:
     frame: CapturedFrame | None = None
     prefix: str = "view"
     name: str = ""
+
+
+def _has_plate(
+    camera: UsdGeom.Camera, shot: _Shot, resolution: tuple[int, int], context: StepContext
+) -> bool:
+    """Whether a camera has the back plate that is asked for."""
+    section = captured_section(context.room)
+    if section is None or shot.frame is None or not isinstance(shot.view, FrameCameras):
+        return True
+    return not shot.view.plates or show_plate(camera, shot.frame, section, resolution, context)
 
 
 def _resolution(context: StepContext, capture: Capture | None) -> tuple[int, int]:
