@@ -30,6 +30,7 @@ _SECTIONS: Final = {
             "edit",
             "Correct a room in the browser; keep changes of other programs.",
         ),
+        "appearance": ("appearing", "appearance", "Find materials and lights from photographs."),
         "simulate": ("simulating", "simulate", "Let a room settle under gravity."),
         "validate": ("validating", "validate", "Check a USD stage."),
     },

@@ -88,7 +88,7 @@ def assign(
         made = define_all(stage, Sdf.Path(LOOKS), palette, [swatch], folder)[swatch]
         opened(stage, parts)
         for part in parts:
-            _bind(stage.OverridePrim(part), made)
+            bind(stage.OverridePrim(part), made)
         _forget_unused(stage.GetEditTarget().GetLayer())
     return Assigned(str(made.GetPath()), tuple(map(str, parts)))
 
@@ -148,7 +148,7 @@ def _suited(stage: Usd.Stage, path: str) -> Any:
     return furniture_families
 
 
-def _bind(prim: Usd.Prim, material: UsdShade.Material) -> None:
+def bind(prim: Usd.Prim, material: UsdShade.Material) -> None:
     """Bind a part, also where pieces of it have materials of their own."""
     tokens = UsdShade.Tokens
     strong = bool(bound_subsets(prim))

@@ -1,0 +1,155 @@
+"""Writes what photographs say of a stage's materials and lights as a layer of opinions."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from openrooms_usd import atomic, claims, names
+from openrooms_usd.appearance.authoring import PartLook, write_opinions
+from openrooms_usd.appearance.photographs import metric, read_posed
+from openrooms_usd.appearance.pictures import read_pictures
+from openrooms_usd.appearance.recovery import Appearance, recover
+from openrooms_usd.arrays import Array
+from openrooms_usd.capture import CapturedFrame
+from openrooms_usd.description.rendering import RenderSettings
+from openrooms_usd.errors import InputError
+from openrooms_usd.progress import Progress, nested, silent
+from openrooms_usd.rendering.opening import open_for_rendering
+from openrooms_usd.usd.files.layers import open_stage
+
+_LEDGER: Final = ".orusd.appearance.sha256"
+_REPORT: Final = "report.json"
+SKY: Final = "sky.exr"
+# Colours less certain than this share of themselves are not written.
+_LEAST_SURE: Final = 1.0
+
+
+@dataclass(frozen=True)
+class PhotographOptions:
+    """How photographs are read.
+
+    Attributes:
+        form: The name of their reader; None: their contents decide.
+        scale: Metres for one unit of their world; None where that is known.
+        up: The vertical of their world; None where Z is.
+        hold_out: Every so many-th photograph is left for measuring; 0: none is.
+    """
+
+    form: str | None = None
+    scale: float | None = None
+    up: str | None = None
+    hold_out: int = 0
+
+
+def write_appearance(
+    stage: Path,
+    photographs: Path,
+    layer: Path,
+    options: PhotographOptions | None = None,
+    *,
+    seed: int = 0,
+    progress: Progress = silent,
+) -> dict[str, Any]:
+    """Find what a stage is made of and lit by, and write it as opinions.
+
+    ``layer`` receives materials, lamps and surroundings. A folder of its name beside it receives
+    the pictures that it refers to, and ``report.json``: each part, light and photograph with how
+    sure it is.
+
+    Args:
+        stage: A composed room or any USD file, of exact or scanned meshes; it stays as it is.
+        photographs: A file or folder of posed photographs.
+        layer: The USD layer to write.
+        options: How the photographs are read.
+        seed: Of random numbers.
+        progress: Called with the step and the finished fraction.
+
+    Returns:
+        The report.
+
+    Raises:
+        InputError: A file cannot be read, or the photographs show nothing of the stage.
+        OutputError: A file cannot be written, or is not ours to replace.
+        RenderError: The renderer's backend is not available.
+    """
+    options = options or PhotographOptions()
+    if layer.suffix not in {".usda", ".usdc"}:
+        raise InputError(
+            "opinions are written to a USD layer",
+            place=layer,
+            remedy="choose a name that ends in .usda or .usdc",
+        )
+    folder = layer.with_suffix("")
+    claims.check_output(layer)
+    claims.check_refill(folder, _LEDGER, (_REPORT, SKY))
+    posed = metric(read_posed(photographs, options.form), scale=options.scale, up=options.up)
+    used = tuple(f for i, f in enumerate(posed.frames) if not _is_held_out(i, options.hold_out))
+    turn = _world_from_source(stage)
+    read = read_pictures(posed, used)
+    frames = [_moved(frame, turn) for frame, _ in read]
+    progress("translating", 0.0)
+    context = open_for_rendering(stage, RenderSettings())
+    found = recover(
+        context, frames, [picture for _, picture in read], seed, nested(progress, "", 0.05, 1.0)
+    )
+    report = found.as_dict() | {
+        "held_out": [f.id for i, f in enumerate(posed.frames) if _is_held_out(i, options.hold_out)],
+        "notes": list(posed.notes),
+    }
+    with claims.refilling(folder, _LEDGER) as refill, claims.output(layer):
+        report["notes"] += write_opinions(
+            stage,
+            layer,
+            looks_of(found),
+            lamps_of(found),
+            found.sky,
+            refill.folder / SKY,
+            f"./{folder.name}/{SKY}",
+        )
+        text = json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False)
+        atomic.write_text(refill.folder / _REPORT, text + "\n")
+    return report
+
+
+def looks_of(found: Appearance) -> list[PartLook]:
+    """What parts are made of, of which that is known well enough."""
+    solution, problem = found.solution, found.problem
+    return [
+        PartLook(
+            path,
+            solution.base[number],
+            float(problem.roughness[number]),
+            float(problem.metallic[number]),
+        )
+        for number, path in found.parts.items()
+        if solution.base_sd[number].max() < _LEAST_SURE
+    ]
+
+
+def lamps_of(found: Appearance) -> dict[str, Array]:
+    """(3,) nits by the prim of each emitting mesh."""
+    return {
+        emitter: found.solution.strengths[index]
+        for index, emitters in enumerate(found.emitters)
+        for emitter in emitters
+    }
+
+
+def _is_held_out(index: int, every: int) -> bool:
+    return every > 0 and index % every == every - 1
+
+
+def _world_from_source(stage: Path) -> Array:
+    """(4, 4) from the frame of a capture to the stage that was composed from it."""
+    prim = open_stage(stage).GetPrimAtPath(names.ROOM)
+    attribute = prim.GetAttribute(names.SOURCE_FROM_WORLD) if prim else None
+    if not attribute or not attribute.HasValue():
+        return np.eye(4)
+    return np.asarray(np.linalg.inv(np.array(attribute.Get()).T))
+
+
+def _moved(frame: CapturedFrame, turn: Array) -> CapturedFrame:
+    return replace(frame, world_from_camera=turn @ frame.world_from_camera)
