@@ -247,7 +247,7 @@ def code_of(renderer: str) -> str:
     """
     drawing = adapters.find(adapters.RENDERERS, renderer).module
     importers = sorted(point.module for point in adapters.available(adapters.IMPORTERS).values())
-    stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.stage" for name in STEPS)]
+    stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.step" for name in STEPS)]
     return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, drawing)
 
 
