@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from openrooms_usd import atomic, claims, names
-from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
+from openrooms_usd.description.former import note_of
+from openrooms_usd.description.generate import GeneratedFurniture, GeneratedLayout
 from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.room import Room, refused_fields
 from openrooms_usd.edits.fitting import misfits_of
@@ -108,7 +109,7 @@ def compose_room(
             summaries = []
             for index, stage in enumerate(chosen):
                 begin, end = index / len(chosen), (index + 1) / len(chosen)
-                share = nested(progress, stage.name, begin, end)
+                share = nested(progress, names.section_of(stage.name), begin, end)
                 try:
                     summaries.append(_run(stage, room, source, draft, workers, share))
                 except FieldsError as error:
@@ -124,6 +125,7 @@ def compose_room(
         orphans = orphans_of(out)
         misfits = misfits_of(out)
     notes = (
+        *_about_names(described, only),
         *about_clutter,
         *_about_settled(out, summaries),
         *runner.notes_of(out / names.SCENE),
@@ -133,13 +135,20 @@ def compose_room(
     return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans, notes)
 
 
+def _about_names(room: Room, only: str | None) -> Iterator[str]:
+    """Notes on former names, each once."""
+    former = [note_of(only)] if only in names.FORMER_SECTIONS else []
+    yield from dict.fromkeys((*room.notes, *former))
+
+
 def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
     """What is to be said of the poses of a simulation, which compose neither writes nor drops."""
     layer = f"{names.LAYERS}/{names.SETTLED}.usda"
     if not (out / layer).is_file():
         return
     again = "run orusd simulate again, or remove it"
-    changed = [row.stage for row in summaries if row.state == "written" and row.stage in _SETTLING]
+    again_made = (row.stage for row in summaries if row.state == "written")
+    changed = [names.section_of(step) for step in again_made if step in _SETTLING]
     if changed:
         yield f"{layer} is older than the {' and the '.join(changed)}: {again}"
     gone = orphans_of(out, names.SETTLED)
@@ -161,12 +170,12 @@ def _explicit(room: Room) -> tuple[Room, tuple[str, ...]]:
     The generator is imported only then.
     """
     generated = isinstance(room.layout, GeneratedLayout)
-    if not generated and not isinstance(room.alignment, GeneratedAlignment) and not room.clutter:
+    if not generated and not isinstance(room.furniture, GeneratedFurniture) and not room.clutter:
         return room, ()
     from openrooms_usd.generation import expanded
 
     explicit = expanded(room)
-    before, after = (len(getattr(one.alignment, "objects", ())) for one in (room, explicit))
+    before, after = (len(getattr(one.furniture, "objects", ())) for one in (room, explicit))
     nothing = (
         "clutter: none was placed, because no surface has space for it; add a table or a shelf"
     )
@@ -200,12 +209,12 @@ def _chosen(only: str | None) -> list[base.Step]:
     stages = runner.steps()
     if only is None:
         return stages
-    chosen = [stage for stage in stages if stage.name == only]
+    chosen = [step for step in stages if names.section_of(step.name) == names.section_of(only)]
     if not chosen:
-        known = ", ".join(stage.name for stage in stages)
+        known = [names.section_of(step.name) for step in stages]
         raise InputError(
-            f"no stage is named {only!r}{did_you_mean(only, names.STEPS)}",
-            remedy=f"stages: {known}",
+            f"no step is named {only!r}{did_you_mean(only, known)}",
+            remedy=f"steps: {', '.join(known)}",
         )
     return chosen
 

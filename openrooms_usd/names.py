@@ -33,6 +33,9 @@ RENDER_SETTINGS: Final = "/Render/Settings"
 # Stages from the weakest to the strongest layer.
 STEPS: Final = ("layout", "alignment", "materials", "lights", "cameras", "physics")
 
+# The present name of each section of room.yaml that had another one; its step and layer keep that.
+FORMER_SECTIONS: Final = {"alignment": "furniture"}
+
 # What each stage defines, with all that lies below. Layout also defines the world.
 OWNED: Final = {
     "layout": (ROOM,),
@@ -163,6 +166,11 @@ def natural_sort_key(name: str) -> list[tuple[int, str]]:
     """A key by which names are sorted as people count: ``view_10`` comes after ``view_9``."""
     parts = _DIGITS.split(name)
     return [(int(part), "") if place % 2 else (0, part) for place, part in enumerate(parts)]
+
+
+def section_of(step: str) -> str:
+    """The section of room.yaml that a step makes a layer of."""
+    return FORMER_SECTIONS.get(step, step)
 
 
 def leaf(number: int) -> str:

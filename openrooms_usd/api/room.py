@@ -1,6 +1,7 @@
 """A room that is built step by step; every step is checked, and is plain data in the end."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
@@ -8,8 +9,10 @@ from pydantic import ConfigDict
 
 from openrooms_usd import description
 from openrooms_usd.api.given import AnyPath, path_of, unknown_name
-from openrooms_usd.description.alignment import PlacedObject
+from openrooms_usd.description.former import name_in
+from openrooms_usd.description.furniture import PlacedObject
 from openrooms_usd.errors import InputError
+from openrooms_usd.names import section_of
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
@@ -35,8 +38,8 @@ class Room(description.Room):
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Replace a section, or raise a `DescriptionError` and leave it as it was."""
-        if name in type(self).model_fields:
-            self._change({**self.as_dict(), name: value})
+        if (section := section_of(name)) in type(self).model_fields:
+            self._change({**self.as_dict(), section: value})
         else:
             super().__setattr__(name, value)
 
@@ -90,7 +93,7 @@ class Room(description.Room):
             raise InputError("an object has this name", place=name, remedy="give another name")
         data, place = self.as_dict(), {"at": at, "relative_to": relative_to}
         row = given_of(category=category, **place, **source, **said, **fields)
-        self._rows(data, "alignment", "objects").append(row)
+        self._rows(data, "furniture", "objects").append(row)
         self._change(data)
         return self._named()[-1][0]
 
@@ -276,7 +279,7 @@ class Room(description.Room):
             InputError: There is no such object.
         """
         data = self.as_dict()
-        rows = self._rows(data, "alignment", "objects")
+        rows = self._rows(data, "furniture", "objects")
         known = [name for name, _ in self._named()]
         if name not in known:
             raise unknown_name("object", name, known, "the room")
@@ -302,7 +305,8 @@ class Room(description.Room):
         Args:
             **sections: By key of the description.
         """
-        self._change(_merged(self.as_dict(), sections))
+        data = self.as_dict()
+        self._change(_merged({name_in(sections, key): data[key] for key in data}, sections))
 
     def save(self, file: AnyPath) -> Path:
         """Write it as a ``room.yaml`` that `ou.load_room` reads as the same room.
@@ -363,17 +367,13 @@ class Room(description.Room):
                 place=section,
                 remedy="ou.generate(room_type, seed) lists what is generated, to be changed",
             )
-        listed = "further" if section == "alignment" and self._is_scan() else key
-        rows: list[Any] = said.setdefault(listed, [])
-        return rows
+        return said.setdefault(self._list() if section == "furniture" else key, [])  # type: ignore[no-any-return]
 
     def _named(self) -> list[tuple[str, PlacedObject]]:
-        """The listed objects with their names, in order."""
-        listed = getattr(self.alignment, "further" if self._is_scan() else "objects", None)
-        return description.named_objects(listed or ())
+        return description.named_objects(getattr(self.furniture, self._list(), None) or ())
 
-    def _is_scan(self) -> bool:
-        return getattr(self.alignment, "source", None) == "scan"
+    def _list(self) -> str:
+        return "further" if getattr(self.furniture, "source", None) == "scan" else "objects"
 
     def _change(self, data: dict[str, Any]) -> None:
         self._take(description.room_of(data))
@@ -382,7 +382,8 @@ class Room(description.Room):
         """Become what a checked room says; where its names of files begin stays."""
         for name in ("__dict__", "__pydantic_fields_set__"):
             object.__setattr__(self, name, getattr(room, name).copy())
-        self._text = room._text  # of the file, until something is changed
+        notes = tuple(dict.fromkeys((*self.notes, *room.notes)))
+        self._text = replace(room._text, notes=notes)  # of the file, until something is changed
 
 
 def given_of(**fields: Any) -> dict[str, Any]:

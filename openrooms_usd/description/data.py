@@ -7,6 +7,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ValidationError
 
 from openrooms_usd.description.diagnosis import diagnose
+from openrooms_usd.description.former import rename_sections
 from openrooms_usd.description.mistakes import Mistake, MistakesError, Place, Steps, shown
 from openrooms_usd.description.reading import MAX_DEPTH, Mapping, Sequence
 from openrooms_usd.errors import DescriptionError
@@ -34,6 +35,7 @@ def refused(
 ) -> DescriptionError:
     """What to raise for what pydantic found in data that stands in no file."""
     found = placed(data)
+    rename_sections(found, _NAME)
     return MistakesError(_NAME, diagnose(error, found, model))
 
 

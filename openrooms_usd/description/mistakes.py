@@ -41,7 +41,7 @@ class Mistake:
 
 
 def written(path: Steps) -> str:
-    """A path as people write it: ``alignment.objects[3].size[1]``."""
+    """A path as people write it: ``furniture.objects[3].size[1]``."""
     text = "".join(
         f"[{step}]"
         if isinstance(step, int)

@@ -208,7 +208,7 @@ def relabel(scene: Path, name: str, category: str) -> Standing:
     """
     from openrooms_usd.description.room import room_of
 
-    room_of({"alignment": {"objects": [{"category": category, "at": [0.0, 0.0]}]}})
+    room_of({"furniture": {"objects": [{"category": category, "at": [0.0, 0.0]}]}})
     with editing(scene) as stage:
         prim = furniture(stage, name)
         label(prim, category)

@@ -113,7 +113,7 @@ def _description(exhibits: Sequence[Exhibit], seed: int) -> dict[str, object]:
         }
         for item in exhibits
     ]
-    return {"seed": seed, "alignment": {"objects": objects}, "materials": {"resolution": 256}}
+    return {"seed": seed, "furniture": {"objects": objects}, "materials": {"resolution": 256}}
 
 
 def _arranged(exhibits: Sequence[Exhibit]) -> Iterator[_Spot]:

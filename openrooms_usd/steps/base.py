@@ -203,7 +203,7 @@ def fingerprint(stage: Step, room: Room, source: Path, layer: Callable[[str], Pa
     Raises:
         InputError: An input file is missing, or cannot be read.
     """
-    section = getattr(room, stage.name)
+    section = getattr(room, names.section_of(stage.name))
     parts: dict[str, Any] = {
         "stage": stage.name,
         "code": code_digest(*code_of(stage), *_adapters(room), apart=_APART),
@@ -254,10 +254,10 @@ def code_of(stage: Step) -> tuple[str, ...]:
 
 def _adapters(room: Room) -> Iterator[str]:
     """The modules of importers and segmenters that fill sections; what is missing is said later."""
-    sections = [s for s in (room.layout, room.alignment) if isinstance(s, CapturedSection)]
+    sections = [s for s in (room.layout, room.furniture) if isinstance(s, CapturedSection)]
     known = adapters.available(adapters.IMPORTERS) if sections else {}
     yield from (known[s.reader].module for s in sections if s.reader in known)
-    segmenter = getattr(room.alignment, "segmenter", None)
+    segmenter = getattr(room.furniture, "segmenter", None)
     known = adapters.available(adapters.SEGMENTERS) if segmenter else {}
     yield from (known[name].module for name in (segmenter,) if name in known)
 

@@ -12,7 +12,7 @@ from pxr import Usd
 from openrooms_usd import names
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room
-from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.description.furniture import ScanFurniture
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.editing import History
 from openrooms_usd.edits.snapping import PlanPoint
@@ -137,7 +137,7 @@ def corrections(
         from openrooms_usd.view.describing import Described
         from openrooms_usd.view.fields import Fields
 
-        is_scan = isinstance(load_room(room).alignment, ScanAlignment)
+        is_scan = isinstance(load_room(room).furniture, ScanFurniture)
         described = Described(room, (out or room.parent / "composed") / names.SCENE)
         with quiet():
             described.compose()
@@ -191,7 +191,7 @@ class Hints(Fields):
             "size": [round(side, _DIGITS) for side in thing.size],
         }
         self.described.change(
-            "alignment", lambda section: {"further": [*(section.get("further") or ()), row]}
+            "furniture", lambda section: {"further": [*(section.get("further") or ()), row]}
         )
         return self._standing(copy)
 
@@ -262,7 +262,7 @@ class Hints(Fields):
             held = section.get("objects")
             return {"objects": change(self._all(stage) if held is None else list(held))}
 
-        self.described.change("alignment", listed)
+        self.described.change("furniture", listed)
 
     def _all(self, stage: Usd.Stage) -> list[Row]:
         """What is there of the scan, as hints."""

@@ -57,9 +57,9 @@ def test_a_capture_becomes_a_room_that_composes(here: Path) -> None:
 
 def test_mistakes_name_the_place_in_the_data(here: Path) -> None:
     wrong = copy.deepcopy(ROOM)
-    wrong["alignment"]["objects"][0]["colour"] = "red"
+    wrong["furniture"]["objects"][0]["colour"] = "red"
     for refused in (lambda: ou.load_room(wrong), lambda: ou.compose(wrong, "out")):
-        with pytest.raises(DescriptionError, match=r"alignment\.objects\[0\]\.colour: unknown key"):
+        with pytest.raises(DescriptionError, match=r"furniture\.objects\[0\]\.colour: unknown key"):
             refused()
     assert list(here.iterdir()) == []
 

@@ -217,7 +217,7 @@ def test_other_lights_come_by_day_and_some_lamp_is_on(rooms: dict[str, Room]) ->
 def test_every_environment_has_another(environment: dict[str, object]) -> None:
     lights = {"environment": environment, "lamps": {"a": {"radiance": [1, 2, 3]}}}
     objects = [{"category": "floor_lamp", "name": "a", "at": [1, 1]}]
-    room = room_of({"lights": lights, "alignment": {"objects": objects}})
+    room = room_of({"lights": lights, "furniture": {"objects": objects}})
     found = [with_other_lights(room, seed).lights for seed in (1, 2)]
     assert found[0].environment != found[1].environment != room.lights.environment
     assert all(lights.lamps["a"].on for lights in found)
@@ -229,7 +229,7 @@ def test_every_environment_has_another(environment: dict[str, object]) -> None:
 
 def test_lamps_of_which_nobody_says_how_bright_they_are_are_other_too() -> None:
     objects = [{"category": "floor_lamp", "name": "a", "at": [1, 1]}]
-    room = room_of({"alignment": {"objects": objects}})
+    room = room_of({"furniture": {"objects": objects}})
     usual = CATEGORIES["floor_lamp"].lumen
     found = [with_other_lights(room, seed).lights.lamps["a"].lumen for seed in range(20)]
     assert len(set(found)) == 20 and 0.5 * usual <= min(found) < usual < max(found) <= 1.6 * usual

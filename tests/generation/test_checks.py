@@ -28,7 +28,7 @@ class Room:
         shapes = Shapes(3)
         self.text = write(generate("kitchen", 3, clutter=1, shapes=shapes))
         self.scene = assembled(self.text, shapes, folder)
-        rows = parse_room(self.text).alignment.objects
+        rows = parse_room(self.text).furniture.objects
         self.supports = checks.described_supports(rows, lambda name: category(name).support)
         self.hanging = checks.described_hanging(rows, lambda name: category(name).placements)
 

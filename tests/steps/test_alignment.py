@@ -42,7 +42,7 @@ def _compose(
     folder: Path, objects: list[dict[str, Any]], *, seed: int = 0, workers: int = 1, **section: Any
 ) -> tuple[Usd.Stage, list[str]]:
     room = Room.model_validate(
-        {"seed": seed, "layout": {"height": HEIGHT}, "alignment": {"objects": objects, **section}}
+        {"seed": seed, "layout": {"height": HEIGHT}, "furniture": {"objects": objects, **section}}
     )
     layers = folder / "layers"
     with drafting(folder) as draft:
@@ -350,7 +350,7 @@ def test_a_change_in_what_a_model_refers_to_is_noticed(tmp_path: Path) -> None:
     (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 0 0\nmap_Kd a.png\n")
     (tmp_path / "a.png").write_bytes(b"")
     room = Room.model_validate(
-        {"alignment": {"objects": [_own("whole.usda"), _own("a.obj"), _own("missing.usd")]}}
+        {"furniture": {"objects": [_own("whole.usda"), _own("a.obj"), _own("missing.usd")]}}
     )
     stage = AlignmentStep()
     found = list(stage.inputs(room, tmp_path))

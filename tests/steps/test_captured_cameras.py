@@ -63,7 +63,7 @@ def capture(folder: Path, **more: object) -> Path:
 def compose(folder: Path, cameras: str) -> Usd.Stage:
     (folder / "room.yaml").write_text(
         "layout: {from: boxes, file: boxes.json}\n"
-        "alignment: {from: boxes, file: boxes.json}\n"
+        "furniture: {from: boxes, file: boxes.json}\n"
         f"cameras: {cameras}\n"
     )
     compose_room(folder / "room.yaml", folder / "out", flatten=False)

@@ -115,7 +115,7 @@ def written(room: Room, out: Path) -> set[str]:
 def furnished(*categories: str) -> Room:
     things = [{"category": name, "at": [1 + i, 1]} for i, name in enumerate(categories)]
     return Room.model_validate(
-        {"alignment": {"objects": things}, "materials": {"resolution": 16}, "physics": {}}
+        {"furniture": {"objects": things}, "materials": {"resolution": 16}, "physics": {}}
     )
 
 
@@ -269,7 +269,7 @@ def test_the_names_of_materials_stay(swatch: Swatch, said: str) -> None:
 DESCRIPTION = """
 room: living_room
 seed: 4
-alignment:
+furniture:
   objects:
     - {name: sofa, category: sofa, at: [2, 3.4]}
     - {name: chair, category: chair, at: [1, 1], style: slat}
@@ -398,7 +398,7 @@ RICH = """
 room: bedroom
 layout:
   openings: [{kind: window, wall: 0}, {kind: door, wall: 1}]
-alignment:
+furniture:
   objects:
     - {category: dresser, name: dresser, at: [1, 1]}
     - {category: table_lamp, on: dresser, at: [1, 1]}

@@ -15,7 +15,7 @@ layout:
   openings:
     - {{name: door, kind: door, wall: 0, open: {open}}}
     - {{name: window, kind: window, wall: 1}}
-alignment:
+furniture:
   objects:
     - {{name: sofa, category: sofa, at: [2, 3], yaw: 20}}
     - {{name: lamp, category: floor_lamp, at: [1, 1]}}

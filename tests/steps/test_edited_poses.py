@@ -12,7 +12,7 @@ seed: {seed}
 layout:
   openings:
     - {{name: door, kind: door, wall: 0, open: 60}}
-alignment:
+furniture:
   objects:
     - {{name: sofa, category: sofa, at: [2, 3], yaw: 20}}
 cameras:

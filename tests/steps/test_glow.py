@@ -31,7 +31,7 @@ def room(looks: int = 1, **materials: Any) -> Room:
     lamps["dark"]["on"] = False  # type: ignore[assignment]
     return Room.model_validate(
         {
-            "alignment": {"objects": objects},
+            "furniture": {"objects": objects},
             "materials": {"resolution": 16, "looks": looks, **materials},
             "lights": {"lamps": lamps},
         }

@@ -40,7 +40,7 @@ BASE: Final[Data] = {
         "ceiling": {"kind": "beams"},
         "cladding": [{"name": "tiles", "walls": [2], "span": [1, 2], "top": 2.0}],
     },
-    "alignment": {
+    "furniture": {
         "objects": [
             {"name": "desk", "category": "desk", "at": [1, 3], "style": "framed"},
             {"name": "lamp", "category": "table_lamp", "at": [1, 3], "on": "desk"},
@@ -80,7 +80,7 @@ SELECT: Final[Data] = {"from": "select", "count": 4}
 Patch = tuple[str, Any]
 W, A, M, E, C, P = (
     "layout.openings.",
-    "alignment.objects.",
+    "furniture.objects.",
     "materials.",
     "lights.environment.",
     "cameras.views.0.",
@@ -116,7 +116,7 @@ CHANGES: Final[list[tuple[str, list[Patch], list[Patch]]]] = [
         ("layout.cladding.0.span", [1, 2.5]), ("layout.cladding.0.bottom", 0.3),
         ("layout.cladding.0.top", 1.5), ("layout.cladding.0.depth", 0.02),
     ]),
-    ("alignment", [], [
+    ("furniture", [], [
         ("seed", 2), (A + "0.name", "other"), (A + "0.category", "table"), (A + "0.at", [1.1, 3]),
         (A + "0.yaw", 20), (A + "0.tilt", [5, 0]), (A + "0.size", [1.5, 0.8, 0.74]),
         (A + "0.style", "writing"), (A + "1.relative_to", "desk"), (A + "1.on", "floor"),
@@ -125,7 +125,7 @@ CHANGES: Final[list[tuple[str, list[Patch], list[Patch]]]] = [
         (A + "3.size", [1, 1, 1]), (A + "3.up", "Z"), (A + "3.front", "+X"), (A + "3.unit", 0.5),
         (A + "3.file", "other.obj"), (A + "4.fronts", "shaker"), (A + "4.cutouts", [[0, 0, 1, 1]]),
     ]),
-    ("alignment", [(A + "0.on", "wall")], [(A + "0.yaw", 30), (A + "0.tilt", [5, 0])]),
+    ("furniture", [(A + "0.on", "wall")], [(A + "0.yaw", 30), (A + "0.tilt", [5, 0])]),
     ("materials", [], [
         ("style", "rustic"), (M + "floor", None), (M + "walls", None), (M + "ceiling", None),
         (M + "floor.family", "oak_parquet"), (M + "floor.number", 2),

@@ -36,7 +36,7 @@ OBJECTS = [
 
 
 def room(objects: list[dict[str, Any]] = OBJECTS, **lights: object) -> Room:
-    return Room.model_validate({"seed": 5, "alignment": {"objects": objects}, "lights": lights})
+    return Room.model_validate({"seed": 5, "furniture": {"objects": objects}, "lights": lights})
 
 
 def compose(folder: Path, described: Room) -> tuple[Usd.Stage, list[str]]:

@@ -20,7 +20,7 @@ def room(**materials: object) -> Room:
             "room": "living_room",
             "seed": 4,
             "layout": {"openings": [{"kind": "door", "name": "door", "wall": 0}]},
-            "alignment": {
+            "furniture": {
                 "objects": [
                     {"name": "sofa", "category": "sofa", "at": [2, 3.4]},
                     {"name": "lamp", "category": "floor_lamp", "at": [0.5, 3.4]},

@@ -37,7 +37,7 @@ ROOM = {
             {"kind": "window", "name": "window", "wall": 1},
         ]
     },
-    "alignment": {
+    "furniture": {
         "objects": [
             {"name": "board", "category": "cabinet", "at": [2, 3.5], "style": "sideboard"},
             {"name": "picture", "category": "picture", "at": [4.9, 2]},

@@ -206,7 +206,7 @@ def test_edits_are_made_once_read_by_stages_and_never_written_again(place: Path)
 def test_only_runs_one_stage(place: Path) -> None:
     compose(place)
     (place / "input.txt").write_text("two")
-    summary = compose_room(place / "room.yaml", place / "out", only="alignment")
+    summary = compose_room(place / "room.yaml", place / "out", only="furniture")
     assert [(row.stage, row.state) for row in summary.stages] == [("alignment", "unchanged")]
 
 

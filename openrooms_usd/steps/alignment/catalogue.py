@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd.description.alignment import FileObject, LibraryObject
+from openrooms_usd.description.furniture import FileObject, LibraryObject
 from openrooms_usd.furniture import (
     CATEGORIES,
     NOTHING_ORDERED,

@@ -18,7 +18,7 @@ from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.steps.alignment.surroundings import RoomGeometry
 
-_OBJECTS: Final = ("alignment", "objects")
+_OBJECTS: Final = ("furniture", "objects")
 
 Tilt: TypeAlias = tuple[float, float]
 
