@@ -336,7 +336,7 @@ class Room(description.Room):
         Args:
             out: The folder for ``scene.usda`` and ``layers/``.
             workers: Threads that a stage may use; all cores by default.
-            progress: Called with each stage's name and the finished fraction of all stages.
+            progress: Called with each step's name and the finished fraction of all steps.
 
         Returns:
             The composed room.

@@ -34,7 +34,7 @@ from openrooms_usd.untrusted import check_path, opened
 
 # What makes the views of a job, but for what is loaded by name.
 _MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generation")
-_STAGES: Final = "openrooms_usd.steps"
+_STEPS: Final = "openrooms_usd.steps"
 # The fractional part of the golden ratio: multiples of it fill 0 to 1 evenly, however many.
 _GOLDEN: Final = 0.6180339887498949
 # The parts of a dataset.yaml that its views depend on, beside their room.
@@ -247,8 +247,8 @@ def code_of(renderer: str) -> str:
     """
     drawing = adapters.find(adapters.RENDERERS, renderer).module
     importers = sorted(point.module for point in adapters.available(adapters.IMPORTERS).values())
-    stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.step" for name in STEPS)]
-    return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, drawing)
+    steps = [f"{_STEPS}.runner", *(f"{_STEPS}.{name}.step" for name in STEPS)]
+    return code_digest(*_MAKERS, *steps, *registry.modules(), *importers, drawing)
 
 
 def file_digest(path: Path) -> str:
@@ -306,7 +306,7 @@ def inputs_digest(description: Path) -> str | None:
 
     with suppress(OrusdError):
         room, folder = load_room(description), description.parent
-        names = sorted({name for stage in runner.steps() for name in stage.inputs(room, folder)})
+        names = sorted({name for step in runner.steps() for name in step.inputs(room, folder)})
         digest = hashlib.sha256()
         for name in names:
             digest.update(f"{file_digest(folder / name)}  {name}\n".encode())

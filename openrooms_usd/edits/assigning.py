@@ -2,7 +2,7 @@
 
 Materials lie in ``/World/Looks``, their textures in ``layers/edits/textures``; each part that was
 meant is bound to one of them. An instance cannot be edited inside, so an object with an edited part
-stops being an instance. The stages leave alone what the edits bind.
+stops being an instance. The steps leave alone what the edits bind.
 """
 
 from collections.abc import Iterable, Mapping
@@ -94,7 +94,7 @@ def assign(
 
 
 def unassign(scene: Path, path: str, scope: Scope) -> Assigned:
-    """Let parts be made of what the stages gave them again.
+    """Let parts be made of what the steps gave them again.
 
     Raises:
         InputError: There is no such part, or this is not a composed room.

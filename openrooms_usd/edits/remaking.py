@@ -179,7 +179,7 @@ def add(scene: Path, said: Mapping[str, Any], base: Path | None = None) -> Stand
         author_described(spec, stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
         prim = stage.GetPrimAtPath(path)
         give_model(context, spec, prim, wanted.asset)
-        # The lights stage writes over bulbs, which it could not inside an instance.
+        # The lights step writes over bulbs, which it could not inside an instance.
         spec.instanceable = not wanted.emits
         for note in context.notes:
             _LOG.warning("%s", note)

@@ -1,4 +1,4 @@
-"""``from: generate`` in a description becomes what it stands for, before any stage runs."""
+"""``from: generate`` in a description becomes what it stands for, before any step runs."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a description asks for that cannot be made, found before any stage runs: all at once."""
+"""What a description asks for that cannot be made, found before any step runs: all at once."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache

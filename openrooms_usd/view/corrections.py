@@ -67,7 +67,7 @@ class Corrections:
 
         Args:
             change: What is done.
-            bares: Whether stages may have left something out because of prims that no longer exist.
+            bares: Whether steps may have left something out because of prims that no longer exist.
         """
         with quiet(), self.history.step():
             found = change()
@@ -76,7 +76,7 @@ class Corrections:
         return {**found, **self.told()}
 
     def _follow(self) -> None:
-        """Stages leave out what edits say: without the edit it must be made again."""
+        """Steps leave out what edits say: without the edit it must be made again."""
         if self._composed and self.description is not None:
             self.compose()
 

@@ -73,7 +73,7 @@ def test_what_is_no_room_is_refused(wrong: object, here: Path) -> None:
 def test_a_scene_says_what_it_is(scene: ou.Scene) -> None:
     assert list(scene.cameras) == ["left", "right"]
     assert list(scene.objects) == ["chair_0", "ceiling_lamp_0"]
-    assert "6 stages written" in repr(scene)
+    assert "6 steps written" in repr(scene)
     for path in (scene, str(scene.path), scene.folder, str(scene.folder)):
         opened = ou.open_scene(path)
         assert opened.path == scene.path and opened.composed is None

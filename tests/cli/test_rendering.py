@@ -13,7 +13,7 @@ from openrooms_usd.channels import CHANNELS, WRITTEN, markdown_page
 from openrooms_usd.cli import orusd
 from openrooms_usd.cli.composing import _done
 from openrooms_usd.cli.rendering import _losses, _warnings
-from openrooms_usd.composing import ComposeSummary, StageSummary
+from openrooms_usd.composing import ComposeSummary, StepSummary
 from openrooms_usd.rendering import exr
 from tests.commands import output_of, run
 
@@ -245,7 +245,7 @@ def test_init_for_programs(tmp_path):
 
 def test_what_compose_says_it_did(tmp_path):
     def done(state, *files):
-        stages = (StageSummary("layout", state, 0.0),)
+        stages = (StepSummary("layout", state, 0.0),)
         return _done(ComposeSummary(tmp_path, stages, files))
 
     assert done("written") == "composed"

@@ -307,7 +307,7 @@ def test_the_versions_of_what_others_wrote_are_told_apart(
 
 
 def test_every_file_of_data_counts_for_some_module() -> None:
-    # Written out for people by commands; no stage reads them.
+    # Written out for people by commands; no step reads them.
     by_hand = {
         "starter.yaml",
         "room.yaml",

@@ -1,6 +1,6 @@
 """The scene of a generated room without assets: what compose writes, put together in memory.
 
-The layout is composed; furniture stands where the alignment stage's own rules put it, in the forms
+The layout is composed; furniture stands where the alignment step's own rules put it, in the forms
 that the generator built. A test asks that this is what is composed.
 """
 

@@ -53,8 +53,8 @@ PLANTED = {
 
 def found(text: str, folder: Path) -> list[str]:
     (folder / "room.yaml").write_text(text)
-    for stage in ("layout", "alignment"):
-        scene = compose_room(folder / "room.yaml", folder / "out", only=stage).scene
+    for step in ("layout", "alignment"):
+        scene = compose_room(folder / "room.yaml", folder / "out", only=step).scene
     return wrong(text, scenes.read(scene))
 
 

@@ -1,4 +1,4 @@
-"""What cannot be made is told at once, with the line, before any stage runs or within one."""
+"""What cannot be made is told at once, with the line, before any step runs or within one."""
 
 from pathlib import Path
 
@@ -86,7 +86,7 @@ def test_from_python_the_path_alone_is_told(tmp_path: Path) -> None:
         ("physics: {}\nlights: {screens: {chair_0: {}, stool_0: {}}}\n", ["chair_0", "stool_0"]),
     ],
 )
-def test_what_a_stage_finds_has_its_line(section: str, rows: list[str], tmp_path: Path) -> None:
+def test_what_a_step_finds_has_its_line(section: str, rows: list[str], tmp_path: Path) -> None:
     text = "furniture:\n  objects: [{category: chair, at: [1, 1]}, {category: stool, at: [3, 1]}]\n"
     small = "materials: {resolution: 16}\n" if "materials" not in section else ""
     found = mistakes(text + small + section, tmp_path)

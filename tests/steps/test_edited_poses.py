@@ -1,4 +1,4 @@
-"""People move things in the edits layer; every stage runs again over that without a word."""
+"""People move things in the edits layer; every step runs again over that without a word."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The materials stage: everything is bound, repeats share, overrides hold, bytes never depend."""
+"""The materials step: everything is bound, repeats share, overrides hold, bytes never depend."""
 
 import hashlib
 from collections.abc import Callable
@@ -53,8 +53,8 @@ def room(**materials: object) -> Room:
 def compose(folder: Path, described: Room, *, workers: int = 1) -> Usd.Stage:
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep()):
-            runner.run(stage, described, folder, draft, "fingerprint", workers)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep()):
+            runner.run(step, described, folder, draft, "fingerprint", workers)
         runner.write_scene(draft)
     stage = Usd.Stage.Open(str(folder / names.SCENE))
     # USD caches layers by name, also those that were written again since then.

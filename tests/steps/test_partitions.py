@@ -1,4 +1,4 @@
-"""Free-standing walls as the stages author and read them."""
+"""Free-standing walls as the steps author and read them."""
 
 from pathlib import Path
 

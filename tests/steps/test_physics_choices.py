@@ -42,8 +42,8 @@ def compose(folder: Path, room: dict[str, Any], workers: int = 1) -> tuple[Usd.S
     found = Room.model_validate(room)
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep(), PhysicsStep()):
-            notes = runner.run(stage, found, folder, draft, "fingerprint", workers)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep(), PhysicsStep()):
+            notes = runner.run(step, found, folder, draft, "fingerprint", workers)
         runner.write_scene(draft)
     made = Usd.Stage.Open(str(folder / names.SCENE))
     made.Reload()
@@ -94,8 +94,8 @@ def test_names_that_are_not_there_are_refused(tmp_path: Path) -> None:
     )
     with drafting(tmp_path) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep()):
-            runner.run(stage, found, tmp_path, draft, "fingerprint", 1)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep()):
+            runner.run(step, found, tmp_path, draft, "fingerprint", 1)
         with pytest.raises(DescriptionError, match="there is no object 'one'"):
             runner.run(PhysicsStep(), wrong, tmp_path, draft, "fingerprint", 1)
 

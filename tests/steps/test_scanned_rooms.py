@@ -49,7 +49,7 @@ def test_a_room_that_is_not_there_says_which_are() -> None:
     assert "0 (25.0 m2), 1 (9.0 m2)" in caught.value.remedy
 
 
-# Composes one stage, and counts what is found and what of a scan is read meanwhile.
+# Composes one step, and counts what is found and what of a scan is read meanwhile.
 COUNTING = """
 import sys
 from pathlib import Path

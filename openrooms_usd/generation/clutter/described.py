@@ -49,7 +49,7 @@ def lying_in(
 
 
 class _Described:
-    """Finds where described objects stand, as the alignment stage will."""
+    """Finds where described objects stand, as the alignment step will."""
 
     def __init__(
         self, objects: Sequence[AnyObject], shell: Shell, shapes: Shapes, folder: Path

@@ -68,7 +68,7 @@ def placed_model(
     """A CAD as an asset at its own size, at the pose that was captured: tilt and scales are kept.
 
     Args:
-        context: The stage's.
+        context: The step's.
         catalogue: Makes the asset, one for all that share it.
         model: The CAD; its file is there.
         thing: The same as a box, with its name and its label.

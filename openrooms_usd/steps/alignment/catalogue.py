@@ -42,7 +42,7 @@ class Catalogue:
     """Makes each distinct asset once.
 
     Attributes:
-        context: The stage's context: its seed draws styles and details.
+        context: The step's context: its seed draws styles and details.
     """
 
     context: StepContext

@@ -328,7 +328,7 @@ def _author_furniture(
             prim.SetInfo("kind", Kind.Tokens.component)
             path = context.asset(f"{ASSETS}/{item.asset.file}")
             prim.referenceList.Prepend(Sdf.Reference(path))
-            # The lights stage writes over the bulb, which it could not inside an instance.
+            # The lights step writes over the bulb, which it could not inside an instance.
             prim.instanceable = not item.emits
             stand = stands[name]
             if item.pose is None:

@@ -1,4 +1,4 @@
-"""The layout stage: floor, ceiling, walls with real holes, and what fills these holes."""
+"""The layout step: floor, ceiling, walls with real holes, and what fills these holes."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

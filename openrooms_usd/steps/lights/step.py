@@ -1,4 +1,4 @@
-"""The lights stage: one environment, and lamps as their emitting meshes.
+"""The lights step: one environment, and lamps as their emitting meshes.
 
 Our pictures are lit by the mesh light. Blender and other programs ignore it and use the material,
 whose ``emissiveColor`` has the same radiance. A program that supports both counts only the light,

@@ -1,4 +1,4 @@
-"""The physics stage: gravity, bodies, collision shapes and joints.
+"""The physics step: gravity, bodies, collision shapes and joints.
 
 The physics of an object is a layer of its own, which its root references above its asset and its
 look, so that repeats go on sharing a prototype; see `objects`. That of the room's shell is
