@@ -32,7 +32,7 @@ def path_of(given: AnyPath, what: str = "a path") -> Path:
     if isinstance(given, (str, os.PathLike)):
         return Path(given)
     remedy = "ou.compose(room, out) makes a scene of a room" if _is_room(given) else None
-    raise InputError(f"expected {what}, found {_shown(given)}", remedy=remedy)
+    raise InputError(f"expected {what}, found {_excerpt(given)}", remedy=remedy)
 
 
 def usd_file(given: AnyPath) -> Path:
@@ -77,7 +77,7 @@ def size_of(given: object, what: str) -> tuple[int, int]:
             return int(width), int(height)
     remedy = "give a width and a height, such as (640, 480)"
     raise InputError(
-        f"expected two whole numbers, found {_shown(given)}", place=what, remedy=remedy
+        f"expected two whole numbers, found {_excerpt(given)}", place=what, remedy=remedy
     )
 
 
@@ -96,7 +96,7 @@ def choice_of(given: object, choices: object, what: str) -> None:
     if given not in known:
         remedy = f"choose one of: {', '.join(known)}"
         hint = did_you_mean(given, known)
-        raise InputError(f"{_shown(given)} cannot be chosen{hint}", place=what, remedy=remedy)
+        raise InputError(f"{_excerpt(given)} cannot be chosen{hint}", place=what, remedy=remedy)
 
 
 def points_of(given: object, what: str) -> list[tuple[float, float, float]]:
@@ -113,7 +113,7 @@ def points_of(given: object, what: str) -> list[tuple[float, float, float]]:
         return [(float(x), float(y), float(z)) for x, y, z in given]  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         remedy = "give a list of points, such as [(2, 1.5, 1.2)], in metres"
-        raise InputError(f"{_shown(given)} are not points", place=what, remedy=remedy) from None
+        raise InputError(f"{_excerpt(given)} are not points", place=what, remedy=remedy) from None
 
 
 def unknown_name(
@@ -139,7 +139,7 @@ def _is_room(given: object) -> bool:
     return isinstance(given, Mapping) or type(given).__name__ == "Room"
 
 
-def _shown(given: object) -> str:
+def _excerpt(given: object) -> str:
     text = repr(given)
     return text if len(text) <= 60 else f"{text[:50]}... ({type(given).__name__})"
 

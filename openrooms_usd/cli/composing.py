@@ -86,7 +86,7 @@ def compose(
     if len(summary.orphans) > most(_SHOWN):
         echo(f"edits: {len(summary.orphans) - _SHOWN} more; orusd edit orphans {out}")
     seconds = time.perf_counter() - started
-    echo(f"{_done(summary)}: {summary.scene} ({seconds:.2f} s)")
+    echo(f"{_outcome(summary)}: {summary.scene} ({seconds:.2f} s)")
     for path in summary.files:
         echo(f"wrote {path}")
 
@@ -98,7 +98,7 @@ _SHOWN: Final = 5
 _DEMO_SAMPLES: Final = 16
 
 
-def _done(summary: "ComposeSummary") -> str:
+def _outcome(summary: "ComposeSummary") -> str:
     if not summary.unchanged:
         return "composed"
     if summary.files:

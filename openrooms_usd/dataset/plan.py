@@ -119,7 +119,7 @@ def plan_rooms(dataset: Dataset) -> Iterator[PlannedRoom]:
         if isinstance(rooms, GeneratedRooms):
             for index in range(rooms.count):
                 kind = rooms.types[index % len(rooms.types)]
-                seed = _drawn(dataset.seed, "room", part, kind, index) % _LARGEST_SEED
+                seed = _derive_seed(dataset.seed, "room", part, kind, index) % _LARGEST_SEED
                 source: dict[str, Any] = {
                     "type": kind,
                     "seed": seed,
@@ -153,7 +153,7 @@ def plan_jobs(dataset: Dataset) -> Iterator[Job]:
     for room in plan_rooms(dataset):
         source = json.dumps(room.source, sort_keys=True)
         for variant in dataset.variants:
-            seed = _drawn(dataset.seed, "variant", room.name, variant) % _LARGEST_SEED
+            seed = _derive_seed(dataset.seed, "variant", room.name, variant) % _LARGEST_SEED
             text = f"{shared}\n{room.name}\n{source}\n{variant}\n{seed}"
             key = hashlib.sha256(text.encode()).hexdigest()[:_KEY_DIGITS]
             yield Job(room, variant, seed, key, views)
@@ -193,7 +193,7 @@ def jobs_of(text: Iterable[str]) -> Iterator[Job]:
         yield Job(room, row["variant"], row["seed"], key, views)
 
 
-def _drawn(seed: int, *key: str | int) -> int:
+def _derive_seed(seed: int, *key: str | int) -> int:
     """A whole number that depends on a seed and a key alone."""
     text = json.dumps([seed, "dataset", *key]).encode()
     return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
@@ -201,7 +201,7 @@ def _drawn(seed: int, *key: str | int) -> int:
 
 def _split(dataset: Dataset, number: int) -> Split:
     """What a room is for: any run of rooms in their order has nearly the shares that are asked."""
-    at = (_drawn(dataset.seed, "split") / 2**64 + number * _GOLDEN) % 1.0
+    at = (_derive_seed(dataset.seed, "split") / 2**64 + number * _GOLDEN) % 1.0
     total = 0.0
     for name in SPLITS:
         total += getattr(dataset.splits, name)

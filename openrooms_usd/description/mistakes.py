@@ -80,7 +80,7 @@ class MistakesError(DescriptionError):
 
     def __init__(self, name: str, mistakes: Iterable[Mistake], given: Any = None) -> None:
         self.name, self.mistakes, self.given = name, tuple(mistakes), given
-        super().__init__(_listed(name, self.mistakes), place=name)
+        super().__init__(_list_mistakes(name, self.mistakes), place=name)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Workers hand it over.
@@ -97,13 +97,13 @@ class FieldsError(DescriptionError):
     def __init__(self, *found: tuple[Steps, str]) -> None:
         self.found = found
         mistakes = [Mistake(Place(0, i), *row) for i, row in enumerate(found)]
-        super().__init__(_listed("the room", mistakes), place="the room")
+        super().__init__(_list_mistakes("the room", mistakes), place="the room")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), self.found
 
 
-def _listed(name: str, mistakes: Iterable[Mistake]) -> str:
+def _list_mistakes(name: str, mistakes: Iterable[Mistake]) -> str:
     ordered = sorted(
         dict.fromkeys(mistakes), key=lambda mistake: (mistake.place, written(mistake.path))
     )

@@ -39,7 +39,7 @@ def expanded(room: Room) -> Room:
         wants_layout and "furniture" not in room.model_fields_set
     )
     if not wants_layout and not wants_objects:
-        return _lived_in(room) if room.clutter else room
+        return _with_clutter(room) if room.clutter else room
     if isinstance(layout, GeneratedLayout):
         clutter = room.clutter if wants_objects else 0
         is_seen = "environment" not in room.lights.model_fields_set
@@ -53,10 +53,10 @@ def expanded(room: Room) -> Room:
         style = room.style or style_of(room.room, room.seed)
         made = furnish(room.room, room.seed, shell, style, room.clutter)
     explicit = _with(room, made, wants_layout, wants_objects)
-    return _lived_in(explicit) if room.clutter and not wants_objects else explicit
+    return _with_clutter(explicit) if room.clutter and not wants_objects else explicit
 
 
-def _lived_in(room: Room) -> Room:
+def _with_clutter(room: Room) -> Room:
     """A described room with what lies about among its objects."""
     layout, listed = room.layout, room.furniture
     assert isinstance(layout, PolygonLayout), "a description allows no others"

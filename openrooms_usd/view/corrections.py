@@ -266,7 +266,7 @@ class Hints(Fields):
 
     def _all(self, stage: Usd.Stage) -> list[Row]:
         """What is there of the scan, as hints."""
-        told = self._told(stage)
+        told = self._labelled_instances(stage)
         if told:
             return [{"instance": number} for number in told]
         found = []
@@ -277,7 +277,7 @@ class Hints(Fields):
                 found.append({"instance": number, "category": word, "box": box})
         return found
 
-    def _told(self, stage: Usd.Stage) -> list[int]:
+    def _labelled_instances(self, stage: Usd.Stage) -> list[int]:
         """The things that the scan itself tells apart; also those that found no place."""
         scan = found_in(stage)
         known = () if scan is None or scan.captured else instances_of(scan.cloud) or ()

@@ -43,7 +43,7 @@ class CadCandidates:
     @cached_property
     def cads(self) -> dict[str, Cad]:
         """People's own, and what the library builds for what they lack."""
-        built = furniture_cads(tuple(sorted(self._wanted())))
+        built = furniture_cads(tuple(sorted(self._library_categories())))
         own = folder_cads(self.context.source / self.furniture.cad) if self.furniture.cad else []
         return {cad.id: cad for cad in (*built, *own)}
 
@@ -76,7 +76,7 @@ class CadCandidates:
             if name not in (UNLABELED, *SHELL)
         }
 
-    def _wanted(self) -> set[str]:
+    def _library_categories(self) -> set[str]:
         """Those of the library's categories that may stand for something, and the box."""
         hints = self.hints or ()
         named = {(hint.cad or "").partition(".")[0] for hint in hints}
