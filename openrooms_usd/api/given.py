@@ -20,7 +20,7 @@ DESCRIPTION: Final = "room.yaml"
 
 
 def path_of(given: AnyPath, what: str = "a path") -> Path:
-    """A path from what stands for one.
+    """The path that an argument gives.
 
     Args:
         given: Text, or anything with a path.
@@ -36,13 +36,13 @@ def path_of(given: AnyPath, what: str = "a path") -> Path:
 
 
 def usd_file(given: AnyPath) -> Path:
-    """The USD file that is meant: of a composed room's folder its root layer."""
+    """The USD file that an argument gives: for a composed room's folder its root layer."""
     path = path_of(given, "a composed room or a USD file")
     return path / names.SCENE if path.is_dir() else path
 
 
 def room_of(given: "Room | Mapping[str, Any] | AnyPath") -> "Room":
-    """The room that is meant.
+    """The room that an argument gives.
 
     Args:
         given: A room, plain data, a ``room.yaml``, or a folder that holds one.
@@ -82,7 +82,7 @@ def size_of(given: object, what: str) -> tuple[int, int]:
 
 
 def choice_of(given: object, choices: object, what: str) -> None:
-    """See that what is given is one of few texts.
+    """Check that a value is one of the allowed texts.
 
     Args:
         given: The value that the caller chose.
@@ -119,7 +119,7 @@ def points_of(given: object, what: str) -> list[tuple[float, float, float]]:
 def unknown_name(
     what: str, name: object, known: Iterable[str], place: object, remedy: str | None = None
 ) -> UnknownNameError:
-    """What to raise where a result holds nothing of a name.
+    """The error for a name that a result does not have.
 
     Args:
         what: What it would be.
@@ -145,6 +145,6 @@ def _excerpt(given: object) -> str:
 
 
 def names_of(given: str | Iterable[str] | None) -> list[str] | None:
-    """Names from one text with commas, or from many texts; None where nothing is given."""
+    """Names from one text with commas, or from several texts; None if nothing is given."""
     found = given.split(",") if isinstance(given, str) else given
     return None if found is None else [name.strip() for name in found]

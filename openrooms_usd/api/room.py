@@ -198,7 +198,7 @@ class Room(description.Room):
         return called
 
     def select_cameras(self, count: int = 3, **fields: Any) -> None:
-        """Find that many good views when the room is composed (docs/reference/description.md)."""
+        """Select this many good views when the room is composed (docs/reference/description.md)."""
         data = self.as_dict()
         self._rows(data, "cameras", "views").append(
             given_of(**{"from": "select"}, count=count, **fields)
@@ -215,7 +215,7 @@ class Room(description.Room):
         on: bool | None = None,
         **fields: Any,
     ) -> None:
-        """Say what a lamp emits.
+        """Set what a lamp emits.
 
         Args:
             name: The object's.
@@ -229,7 +229,7 @@ class Room(description.Room):
         self.update(lights={"lamps": {name: said}})
 
     def set_environment(self, **fields: Any) -> None:
-        """Say what shines in through the openings, in place of what was said before.
+        """Set the light outside the openings; it replaces the previous setting.
 
         Args:
             **fields: A panorama (``file``), a sky (``latitude``, ``longitude``, ``date``,
@@ -248,7 +248,7 @@ class Room(description.Room):
         part: str = "all",
         **fields: Any,
     ) -> None:
-        """Say what something is made of, in place of what was said before.
+        """Set the material of something; it replaces the previous choice.
 
         Args:
             what: ``floor``, ``walls``, ``ceiling``, ``trim`` or ``beams``, one wall such as
@@ -269,7 +269,7 @@ class Room(description.Room):
         self._change(data)
 
     def remove(self, name: str) -> None:
-        """Take an object out of the list, with what is said of its light, materials and mass.
+        """Remove an object from the list, with its light, materials and mass.
 
         Args:
             name: The object's.
@@ -298,7 +298,7 @@ class Room(description.Room):
         self._change(data)
 
     def update(self, **sections: Any) -> None:
-        """Say anything that a room.yaml can; mappings are merged, all else is replaced.
+        """Set any sections of room.yaml; mappings are merged, everything else is replaced.
 
         ``room.update(style="scandinavian", physics={}, materials={"resolution": 1024})``
 
@@ -387,7 +387,7 @@ class Room(description.Room):
 
 
 def given_of(**fields: Any) -> dict[str, Any]:
-    """What was given of some fields; the others keep their defaults."""
+    """The fields that have a value; the others keep their defaults."""
     return {key: value for key, value in fields.items() if value is not None}
 
 

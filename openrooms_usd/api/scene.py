@@ -57,7 +57,7 @@ class Scene(os.PathLike[str]):
 
     @property
     def edits(self) -> Path:
-        """The layer of a composed room that belongs to people."""
+        """The layer of a composed room for your own edits."""
         return self.folder / names.LAYERS / f"{names.EDITS}.usda"
 
     @property
@@ -79,7 +79,7 @@ class Scene(os.PathLike[str]):
 
     @property
     def orphans(self) -> "tuple[Orphan, ...]":
-        """Opinions of the edits that did nothing when it was composed."""
+        """Opinions of the edits that had no effect when it was composed."""
         return self.composed.orphans if self.composed else ()
 
     @property
@@ -202,7 +202,7 @@ class Scene(os.PathLike[str]):
             return open_stage(self.path)
 
     def editing(self) -> "AbstractContextManager[Usd.Stage]":
-        """Open it such that all that is authored goes to ``layers/edits.usda``.
+        """Open it so that changes are written to ``layers/edits.usda``.
 
         ``with scene.editing() as stage:`` saves the layer at the end of the block, and drops what
         was authored where something fails. Objects that are changed in the block are saved with

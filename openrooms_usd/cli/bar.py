@@ -17,7 +17,7 @@ _LINE_SECONDS: Final = 10.0
 
 @contextmanager
 def progress_bar(first: str) -> Iterator[Progress]:
-    """Show on standard error how far a command is, without ``--quiet``.
+    """Show a command's progress on standard error, unless ``--quiet``.
 
     Args:
         first: What is worked on at first.

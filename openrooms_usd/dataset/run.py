@@ -72,7 +72,7 @@ def run_dataset(
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> RunSummary:
-    """Make a dataset, or what is left of it: see `openrooms_usd.api.datasets.run_dataset`.
+    """Make a dataset, or finish one: see `openrooms_usd.api.datasets.run_dataset`.
 
     Finished views stay, whichever run made them; run again after any interruption. The
     same file gives the same bytes with any number of workers.

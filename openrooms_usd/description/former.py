@@ -35,7 +35,7 @@ def rename_sections(data: dict[str, Any], name: str) -> tuple[str, ...]:
 
 
 def note_of(former: str) -> str:
-    """What users should know who wrote the former name of a section."""
+    """The note for users who wrote the former name of a section."""
     return f"`{former}` is called `{FORMER_SECTIONS[former]}` now"
 
 

@@ -88,7 +88,7 @@ class MistakesError(DescriptionError):
 
 
 class FieldsError(DescriptionError):
-    """Fields ask for what cannot be made; who knows the file says where they stand in it.
+    """Fields ask for what cannot be made; a caller that knows the file adds their lines.
 
     Attributes:
         found: The path of each, and what is wrong there.

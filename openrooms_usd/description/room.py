@@ -138,7 +138,7 @@ class Room(CheckedModel):
         return room
 
     def as_dict(self) -> dict[str, Any]:
-        """What was given of it, as plain data that makes the same room again."""
+        """The given fields, as plain data that makes the same room again."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
     def __repr__(self) -> str:
@@ -191,7 +191,7 @@ def of_text(
 
 
 def refused_fields(room: Room, found: Iterable[tuple[Steps, str]]) -> MistakesError:
-    """What to raise where fields of a room ask for what cannot be made.
+    """The error for fields of a room that ask for what cannot be made.
 
     Args:
         room: As it was described.

@@ -105,7 +105,7 @@ def _shorthand(model: Any, key: str, profiles: Any = None) -> BeforeValidator:
 
 
 class Trim(Model):
-    """What runs along walls and around openings; without a key there is none of its kind."""
+    """Mouldings along walls and around openings; an omitted key means none of its kind."""
 
     skirting: Annotated[Skirting, _shorthand(Skirting, "height", Profile)] | None = None
     """Boards along the foot of walls: a mapping, a height, a profile, or `true`."""
@@ -122,7 +122,7 @@ class Trim(Model):
 
 
 class Ceiling(CheckedModel):
-    """What stands out below the ceiling."""
+    """Beams, coffers or a grid below the ceiling."""
 
     kind: CeilingKind = "plain"
     """Nothing, beams, beams that cross, or the bars of a suspended ceiling."""
