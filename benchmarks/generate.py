@@ -80,7 +80,7 @@ def check(tally: Tally, room_type: str, seed: int, clutter: int, folder: Path) -
     room = generate(room_type, seed, clutter=clutter, shapes=shapes)
     text = write(room)
     tally.seconds.append(time.perf_counter() - began)
-    rows = parse_room(text).alignment.objects
+    rows = parse_room(text).furniture.objects
     supports = checks.described_supports(rows, lambda name: category(name).support)
     hanging = checks.described_hanging(rows, lambda name: category(name).placements)
     wrong = checks.violations(assembled(text, shapes, folder), supports, hanging)

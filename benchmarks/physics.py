@@ -120,7 +120,7 @@ Section = tuple[list[dict[str, Any]], str]
 
 
 def shapes(quick: bool, folder: Path) -> Section:
-    """What the physics stage takes, one hull, and one box."""
+    """What the physics step takes, one hull, and one box."""
     del folder
     rows = shape_rows(QUICK if quick else ORDINARY + HARD)
     return rows, table(tuple(rows[0]), [list(row.values()) for row in rows])

@@ -16,7 +16,7 @@ layout:
   polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
   openings:
     - {kind: window, wall: 0}
-alignment:
+furniture:
   objects:
     - {category: chair, at: [1.5, 0.8], yaw: 180 deg}
     - {category: ceiling_lamp, at: [2, 1.5]}
@@ -68,7 +68,7 @@ def hall(objects: int) -> str:
     return (
         "name: hall\nseed: 1\nlayout:\n  from: polygon\n"
         f"  polygon: [[0, 0], [{width}, 0], [{width}, {depth}], [0, {depth}]]\n"
-        f"alignment:\n  objects:\n{placed}\n"
+        f"furniture:\n  objects:\n{placed}\n"
     )
 
 

@@ -1,4 +1,4 @@
-"""From a description to a composed stage: run the stages, stack their layers, flatten, package."""
+"""From a description to a composed stage: run the steps, stack their layers, flatten, package."""
 
 import os
 import time
@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from openrooms_usd import atomic, claims, names
-from openrooms_usd.description.generate import GeneratedAlignment, GeneratedLayout
+from openrooms_usd.description.former import note_of
+from openrooms_usd.description.generate import GeneratedFurniture, GeneratedLayout
 from openrooms_usd.description.mistakes import FieldsError
 from openrooms_usd.description.room import Room, refused_fields
 from openrooms_usd.edits.fitting import misfits_of
@@ -30,8 +31,8 @@ _SETTLING: Final = ("layout", "alignment", "physics")
 
 
 @dataclass(frozen=True)
-class StageSummary:
-    """What became of one stage."""
+class StepSummary:
+    """What became of one step."""
 
     stage: str
     state: State
@@ -52,14 +53,14 @@ class ComposeSummary:
     """
 
     scene: Path
-    stages: tuple[StageSummary, ...]
+    stages: tuple[StepSummary, ...]
     files: tuple[Path, ...] = ()
     orphans: tuple[Orphan, ...] = ()
     notes: tuple[str, ...] = ()
 
     @property
     def unchanged(self) -> bool:
-        """Whether every stage was up to date."""
+        """Whether every step was up to date."""
         return all(summary.state == "unchanged" for summary in self.stages)
 
     def as_dict(self) -> dict[str, Any]:
@@ -87,7 +88,7 @@ def compose_room(
 ) -> ComposeSummary:
     """Compose a room: `openrooms_usd.api.scenes.compose` has the arguments and the errors.
 
-    Stages whose inputs have not changed since their layer was written are skipped.
+    Steps whose inputs have not changed since their layer was written are skipped.
     """
     described, source = checks.checked(description, base)
     room, about_clutter = _explicit(described.located(source))
@@ -106,11 +107,11 @@ def compose_room(
             _check_complete(draft, chosen)
             runner.create_edits(draft)
             summaries = []
-            for index, stage in enumerate(chosen):
+            for index, step in enumerate(chosen):
                 begin, end = index / len(chosen), (index + 1) / len(chosen)
-                share = nested(progress, stage.name, begin, end)
+                share = nested(progress, names.section_of(step.name), begin, end)
                 try:
-                    summaries.append(_run(stage, room, source, draft, workers, share))
+                    summaries.append(_run(step, room, source, draft, workers, share))
                 except FieldsError as error:
                     raise refused_fields(described, error.found) from None
             noted = None
@@ -124,6 +125,7 @@ def compose_room(
         orphans = orphans_of(out)
         misfits = misfits_of(out)
     notes = (
+        *_about_names(described, only),
         *about_clutter,
         *_about_settled(out, summaries),
         *runner.notes_of(out / names.SCENE),
@@ -133,13 +135,20 @@ def compose_room(
     return ComposeSummary(out / names.SCENE, tuple(summaries), files, orphans, notes)
 
 
-def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str]:
+def _about_names(room: Room, only: str | None) -> Iterator[str]:
+    """Notes on former names, each once."""
+    former = [note_of(only)] if only in names.FORMER_SECTIONS else []
+    yield from dict.fromkeys((*room.notes, *former))
+
+
+def _about_settled(out: Path, summaries: Sequence[StepSummary]) -> Iterator[str]:
     """What is to be said of the poses of a simulation, which compose neither writes nor drops."""
     layer = f"{names.LAYERS}/{names.SETTLED}.usda"
     if not (out / layer).is_file():
         return
     again = "run orusd simulate again, or remove it"
-    changed = [row.stage for row in summaries if row.state == "written" and row.stage in _SETTLING]
+    again_made = (row.stage for row in summaries if row.state == "written")
+    changed = [names.section_of(step) for step in again_made if step in _SETTLING]
     if changed:
         yield f"{layer} is older than the {' and the '.join(changed)}: {again}"
     gone = orphans_of(out, names.SETTLED)
@@ -148,7 +157,7 @@ def _about_settled(out: Path, summaries: Sequence[StageSummary]) -> Iterator[str
 
 
 def _about_strangers(out: Path, draft: Draft) -> Iterator[str]:
-    """What lies among the files of a stage and is not ours to remove."""
+    """What lies among the files of a step and is not ours to remove."""
     if draft.stay:
         first = draft.stay[0].relative_to(out.absolute()).as_posix()
         more = f" and {len(draft.stay) - 1} more stay" if len(draft.stay) > 1 else " stays"
@@ -161,12 +170,12 @@ def _explicit(room: Room) -> tuple[Room, tuple[str, ...]]:
     The generator is imported only then.
     """
     generated = isinstance(room.layout, GeneratedLayout)
-    if not generated and not isinstance(room.alignment, GeneratedAlignment) and not room.clutter:
+    if not generated and not isinstance(room.furniture, GeneratedFurniture) and not room.clutter:
         return room, ()
     from openrooms_usd.generation import expanded
 
     explicit = expanded(room)
-    before, after = (len(getattr(one.alignment, "objects", ())) for one in (room, explicit))
+    before, after = (len(getattr(one.furniture, "objects", ())) for one in (room, explicit))
     nothing = (
         "clutter: none was placed, because no surface has space for it; add a table or a shelf"
     )
@@ -174,52 +183,47 @@ def _explicit(room: Room) -> tuple[Room, tuple[str, ...]]:
 
 
 def _run(
-    stage: base.Step,
-    room: Room,
-    source: Path,
-    draft: Draft,
-    workers: int | None,
-    progress: Progress,
-) -> StageSummary:
-    """Run a stage, unless its layer is up to date."""
+    step: base.Step, room: Room, source: Path, draft: Draft, workers: int | None, progress: Progress
+) -> StepSummary:
+    """Run a step, unless its layer is up to date."""
     started = time.perf_counter()
     progress("", 0.0)
-    wanted = base.fingerprint(stage, room, source, draft.layer)
+    wanted = base.fingerprint(step, room, source, draft.layer)
     state: State = "unchanged"
-    if runner.is_current(stage, wanted, draft):
-        notes: Sequence[str] = runner.notes_of(draft.layer(stage.name), stage.name)
+    if runner.is_current(step, wanted, draft):
+        notes: Sequence[str] = runner.notes_of(draft.layer(step.name), step.name)
     else:
         state = "written"
         threads = workers or os.cpu_count() or 1
-        notes = runner.run(stage, room, source, draft, wanted, threads, progress)
+        notes = runner.run(step, room, source, draft, wanted, threads, progress)
     progress("", 1.0)
-    return StageSummary(stage.name, state, time.perf_counter() - started, tuple(notes))
+    return StepSummary(step.name, state, time.perf_counter() - started, tuple(notes))
 
 
 def _chosen(only: str | None) -> list[base.Step]:
-    stages = runner.steps()
+    steps = runner.steps()
     if only is None:
-        return stages
-    chosen = [stage for stage in stages if stage.name == only]
+        return steps
+    chosen = [step for step in steps if names.section_of(step.name) == names.section_of(only)]
     if not chosen:
-        known = ", ".join(stage.name for stage in stages)
+        known = [names.section_of(step.name) for step in steps]
         raise InputError(
-            f"no stage is named {only!r}{did_you_mean(only, names.STEPS)}",
-            remedy=f"stages: {known}",
+            f"no step is named {only!r}{did_you_mean(only, known)}",
+            remedy=f"steps: {', '.join(known)}",
         )
     return chosen
 
 
 def _check_complete(draft: Draft, chosen: Sequence[base.Step]) -> None:
-    """Refuse stages whose weaker layers are neither there nor written before them."""
-    known = {stage.name for stage in chosen}
-    for stage in chosen:
-        missing = [n for n in stage.reads if n not in known and not draft.layer(n).is_file()]
+    """Refuse steps whose weaker layers are neither there nor written before them."""
+    known = {step.name for step in chosen}
+    for step in chosen:
+        missing = [n for n in step.reads if n not in known and not draft.layer(n).is_file()]
         if missing:
             raise StageError(
-                f"{stage.name} reads the layer {missing[0]}, which does not exist yet",
+                f"{step.name} reads the layer {missing[0]}, which does not exist yet",
                 place=draft.layer(missing[0]),
-                remedy="compose the whole room once, without naming one stage",
+                remedy="compose the whole room once, without naming one step",
             )
 
 

@@ -6,7 +6,7 @@ Everything that two modules must spell alike stands here once.
 import re
 from typing import Final
 
-# Prims and the stage that defines them. Every other stage writes ``over``.
+# Prims and the step that defines them. Every other step writes ``over``.
 WORLD: Final = "/World"  # layout (assembly)
 ROOM: Final = "/World/Room"  # layout (component)
 FLOOR: Final = "/World/Room/Floor"
@@ -30,10 +30,13 @@ ROOM_PHYSICS: Final = "/World/Room/Physics"  # physics
 RENDER: Final = "/Render"  # cameras
 RENDER_SETTINGS: Final = "/Render/Settings"
 
-# Stages from the weakest to the strongest layer.
+# Steps from the weakest to the strongest layer.
 STEPS: Final = ("layout", "alignment", "materials", "lights", "cameras", "physics")
 
-# What each stage defines, with all that lies below. Layout also defines the world.
+# The present name of each section of room.yaml that had another one; its step and layer keep that.
+FORMER_SECTIONS: Final = {"alignment": "furniture"}
+
+# What each step defines, with all that lies below. Layout also defines the world.
 OWNED: Final = {
     "layout": (ROOM,),
     "alignment": (FURNITURE,),
@@ -47,7 +50,7 @@ OWNED: Final = {
 SCENE: Final = "scene.usda"
 LAYERS: Final = "layers"
 EDITS: Final = "edits"  # layers/edits.usda: the strongest layer, human, never written by us
-SETTLED: Final = "settled"  # layers/settled.usda: where things came to rest; no stage writes it
+SETTLED: Final = "settled"  # layers/settled.usda: where things came to rest; no step writes it
 
 # All layers that a scene may stack, strongest first.
 STACK: Final = (EDITS, SETTLED, *reversed(STEPS))
@@ -163,6 +166,11 @@ def natural_sort_key(name: str) -> list[tuple[int, str]]:
     """A key by which names are sorted as people count: ``view_10`` comes after ``view_9``."""
     parts = _DIGITS.split(name)
     return [(int(part), "") if place % 2 else (0, part) for place, part in enumerate(parts)]
+
+
+def section_of(step: str) -> str:
+    """The section of room.yaml that a step makes a layer of."""
+    return FORMER_SECTIONS.get(step, step)
 
 
 def leaf(number: int) -> str:

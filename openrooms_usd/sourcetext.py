@@ -60,7 +60,7 @@ class Texts:
         key = hashlib.sha256(source).hexdigest()
         self._used.add(key)
         if key not in self._known:
-            self._known[key] = _said(source)
+            self._known[key] = _parse(source)
             self._is_new = True
         return self._known[key]
 
@@ -89,7 +89,7 @@ def _text_from(value: Any) -> Text:
     return Text(str(digest), found, tuple(map(str, files)))
 
 
-def _said(source: bytes) -> Text:
+def _parse(source: bytes) -> Text:
     """Parse a text; a text that is not Python counts byte by byte."""
     try:
         tree = ast.parse(source)

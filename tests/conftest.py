@@ -33,7 +33,7 @@ layout:
   openings:
     - {kind: window, wall: 0}
     - {kind: door, wall: 2, open: 40 deg}
-alignment:
+furniture:
   from: objects
   objects:
     - {category: table, at: [1.5, 1.5], name: desk}

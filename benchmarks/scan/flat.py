@@ -15,7 +15,7 @@ import click
 import numpy as np
 
 from openrooms_usd.arrays import Array, Ints
-from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.description.furniture import ScanFurniture
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import make, styles
 from openrooms_usd.geometry.raycast import RayCaster
@@ -143,7 +143,7 @@ def main(points: int, rooms: int, workers: int) -> None:
     layout = _timed("layout", lambda: find_rooms(cloud))
     scan = FoundScan("flat", layout.cloud, layout.rooms, tuple(range(len(layout.rooms))), np.eye(4))
     context = cast(Any, SimpleNamespace(source=Path()))
-    shelf = CadCandidates(context, ScanAlignment(**{"from": "scan"}), scan)
+    shelf = CadCandidates(context, ScanFurniture(**{"from": "scan"}), scan)
     models = _timed("models", lambda: shelf.models)
     found = _timed(
         "alignment and placement",

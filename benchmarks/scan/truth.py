@@ -44,7 +44,7 @@ class Truth:
         """The truth in the form of the report."""
         return {
             "layout": {"rooms": [room.as_dict() for room in self.rooms]},
-            "alignment": {"objects": [item.as_dict() for item in self.objects]},
+            "furniture": {"objects": [item.as_dict() for item in self.objects]},
         }
 
     def moved(self, matrix: Array) -> "Truth":

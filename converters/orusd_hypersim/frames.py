@@ -78,7 +78,7 @@ def _residual(view: RenderedView) -> Pixels:
     return _half(color - reflectance * illumination)
 
 
-def _seen(view: RenderedView, pixels: Pixels) -> NDArray[np.float32]:
+def _where_surface(view: RenderedView, pixels: Pixels) -> NDArray[np.float32]:
     """Without surface there is no number."""
     there = view.pixels["depth"] > 0.0
     return np.where(there, pixels, np.nan).astype(np.float32)
@@ -88,7 +88,7 @@ def _normal(view: RenderedView, channel: str, *, camera: bool) -> Pixels:
     normals = view.pixels[channel].astype(np.float64)
     if camera:
         normals = normals @ view.world_from_camera[:3, :3] @ OPENGL
-    return _half(_seen(view, normals))
+    return _half(_where_surface(view, normals))
 
 
 def _labels(view: RenderedView, channel: str) -> Pixels:
@@ -106,10 +106,12 @@ PICTURES: Final[dict[str, _Made]] = {
     "diffuse_illumination": _Made(FINAL, _DIFFUSE[2:], _illumination),
     "residual": _Made(FINAL, ("radiance", *_DIFFUSE), _residual),
     "depth_meters": _Made(
-        GEOMETRY, ("depth", "distance"), lambda view: _seen(view, view.pixels["distance"])[..., 0]
+        GEOMETRY,
+        ("depth", "distance"),
+        lambda view: _where_surface(view, view.pixels["distance"])[..., 0],
     ),
     "position": _Made(
-        GEOMETRY, ("depth", "position"), lambda view: _seen(view, view.pixels["position"])
+        GEOMETRY, ("depth", "position"), lambda view: _where_surface(view, view.pixels["position"])
     ),
     **{
         f"normal_{'bump_' if bump else ''}{frame}": _Made(

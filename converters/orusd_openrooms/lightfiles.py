@@ -56,10 +56,10 @@ def write_lights(place: Place, number: int, frame: Frame) -> None:
     seen = place.visibility(number)
     if seen and frame.lights and not frame.misses("visibility", ("mask_i",)):
         kinds = {"isVisLamp": False, "isVisWindow": True}
-        write_pickled(seen, {name: _seen(frame, window) for name, window in kinds.items()})
+        write_pickled(seen, {name: _is_in_picture(frame, window) for name, window in kinds.items()})
 
 
-def _seen(frame: Frame, window: bool) -> bool:
+def _is_in_picture(frame: Frame, window: bool) -> bool:
     """Whether a light of this kind is in the picture."""
     return any(
         bool(_mask(frame, light).any()) for light in frame.lights if light.is_window == window

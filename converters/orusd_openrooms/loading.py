@@ -201,7 +201,9 @@ class OpenRoomsSource:
             grids=grids,
             about={"room": frame.scene, "variant": frame.split, "split": frame.subset},
         )
-        made = {name: _made(name, images, sample) for name in channels if name not in GRIDS}
+        made = {
+            name: _derive_channel(name, images, sample) for name in channels if name not in GRIDS
+        }
         for name, pixels in made.items():
             if pixels.shape[:2] != (height, width):
                 raise InputError(f"{name!r} is not of the picture's size", place=sample.name)
@@ -304,7 +306,7 @@ def _file_of(channel: str) -> str:
     raise InputError(f"OpenRooms' files do not have {channel!r}", remedy=f"they have {known}")
 
 
-def _made(name: str, images: Mapping[str, Array], sample: Sample) -> Array:
+def _derive_channel(name: str, images: Mapping[str, Array], sample: Sample) -> Array:
     """A channel of files, or what follows from one."""
     if name in images:
         return images[name]

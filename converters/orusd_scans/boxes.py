@@ -98,7 +98,7 @@ class BoxesImporter:
         given, notes = _listed(source, options), list[str]()
         ids = identifiers(given.boxes, "object")
         plan = _plan(given, options)
-        level, height, cut = _stated(given.top, plan)
+        level, height, cut = _level_height_cuts(given.top, plan)
         rows = [_row(node, given.up) for node in given.boxes]
         frame = _frame(given, plan, level, rows)
         boxes = tuple(_box(row, id_, frame, notes) for row, id_ in zip(rows, ids, strict=True))
@@ -187,7 +187,9 @@ def _plan(given: _List, options: Mapping[str, str]) -> DrawnPlan | None:
     return plan_of(given.top, given.up)
 
 
-def _stated(top: Node, plan: DrawnPlan | None) -> tuple[float, float | None, Sequence[Node]]:
+def _level_height_cuts(
+    top: Node, plan: DrawnPlan | None
+) -> tuple[float, float | None, Sequence[Node]]:
     """Level, height and openings: of the drawn floor where it has them, else of the list."""
     level, height = (plan.level, plan.height) if plan else (None, None)
     return (

@@ -124,16 +124,16 @@ def find_unit(
     if asked.unit is not None:
         if against > _ABSURD_LOG_ODDS and not _is_room(own, said):
             raise InputError(
-                f"in {_called(name)} the scan would be {room}", place=source, remedy=other
+                f"in {_plural(name)} the scan would be {room}", place=source, remedy=other
             )
         if against > _CLEAR_LOG_ODDS:
-            notes.append(f"in {_called(name)} the scan is {room}; {other}")
+            notes.append(f"in {_plural(name)} the scan is {room}; {other}")
         return said, name
     possible = _is_room(likeliest[best], UNITS[best])
     alone = fits[best] - fits[second] > _ALONE_LOG_ODDS
     if against > _CLEAR_UNIT_LOG_ODDS and alone and possible:
         notes.append(
-            f"{_called(best)} are taken for the scan's unit: it is {better}, and in metres would be"
+            f"{_plural(best)} are taken for the scan's unit: it is {better}, and in metres would be"
             f" {room} (`--unit` says otherwise)"
         )
         return UNITS[best], best
@@ -218,7 +218,7 @@ def _likeliest(found: tuple[Vertical, ...], asked: Asked, unit: float) -> Vertic
     return max(found, key=lambda v: _fit(v, asked, unit))
 
 
-def _called(name: str) -> str:
+def _plural(name: str) -> str:
     words = {
         "m": "metres",
         "dm": "decimetres",

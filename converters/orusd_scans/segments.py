@@ -39,7 +39,7 @@ def with_segments(cloud: Cloud, path: Path) -> Cloud:
     for name, values in ((_LABEL, label), (_INSTANCE, instance)):
         if values is not None and values.shape != (len(cloud),):
             raise InputError(
-                f"the array {name!r} has {_said(values.shape)}, but the scan's file has "
+                f"the array {name!r} has {_shape_in_words(values.shape)}, but the scan's file has "
                 f"{len(cloud)} points or vertices",
                 place=path,
                 remedy=_REMEDY,
@@ -72,7 +72,7 @@ def _read(path: Path) -> tuple[Values | None, Values | None]:
     return (values, None) if values.dtype.kind in TEXTS else (None, values)
 
 
-def _said(shape: tuple[int, ...]) -> str:
+def _shape_in_words(shape: tuple[int, ...]) -> str:
     return f"{shape[0]} values" if len(shape) == 1 else f"the shape {' x '.join(map(str, shape))}"
 
 

@@ -63,10 +63,10 @@ def write_urdf(
         atomic.write_text(
             refill.folder / SCENE, json.dumps(scene, indent=1, ensure_ascii=False) + "\n"
         )
-    return [*writer.assets.losses, *_lost(world)]
+    return [*writer.assets.losses, *_find_losses(world)]
 
 
-def _lost(world: World) -> Iterator[Loss]:
+def _find_losses(world: World) -> Iterator[Loss]:
     """What URDF has no word for."""
     for loop in world.loops:
         yield loop.path, "skipped", "it closes a loop: URDF supports only trees"

@@ -100,13 +100,15 @@ def _files(view: RenderedView, wanted: Sequence[str]) -> dict[str, Path]:
                 raise InputError(
                     f"the view has no file {name!r}",
                     place=view.folder,
-                    remedy=f"it has: {', '.join(sorted(_known(view)))}",
+                    remedy=f"it has: {', '.join(sorted(_existing_files(view)))}",
                 )
         return dict(sorted(found.items()))
-    return {name: view.folder / name for name in sorted(_known(view)) if name.endswith(_KINDS)}
+    return {
+        name: view.folder / name for name in sorted(_existing_files(view)) if name.endswith(_KINDS)
+    }
 
 
-def _known(view: RenderedView) -> set[str]:
+def _existing_files(view: RenderedView) -> set[str]:
     """The names of the files that the manifest names and that are there."""
     paths: list[Any] = [PurePosixPath(path) for path in view.entry.paths()]
     names = {path.relative_to(view.name).as_posix() for path in paths}

@@ -98,7 +98,7 @@ class Camera:
         resolution: tuple[int, int] = (640, 480),
         **more: Any,
     ) -> Self:
-        """An upright camera that has a point in its middle.
+        """An upright camera that looks at a point.
 
         Args:
             eye: (3,) where it is, world, metres.
@@ -118,7 +118,7 @@ class Camera:
         return cls(K, pinhole.look_at(*ends), resolution, **more)
 
     def pinhole(self) -> "PinholeCamera":
-        """The same, as the core has it."""
+        """This camera as the core's own type."""
         import numpy as np
 
         from openrooms_usd.usd.cameras import PinholeCamera

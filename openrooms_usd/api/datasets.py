@@ -23,7 +23,7 @@ def run_dataset(
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> "RunSummary":
-    """Make a dataset, or what is left of it; what is finished stays.
+    """Make a dataset, or finish one: what exists is kept.
 
     Args:
         file: The dataset.yaml.
@@ -66,7 +66,7 @@ def run_dataset(
 
 
 def plan_dataset(file: AnyPath) -> Iterator["Job"]:
-    """What there is to do for a dataset, one by one: the views of one variant of one room.
+    """The jobs of a dataset, one by one: the views of one variant of one room.
 
     Args:
         file: The dataset.yaml.

@@ -20,7 +20,7 @@ DESCRIPTION: Final = "room.yaml"
 
 
 def path_of(given: AnyPath, what: str = "a path") -> Path:
-    """A path from what stands for one.
+    """The path that an argument gives.
 
     Args:
         given: Text, or anything with a path.
@@ -32,17 +32,17 @@ def path_of(given: AnyPath, what: str = "a path") -> Path:
     if isinstance(given, (str, os.PathLike)):
         return Path(given)
     remedy = "ou.compose(room, out) makes a scene of a room" if _is_room(given) else None
-    raise InputError(f"expected {what}, found {_shown(given)}", remedy=remedy)
+    raise InputError(f"expected {what}, found {_excerpt(given)}", remedy=remedy)
 
 
 def usd_file(given: AnyPath) -> Path:
-    """The USD file that is meant: of a composed room's folder its root layer."""
+    """The USD file that an argument gives: for a composed room's folder its root layer."""
     path = path_of(given, "a composed room or a USD file")
     return path / names.SCENE if path.is_dir() else path
 
 
 def room_of(given: "Room | Mapping[str, Any] | AnyPath") -> "Room":
-    """The room that is meant.
+    """The room that an argument gives.
 
     Args:
         given: A room, plain data, a ``room.yaml``, or a folder that holds one.
@@ -77,12 +77,12 @@ def size_of(given: object, what: str) -> tuple[int, int]:
             return int(width), int(height)
     remedy = "give a width and a height, such as (640, 480)"
     raise InputError(
-        f"expected two whole numbers, found {_shown(given)}", place=what, remedy=remedy
+        f"expected two whole numbers, found {_excerpt(given)}", place=what, remedy=remedy
     )
 
 
 def choice_of(given: object, choices: object, what: str) -> None:
-    """See that what is given is one of few texts.
+    """Check that a value is one of the allowed texts.
 
     Args:
         given: The value that the caller chose.
@@ -96,7 +96,7 @@ def choice_of(given: object, choices: object, what: str) -> None:
     if given not in known:
         remedy = f"choose one of: {', '.join(known)}"
         hint = did_you_mean(given, known)
-        raise InputError(f"{_shown(given)} cannot be chosen{hint}", place=what, remedy=remedy)
+        raise InputError(f"{_excerpt(given)} cannot be chosen{hint}", place=what, remedy=remedy)
 
 
 def points_of(given: object, what: str) -> list[tuple[float, float, float]]:
@@ -113,13 +113,13 @@ def points_of(given: object, what: str) -> list[tuple[float, float, float]]:
         return [(float(x), float(y), float(z)) for x, y, z in given]  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         remedy = "give a list of points, such as [(2, 1.5, 1.2)], in metres"
-        raise InputError(f"{_shown(given)} are not points", place=what, remedy=remedy) from None
+        raise InputError(f"{_excerpt(given)} are not points", place=what, remedy=remedy) from None
 
 
 def unknown_name(
     what: str, name: object, known: Iterable[str], place: object, remedy: str | None = None
 ) -> UnknownNameError:
-    """What to raise where a result holds nothing of a name.
+    """The error for a name that a result does not have.
 
     Args:
         what: What it would be.
@@ -139,12 +139,12 @@ def _is_room(given: object) -> bool:
     return isinstance(given, Mapping) or type(given).__name__ == "Room"
 
 
-def _shown(given: object) -> str:
+def _excerpt(given: object) -> str:
     text = repr(given)
     return text if len(text) <= 60 else f"{text[:50]}... ({type(given).__name__})"
 
 
 def names_of(given: str | Iterable[str] | None) -> list[str] | None:
-    """Names from one text with commas, or from many texts; None where nothing is given."""
+    """Names from one text with commas, or from several texts; None if nothing is given."""
     found = given.split(",") if isinstance(given, str) else given
     return None if found is None else [name.strip() for name in found]

@@ -211,7 +211,7 @@ class Lightmaps(os.PathLike[str]):
 
     @property
     def layer(self) -> Path:
-        """The layer that puts them over the stage."""
+        """The layer that adds them to the stage."""
         return self.folder / str(self.manifest["layer"])
 
     @property

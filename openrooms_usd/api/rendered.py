@@ -161,7 +161,7 @@ def _remedy(channel: str) -> str | None:
 
 
 def form_of(channel: str, pixels: "NDArray[np.float32]") -> "NDArray[Any]":
-    """The pixels of a channel in the form that its meaning has.
+    """A channel's pixels with the shape and type that suit its meaning.
 
     Args:
         channel: Its name.
@@ -186,7 +186,7 @@ def form_of(channel: str, pixels: "NDArray[np.float32]") -> "NDArray[Any]":
 
 
 def _array(view: "RenderedView", channel: str) -> "NDArray[Any]":
-    """The pixels of a channel in the form that its meaning has."""
+    """A channel's pixels with the shape and type that suit its meaning."""
     from openrooms_usd.channels import CHANNELS, definition
 
     row = definition(channel) if channel not in ("environment_sg", "environment_sh") else None

@@ -126,7 +126,7 @@ class OpenRenderer:
         return f"OpenRenderer({str(self._opened.path)!r}, cameras: {', '.join(self.cameras)})"
 
     def close(self) -> None:
-        """Let go of the scene and of what was compiled for it."""
+        """Release the scene and what was compiled for it."""
         self._opened = None
         self._held.close()
 
@@ -239,7 +239,7 @@ class OpenRenderer:
         return open_render(target)
 
     def move(self, motions: Mapping[str, "ArrayLike"]) -> None:
-        """Show from now on what stands elsewhere; the files of the scene stay as they are.
+        """Move objects for the pictures that follow; the files of the scene do not change.
 
         Args:
             motions: (4, 4) rigid by prim path, of the world to the world, metres, since the scene

@@ -1,6 +1,7 @@
 """A room that is built step by step; every step is checked, and is plain data in the end."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeAlias
 
@@ -8,8 +9,10 @@ from pydantic import ConfigDict
 
 from openrooms_usd import description
 from openrooms_usd.api.given import AnyPath, path_of, unknown_name
-from openrooms_usd.description.alignment import PlacedObject
+from openrooms_usd.description.former import name_in
+from openrooms_usd.description.furniture import PlacedObject
 from openrooms_usd.errors import InputError
+from openrooms_usd.names import section_of
 from openrooms_usd.progress import Progress, silent
 
 if TYPE_CHECKING:
@@ -35,8 +38,8 @@ class Room(description.Room):
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Replace a section, or raise a `DescriptionError` and leave it as it was."""
-        if name in type(self).model_fields:
-            self._change({**self.as_dict(), name: value})
+        if (section := section_of(name)) in type(self).model_fields:
+            self._change({**self.as_dict(), section: value})
         else:
             super().__setattr__(name, value)
 
@@ -90,7 +93,7 @@ class Room(description.Room):
             raise InputError("an object has this name", place=name, remedy="give another name")
         data, place = self.as_dict(), {"at": at, "relative_to": relative_to}
         row = given_of(category=category, **place, **source, **said, **fields)
-        self._rows(data, "alignment", "objects").append(row)
+        self._rows(data, "furniture", "objects").append(row)
         self._change(data)
         return self._named()[-1][0]
 
@@ -195,7 +198,7 @@ class Room(description.Room):
         return called
 
     def select_cameras(self, count: int = 3, **fields: Any) -> None:
-        """Find that many good views when the room is composed (docs/reference/description.md)."""
+        """Select this many good views when the room is composed (docs/reference/description.md)."""
         data = self.as_dict()
         self._rows(data, "cameras", "views").append(
             given_of(**{"from": "select"}, count=count, **fields)
@@ -212,7 +215,7 @@ class Room(description.Room):
         on: bool | None = None,
         **fields: Any,
     ) -> None:
-        """Say what a lamp emits.
+        """Set what a lamp emits.
 
         Args:
             name: The object's.
@@ -226,7 +229,7 @@ class Room(description.Room):
         self.update(lights={"lamps": {name: said}})
 
     def set_environment(self, **fields: Any) -> None:
-        """Say what shines in through the openings, in place of what was said before.
+        """Set the light outside the openings; it replaces the previous setting.
 
         Args:
             **fields: A panorama (``file``), a sky (``latitude``, ``longitude``, ``date``,
@@ -245,7 +248,7 @@ class Room(description.Room):
         part: str = "all",
         **fields: Any,
     ) -> None:
-        """Say what something is made of, in place of what was said before.
+        """Set the material of something; it replaces the previous choice.
 
         Args:
             what: ``floor``, ``walls``, ``ceiling``, ``trim`` or ``beams``, one wall such as
@@ -266,7 +269,7 @@ class Room(description.Room):
         self._change(data)
 
     def remove(self, name: str) -> None:
-        """Take an object out of the list, with what is said of its light, materials and mass.
+        """Remove an object from the list, with its light, materials and mass.
 
         Args:
             name: The object's.
@@ -276,7 +279,7 @@ class Room(description.Room):
             InputError: There is no such object.
         """
         data = self.as_dict()
-        rows = self._rows(data, "alignment", "objects")
+        rows = self._rows(data, "furniture", "objects")
         known = [name for name, _ in self._named()]
         if name not in known:
             raise unknown_name("object", name, known, "the room")
@@ -295,14 +298,15 @@ class Room(description.Room):
         self._change(data)
 
     def update(self, **sections: Any) -> None:
-        """Say anything that a room.yaml can; mappings are merged, all else is replaced.
+        """Set any sections of room.yaml; mappings are merged, everything else is replaced.
 
         ``room.update(style="scandinavian", physics={}, materials={"resolution": 1024})``
 
         Args:
             **sections: By key of the description.
         """
-        self._change(_merged(self.as_dict(), sections))
+        data = self.as_dict()
+        self._change(_merged({name_in(sections, key): data[key] for key in data}, sections))
 
     def save(self, file: AnyPath) -> Path:
         """Write it as a ``room.yaml`` that `ou.load_room` reads as the same room.
@@ -332,7 +336,7 @@ class Room(description.Room):
         Args:
             out: The folder for ``scene.usda`` and ``layers/``.
             workers: Threads that a stage may use; all cores by default.
-            progress: Called with each stage's name and the finished fraction of all stages.
+            progress: Called with each step's name and the finished fraction of all steps.
 
         Returns:
             The composed room.
@@ -363,17 +367,13 @@ class Room(description.Room):
                 place=section,
                 remedy="ou.generate(room_type, seed) lists what is generated, to be changed",
             )
-        listed = "further" if section == "alignment" and self._is_scan() else key
-        rows: list[Any] = said.setdefault(listed, [])
-        return rows
+        return said.setdefault(self._list() if section == "furniture" else key, [])  # type: ignore[no-any-return]
 
     def _named(self) -> list[tuple[str, PlacedObject]]:
-        """The listed objects with their names, in order."""
-        listed = getattr(self.alignment, "further" if self._is_scan() else "objects", None)
-        return description.named_objects(listed or ())
+        return description.named_objects(getattr(self.furniture, self._list(), None) or ())
 
-    def _is_scan(self) -> bool:
-        return getattr(self.alignment, "source", None) == "scan"
+    def _list(self) -> str:
+        return "further" if getattr(self.furniture, "source", None) == "scan" else "objects"
 
     def _change(self, data: dict[str, Any]) -> None:
         self._take(description.room_of(data))
@@ -382,11 +382,12 @@ class Room(description.Room):
         """Become what a checked room says; where its names of files begin stays."""
         for name in ("__dict__", "__pydantic_fields_set__"):
             object.__setattr__(self, name, getattr(room, name).copy())
-        self._text = room._text  # of the file, until something is changed
+        notes = tuple(dict.fromkeys((*self.notes, *room.notes)))
+        self._text = replace(room._text, notes=notes)  # of the file, until something is changed
 
 
 def given_of(**fields: Any) -> dict[str, Any]:
-    """What was given of some fields; the others keep their defaults."""
+    """The fields that have a value; the others keep their defaults."""
     return {key: value for key, value in fields.items() if value is not None}
 
 

@@ -62,7 +62,7 @@ def generate(
     style: "InteriorStyle | None" = None,
     clutter: int = 2,
 ) -> "Room":
-    """Make a room from nothing: walls, openings, furniture, lamps and cameras.
+    """Generate a room: walls, openings, furniture, lamps and cameras.
 
     Equal arguments give equal rooms. Nothing is written.
 

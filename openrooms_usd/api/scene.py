@@ -16,7 +16,7 @@ from openrooms_usd.progress import Progress, silent
 if TYPE_CHECKING:
     from pxr import Usd
 
-    from openrooms_usd.composing import ComposeSummary, StageSummary
+    from openrooms_usd.composing import ComposeSummary, StepSummary
     from openrooms_usd.description.room import Room
     from openrooms_usd.edits.objects import SceneObject
     from openrooms_usd.edits.orphans import Orphan
@@ -46,7 +46,7 @@ class Scene(os.PathLike[str]):
 
     def __repr__(self) -> str:
         states = [row.state for row in self.stages]
-        counts = (f"{states.count(state)} stages {state}" for state in dict.fromkeys(states))
+        counts = (f"{states.count(state)} steps {state}" for state in dict.fromkeys(states))
         said = [*counts, *([f"{len(self.notes)} notes"] if self.notes else [])]
         return f"Scene({str(self.path)!r}{''.join(f', {text}' for text in said)})"
 
@@ -57,12 +57,12 @@ class Scene(os.PathLike[str]):
 
     @property
     def edits(self) -> Path:
-        """The layer of a composed room that belongs to people."""
+        """The layer of a composed room for your own edits."""
         return self.folder / names.LAYERS / f"{names.EDITS}.usda"
 
     @property
-    def stages(self) -> "tuple[StageSummary, ...]":
-        """What became of each stage when it was composed."""
+    def stages(self) -> "tuple[StepSummary, ...]":
+        """What became of each step when it was composed."""
         return self.composed.stages if self.composed else ()
 
     @property
@@ -79,7 +79,7 @@ class Scene(os.PathLike[str]):
 
     @property
     def orphans(self) -> "tuple[Orphan, ...]":
-        """Opinions of the edits that did nothing when it was composed."""
+        """Opinions of the edits that had no effect when it was composed."""
         return self.composed.orphans if self.composed else ()
 
     @property
@@ -202,7 +202,7 @@ class Scene(os.PathLike[str]):
             return open_stage(self.path)
 
     def editing(self) -> "AbstractContextManager[Usd.Stage]":
-        """Open it such that all that is authored goes to ``layers/edits.usda``.
+        """Open it so that changes are written to ``layers/edits.usda``.
 
         ``with scene.editing() as stage:`` saves the layer at the end of the block, and drops what
         was authored where something fails. Objects that are changed in the block are saved with
@@ -223,10 +223,10 @@ class Scene(os.PathLike[str]):
 
         Args:
             workers: Threads that a stage may use; all cores by default.
-            progress: Called with each stage's name and the finished fraction of all stages.
+            progress: Called with each step's name and the finished fraction of all steps.
 
         Returns:
-            What became of each stage; `stages`, `notes` and `orphans` say the same.
+            What became of each step; `stages`, `notes` and `orphans` say the same.
 
         Raises:
             InputError: It was opened, so that its description is not known: use ``ou.compose``.

@@ -34,12 +34,12 @@ def compose(
         out: The folder for ``scene.usda`` and ``layers/``.
         base: The folder in which the names of files in the room begin: by default that of its
             ``room.yaml``, and the current folder for a room that was read from no file.
-        only: Run this stage alone, on the layers that are there.
+        only: Run this step alone, on the layers that are there.
         flatten: Also write ``scene.usdc``, one layer.
         usdz: Also write ``scene.usdz``, everything in one file.
         include_outside: Whether files outside ``out`` may go into these files.
         workers: Threads that a stage may use; all cores by default. The bytes never depend on it.
-        progress: Called with each stage's name and the finished fraction of all stages.
+        progress: Called with each step's name and the finished fraction of all steps.
 
     Returns:
         The composed room.

@@ -46,7 +46,7 @@ def takes_settings(*names: str, **said: str) -> Callable[[_Function], _Function]
 def settings_of(
     settings: RenderSettings | None, fields: Mapping[str, Any], names: Iterable[str] = ALL
 ) -> RenderSettings:
-    """The settings that are meant; None stands for what is usual.
+    """The settings that the arguments give; None stands for the defaults.
 
     Args:
         settings: What is asked for.

@@ -24,7 +24,7 @@ _SECTIONS: Final = {
     "Rooms": {
         "import": ("importing", "import_", "Turn a capture into a room.yaml."),
         "generate": ("generating", "generate", "Write the room.yaml of a room from nothing."),
-        "compose": ("composing", "compose", "Run the stages and stack their layers."),
+        "compose": ("composing", "compose", "Run the steps and stack their layers."),
         "edit": (
             "editing",
             "edit",

@@ -17,7 +17,7 @@ _LINE_SECONDS: Final = 10.0
 
 @contextmanager
 def progress_bar(first: str) -> Iterator[Progress]:
-    """Show on standard error how far a command is, without ``--quiet``.
+    """Show a command's progress on standard error, unless ``--quiet``.
 
     Args:
         first: What is worked on at first.
@@ -65,7 +65,7 @@ def _bar(first: str) -> Iterator[Progress]:
         def show(what: str, fraction: float) -> None:
             known = fraction > 0.0
             end = began + (perf_counter() - began) / fraction if known else None
-            named, total = _told(what or first), 1.0 if known else None
+            named, total = _label(what or first), 1.0 if known else None
             bar.update(task, description=named, completed=fraction, total=total, end=end)
 
         yield show
@@ -81,7 +81,7 @@ def _lines(first: str) -> Iterator[Progress]:
         while not ended.wait(_LINE_SECONDS):
             if latest[0] != reported:
                 reported = latest[0]
-                echo(f"{reported[1]:4.0%} {_told(reported[0])}", err=True)
+                echo(f"{reported[1]:4.0%} {_label(reported[0])}", err=True)
 
     def take(what: str, fraction: float) -> None:
         latest[0] = what or first, fraction
@@ -95,7 +95,7 @@ def _lines(first: str) -> Iterator[Progress]:
         thread.join()
 
 
-def _told(what: str) -> str:
+def _label(what: str) -> str:
     return what.told if isinstance(what, Counted) else what
 
 
@@ -105,7 +105,7 @@ def _timed(first: str, shown: Progress) -> Iterator[Progress]:
     step, began = first, perf_counter()
 
     def tell() -> None:
-        echo(f"{perf_counter() - began:8.2f} s  {_told(step)}", err=True)
+        echo(f"{perf_counter() - began:8.2f} s  {_label(step)}", err=True)
 
     def take(what: str, fraction: float) -> None:
         nonlocal step, began

@@ -123,7 +123,7 @@ class Command(click.Command):
 
 
 class Group(Command, click.Group):
-    """A group of commands; one that it does not have is answered with the nearest."""
+    """A group of commands; the error for an unknown one suggests the nearest."""
 
     command_class = Command
 
@@ -169,7 +169,7 @@ class Group(Command, click.Group):
 
 
 def note_former(ctx: click.Context, former: str, present: str) -> None:
-    """Keep a note for when all words are read, ``--quiet`` among them.
+    """Keep a note until all words are read: ``--quiet`` may be among them.
 
     Args:
         ctx: Where it was found.

@@ -8,7 +8,7 @@ import click
 
 from openrooms_usd import names
 from openrooms_usd.cli.bar import progress_bar
-from openrooms_usd.cli.command import Command, folder_option
+from openrooms_usd.cli.command import Command, folder_option, note_former
 from openrooms_usd.cli.console import (
     Choice,
     command_line,
@@ -23,10 +23,24 @@ if TYPE_CHECKING:
     from openrooms_usd.composing import ComposeSummary
 
 
+_SECTIONS: Final = tuple(map(names.section_of, names.STEPS))
+
+
+class _StepChoice(Choice):
+    """The steps by the sections that they read, also by their former names."""
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Take a former name for the present one, with a note."""
+        section = names.section_of(value)
+        if ctx and section != value:
+            note_former(ctx, value, section)
+        return super().convert(section, param, ctx)
+
+
 @click.command(cls=Command, example="orusd compose my_room/room.yaml -o out")
 @click.argument("description", type=click.Path(path_type=Path), metavar="ROOM.yaml")
 @folder_option
-@click.option("--only", type=Choice(names.STEPS), help="Run this stage alone.")
+@click.option("--only", type=_StepChoice(_SECTIONS), help="Run this step alone.")
 @click.option("--flatten", is_flag=True, help="Also write scene.usdc, one layer.")
 @click.option("--usdz", is_flag=True, help="Also write scene.usdz, one file.")
 @click.option(
@@ -42,9 +56,9 @@ def compose(
     include_outside: bool,
     workers: int | None,
 ) -> None:
-    """Run the stages of a room and stack their layers into OUT/scene.usda.
+    """Run the steps of a room and stack their layers into OUT/scene.usda.
 
-    Stages whose inputs have not changed are skipped. OUT/layers/edits.usda is yours: it is the
+    Steps whose inputs have not changed are skipped. OUT/layers/edits.usda is yours: it is the
     strongest layer and is never written again.
     """
     from openrooms_usd.composing import compose_room
@@ -64,7 +78,7 @@ def compose(
         )
     print_result(summary.as_dict())
     for row in summary.stages:
-        echo(f"{row.stage:<10} {row.state:<10} {row.seconds:6.2f} s")
+        echo(f"{names.section_of(row.stage):<10} {row.state:<10} {row.seconds:6.2f} s")
         echo_notes(row.notes, indent=" " * 11)
     echo_notes(summary.notes)
     for orphan in summary.orphans[: most(_SHOWN)]:
@@ -72,7 +86,7 @@ def compose(
     if len(summary.orphans) > most(_SHOWN):
         echo(f"edits: {len(summary.orphans) - _SHOWN} more; orusd edit orphans {out}")
     seconds = time.perf_counter() - started
-    echo(f"{_done(summary)}: {summary.scene} ({seconds:.2f} s)")
+    echo(f"{_outcome(summary)}: {summary.scene} ({seconds:.2f} s)")
     for path in summary.files:
         echo(f"wrote {path}")
 
@@ -84,7 +98,7 @@ _SHOWN: Final = 5
 _DEMO_SAMPLES: Final = 16
 
 
-def _done(summary: "ComposeSummary") -> str:
+def _outcome(summary: "ComposeSummary") -> str:
     if not summary.unchanged:
         return "composed"
     if summary.files:

@@ -33,7 +33,7 @@ class Output(NamedTuple):
 
 
 def asked(context: click.Context | None = None) -> Output:
-    """What the command that runs was asked for.
+    """The output options of the running command.
 
     Args:
         context: Of the command; the one that runs by default.
@@ -112,12 +112,12 @@ def echo_notes(notes: Iterable[str], indent: str = "", *, err: bool = False) -> 
 
 
 def most(rows: int) -> int:
-    """How many rows of a list are printed: all with ``--verbose``."""
+    """The number of rows of a list to print: all with ``--verbose``."""
     return sys.maxsize if asked().verbose else rows
 
 
 def gathered(rows: Iterable[tuple[Said, str]]) -> Iterator[tuple[Said, list[str]]]:
-    """What is said of many names, once each in the order in which it was said first.
+    """The names of each text, in the order in which the texts first appear.
 
     Args:
         rows: What is said, and of whom.

@@ -67,7 +67,7 @@ def convert(
     (out,) = given
     check_report(report_file, stage, out)
     to = to or exporter_of(out)
-    asked = _given(options) | ({"profile": profile} if profile else {})
+    asked = _parse_options(options) | ({"profile": profile} if profile else {})
     with quiet(), progress_bar("converting"):
         report = convert_stage(
             stage, out, to=to, options=asked, include_outside=include_outside, time_code=time_code
@@ -82,7 +82,7 @@ def convert(
     echo(f"wrote {out}: {', '.join(counts)}")
 
 
-def _given(options: Iterable[str]) -> dict[str, str | bool]:
+def _parse_options(options: Iterable[str]) -> dict[str, str | bool]:
     """The options by name; true and false are flags."""
     given: dict[str, str | bool] = {}
     for option in options:

@@ -135,7 +135,7 @@ def run(
     address: str | None,
     pairs: tuple[tuple[str, str], ...],
 ) -> None:
-    """Make a dataset, or what is left of it: what is finished stays.
+    """Make a dataset, or finish one: what exists is kept.
 
     Leaves with code 1 when views could not be made; they are tried again by the next run.
     """

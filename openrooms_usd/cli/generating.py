@@ -62,7 +62,7 @@ def generate(
     style: InteriorStyle | None,
     clutter: int,
 ) -> None:
-    """Make a room from nothing: walls, openings, furniture, lamps and cameras in OUT/room.yaml.
+    """Generate a room: walls, openings, furniture, lamps and cameras in OUT/room.yaml.
 
     Equal types, seeds, areas, styles and clutter give equal files. With --count the seeds run on
     from --seed.

@@ -59,7 +59,7 @@ def _command(kind: str) -> click.Command:
         with progress_bar("reading"):
             imported = import_capture(kind, source, out, {n: v for n, v in given.items() if v})
         print_result(imported.as_dict())
-        for line in _shown(imported):
+        for line in _lines_of(imported):
             echo(line)
         echo_notes(imported.notes)
         following = command_line("orusd", "compose", imported.file, "-o", "OUT")
@@ -74,7 +74,7 @@ def _command(kind: str) -> click.Command:
     return command
 
 
-def _shown(imported: "ImportedRoom") -> Iterator[str]:
+def _lines_of(imported: "ImportedRoom") -> Iterator[str]:
     """What was read, a line each: of points their extent and what each of them has."""
     found, cloud = imported.counts, imported.capture.cloud
     for what, count in found.items():

@@ -59,7 +59,7 @@ def simulate(
 ) -> None:
     """Let a room settle, and write where everything came to rest as a layer.
 
-    The layer lies above the stages and below the edits. Every run starts from the room as it is
+    The layer lies above the steps and below the edits. Every run starts from the room as it is
     described; delete the layer and compose again to go back to that.
     """
     from openrooms_usd.simulation.settling import settle

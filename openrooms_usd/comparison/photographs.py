@@ -91,7 +91,7 @@ def read_captured(
     untrusted.check_path(source)
     capture = read_capture(section.reader, source, section.asked, file.parent)
     room_from_capture = _room_from_source(stage, path) @ capture.source_from_world
-    frames = tuple(_moved(frame, room_from_capture) for frame in capture.frames)
+    frames = tuple(_frame_in_room(frame, room_from_capture) for frame in capture.frames)
     points = colors = None
     if capture.cloud is not None:
         points = capture.cloud.points @ room_from_capture[:3, :3].T + room_from_capture[:3, 3]
@@ -156,5 +156,5 @@ def _room_from_source(stage: Usd.Stage, path: Path) -> Array:
     return np.asarray(np.linalg.inv(np.array(attribute.Get()).T))
 
 
-def _moved(frame: CapturedFrame, room_from_capture: Array) -> CapturedFrame:
+def _frame_in_room(frame: CapturedFrame, room_from_capture: Array) -> CapturedFrame:
     return replace(frame, world_from_camera=room_from_capture @ frame.world_from_camera)

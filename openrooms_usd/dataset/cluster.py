@@ -47,7 +47,7 @@ class RayExecutor:
         """See `openrooms_usd.dataset.executor.Executor.hired`."""
         workers, address = max(1, wanted.workers), wanted.options.get("address")
         needs = _needs(wanted)
-        with connected(address, _wished(needs, workers)) as ray:
+        with connected(address, _processors_for(needs, workers)) as ray:
             nodes = [node["Resources"] for node in ray.nodes() if node["Alive"]]
             needs.setdefault("num_cpus", _share(nodes, workers))
             _check_place(nodes, needs)
@@ -138,7 +138,7 @@ def _reason(error: Exception) -> str:
     return (detail.partition(" Some common causes")[0] if found else said)[:_LONGEST_REASON]
 
 
-def _wished(needs: Needs, workers: int) -> int:
+def _processors_for(needs: Needs, workers: int) -> int:
     """The processors of a local Ray: all workers have a place, also on a small machine."""
     each: float = needs.get("num_cpus", max(1, (os.cpu_count() or 1) // workers))
     return math.ceil(each * workers)

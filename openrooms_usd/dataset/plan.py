@@ -34,7 +34,7 @@ from openrooms_usd.untrusted import check_path, opened
 
 # What makes the views of a job, but for what is loaded by name.
 _MAKERS: Final = ("openrooms_usd.dataset.work", "openrooms_usd.generation")
-_STAGES: Final = "openrooms_usd.steps"
+_STEPS: Final = "openrooms_usd.steps"
 # The fractional part of the golden ratio: multiples of it fill 0 to 1 evenly, however many.
 _GOLDEN: Final = 0.6180339887498949
 # The parts of a dataset.yaml that its views depend on, beside their room.
@@ -119,7 +119,7 @@ def plan_rooms(dataset: Dataset) -> Iterator[PlannedRoom]:
         if isinstance(rooms, GeneratedRooms):
             for index in range(rooms.count):
                 kind = rooms.types[index % len(rooms.types)]
-                seed = _drawn(dataset.seed, "room", part, kind, index) % _LARGEST_SEED
+                seed = _derive_seed(dataset.seed, "room", part, kind, index) % _LARGEST_SEED
                 source: dict[str, Any] = {
                     "type": kind,
                     "seed": seed,
@@ -153,7 +153,7 @@ def plan_jobs(dataset: Dataset) -> Iterator[Job]:
     for room in plan_rooms(dataset):
         source = json.dumps(room.source, sort_keys=True)
         for variant in dataset.variants:
-            seed = _drawn(dataset.seed, "variant", room.name, variant) % _LARGEST_SEED
+            seed = _derive_seed(dataset.seed, "variant", room.name, variant) % _LARGEST_SEED
             text = f"{shared}\n{room.name}\n{source}\n{variant}\n{seed}"
             key = hashlib.sha256(text.encode()).hexdigest()[:_KEY_DIGITS]
             yield Job(room, variant, seed, key, views)
@@ -193,7 +193,7 @@ def jobs_of(text: Iterable[str]) -> Iterator[Job]:
         yield Job(room, row["variant"], row["seed"], key, views)
 
 
-def _drawn(seed: int, *key: str | int) -> int:
+def _derive_seed(seed: int, *key: str | int) -> int:
     """A whole number that depends on a seed and a key alone."""
     text = json.dumps([seed, "dataset", *key]).encode()
     return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
@@ -201,7 +201,7 @@ def _drawn(seed: int, *key: str | int) -> int:
 
 def _split(dataset: Dataset, number: int) -> Split:
     """What a room is for: any run of rooms in their order has nearly the shares that are asked."""
-    at = (_drawn(dataset.seed, "split") / 2**64 + number * _GOLDEN) % 1.0
+    at = (_derive_seed(dataset.seed, "split") / 2**64 + number * _GOLDEN) % 1.0
     total = 0.0
     for name in SPLITS:
         total += getattr(dataset.splits, name)
@@ -247,8 +247,8 @@ def code_of(renderer: str) -> str:
     """
     drawing = adapters.find(adapters.RENDERERS, renderer).module
     importers = sorted(point.module for point in adapters.available(adapters.IMPORTERS).values())
-    stages = [f"{_STAGES}.runner", *(f"{_STAGES}.{name}.stage" for name in STEPS)]
-    return code_digest(*_MAKERS, *stages, *registry.modules(), *importers, drawing)
+    steps = [f"{_STEPS}.runner", *(f"{_STEPS}.{name}.step" for name in STEPS)]
+    return code_digest(*_MAKERS, *steps, *registry.modules(), *importers, drawing)
 
 
 def file_digest(path: Path) -> str:
@@ -306,7 +306,7 @@ def inputs_digest(description: Path) -> str | None:
 
     with suppress(OrusdError):
         room, folder = load_room(description), description.parent
-        names = sorted({name for stage in runner.steps() for name in stage.inputs(room, folder)})
+        names = sorted({name for step in runner.steps() for name in step.inputs(room, folder)})
         digest = hashlib.sha256()
         for name in names:
             digest.update(f"{file_digest(folder / name)}  {name}\n".encode())

@@ -79,7 +79,7 @@ def _measures(view: View) -> Iterator[tuple[str, float | int]]:
         found = view.images["radiance"].robust_error
         if found is not None:
             yield "error", _rounded(found)
-    seen = _seen(pixels)
+    seen = _where_surface(pixels)
     if seen is not None:
         yield "seen_share", _rounded(seen.mean())
         if "depth" in pixels and seen.any():
@@ -91,7 +91,7 @@ def _measures(view: View) -> Iterator[tuple[str, float | int]]:
         yield "instances", int((numbers > 0).sum())
 
 
-def _seen(pixels: Mapping[str, NDArray[np.float32]]) -> NDArray[np.bool_] | None:
+def _where_surface(pixels: Mapping[str, NDArray[np.float32]]) -> NDArray[np.bool_] | None:
     """(height, width) where there is a surface."""
     if "valid" in pixels:
         return pixels["valid"][..., 0] > 0.5

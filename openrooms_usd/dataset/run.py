@@ -72,7 +72,7 @@ def run_dataset(
     options: Mapping[str, str] | None = None,
     progress: Progress = silent,
 ) -> RunSummary:
-    """Make a dataset, or what is left of it: see `openrooms_usd.api.datasets.run_dataset`.
+    """Make a dataset, or finish one: see `openrooms_usd.api.datasets.run_dataset`.
 
     Finished views stay, whichever run made them; run again after any interruption. The
     same file gives the same bytes with any number of workers.
@@ -160,7 +160,7 @@ class _Run:
             waiting: Iterable[Job] = self._open()
             while waiting:
                 # A worker that dies takes one view with it, and not those after it.
-                waiting = list(self._worked(crew, waiting))
+                waiting = list(self._run_jobs(crew, waiting))
             if not self.failed:
                 return
 
@@ -178,7 +178,7 @@ class _Run:
         failure = self.store.failure(job, view)
         return failure is not None and failure["code"] == LEFT_OUT
 
-    def _worked(self, crew: Crew, waiting: Iterable[Job]) -> Iterator[Job]:
+    def _run_jobs(self, crew: Crew, waiting: Iterable[Job]) -> Iterator[Job]:
         """Have jobs worked off.
 
         Yields:

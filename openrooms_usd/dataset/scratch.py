@@ -87,7 +87,7 @@ def fetch_known(store: Store) -> None:
         return
     # Rooms that were not started are not queried: there may be a million of them.
     begun = {part: store.remote.folders(part) for part in KNOWN}
-    names = (name for job in store.jobs() for name in _known(store, job, job.views))
+    names = (name for job in store.jobs() for name in _names_of_views(store, job, job.views))
     known = (name.split("/", 2) for name in names)
     store.remote.get(("/".join(name) for name in known if name[1] in begun[name[0]]), store.root)
 
@@ -99,7 +99,7 @@ def fetch_unit(store: Store, job: Job, view: int) -> None:
         InputError: It cannot be read.
     """
     if store.remote is not None:
-        store.remote.get(_known(store, job, (view,)), store.root)
+        store.remote.get(_names_of_views(store, job, (view,)), store.root)
 
 
 @contextmanager
@@ -128,7 +128,7 @@ def fetched(store: Store, *jobs: Job, scenes: bool = False) -> Iterator[None]:
             removal.remove_tree(folder)
 
 
-def _known(store: Store, job: Job, views: tuple[int, ...]) -> Iterator[str]:
+def _names_of_views(store: Store, job: Job, views: tuple[int, ...]) -> Iterator[str]:
     """The names of all that is known of views of a job."""
     yield store.name_of(store.record_path(job, SCENE))
     for view in views:
@@ -229,10 +229,10 @@ class Lease:
             self._await_end()
             self._remote.remove([LEASE])
             if not self._remote.put_text(LEASE, self._text(), new=True):
-                raise self._held()
+                raise self._lease_error()
         self._ended.wait(REST_S)
         if not self._is_ours():
-            raise self._held()
+            raise self._lease_error()
 
     def keep(self) -> None:
         """Say that its holder is alive, until it is given back or lost."""
@@ -273,7 +273,7 @@ class Lease:
             if now is None:
                 return
             if now != before:
-                raise self._held(now)
+                raise self._lease_error(now)
 
     def _is_of_the_dead(self, data: bytes | None) -> bool:
         """Whether it belongs to an ended process of this machine, so that waiting is useless."""
@@ -296,7 +296,7 @@ class Lease:
     def _text(self) -> str:
         return json.dumps({**self._who, "run": self._run, "beat": self._beats}, sort_keys=True)
 
-    def _held(self, data: bytes | None = None) -> OutputError:
+    def _lease_error(self, data: bytes | None = None) -> OutputError:
         holder = "another run"
         with suppress(ValueError, KeyError, TypeError):
             told = json.loads(data or self._remote.read(LEASE) or b"{}")

@@ -71,8 +71,8 @@ def shots_of(views: DatasetViews, opened: RenderContext) -> list[Shot]:
     else:
         cameras = _listed(opened)
         if views.source == "capture":
-            cameras = _spread(cameras, views.count, views.replace)
-        found = list(_chosen(views, opened, cameras))
+            cameras = _spread_evenly(cameras, views.count, views.replace)
+        found = list(_select_shots(views, opened, cameras))
     return found if views.stereo is None else list(_pairs(found, views.stereo))
 
 
@@ -91,7 +91,9 @@ def shot(shots: Sequence[Shot], number: int, room: str) -> Shot:
     return shots[number]
 
 
-def _chosen(views: DatasetViews, opened: RenderContext, cameras: Sequence[str]) -> Iterator[Shot]:
+def _select_shots(
+    views: DatasetViews, opened: RenderContext, cameras: Sequence[str]
+) -> Iterator[Shot]:
     """The first cameras; for those whose views are of no use, the next unused ones."""
     spare = iter(cameras[views.count : views.count + views.replace])
     for name in cameras[: views.count]:
@@ -186,7 +188,7 @@ def _listed(opened: RenderContext) -> list[str]:
     return sorted(opened.views, key=rank)
 
 
-def _spread(cameras: Sequence[str], count: int, spare: int) -> list[str]:
+def _spread_evenly(cameras: Sequence[str], count: int, spare: int) -> list[str]:
     """So many of a sequence, evenly spread, and then as many as are spare of those between."""
     taken = _evenly(cameras, count)
     return [*taken, *_evenly([name for name in cameras if name not in taken], spare)]

@@ -16,8 +16,8 @@ import numpy as np
 from openrooms_usd.dataset.plan import Job
 from openrooms_usd.dataset.records import LEFT_OUT
 from openrooms_usd.description import Room, lights, load_room, named_objects, parse_room, room_of
-from openrooms_usd.description.alignment import ObjectList
 from openrooms_usd.description.dataset import DatasetViews
+from openrooms_usd.description.furniture import ObjectList
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.description.moments import zone
 from openrooms_usd.draws import generator
@@ -208,8 +208,8 @@ def _lamps(room: Room, seed: int) -> dict[str, Section]:
 def _usual_lumens(room: Room) -> dict[str, float | None]:
     """The lamps that are listed in the room or in its lights, with what their kind emits."""
     found: dict[str, float | None] = dict.fromkeys(room.lights.lamps)
-    if isinstance(room.alignment, ObjectList):
-        for name, row in named_objects(room.alignment.objects):
+    if isinstance(room.furniture, ObjectList):
+        for name, row in named_objects(room.furniture.objects):
             spec = CATEGORIES.get(row.category)
             if spec and spec.emits:
                 found[name] = spec.lumen

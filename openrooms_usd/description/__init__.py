@@ -3,7 +3,7 @@
 - `scalars`, `reading`: YAML with places; `units`, `moments`: single values;
 - `model`, `room`: the models, by section `layout`, `trim`,
   `polygon`, `scanned`, `generate`,
-  `alignment`, `materials`, `lights`, `cameras`, `physics`;
+  `furniture`, `materials`, `lights`, `cameras`, `physics`;
 - `dataset`: the model of dataset.yaml, and its `sensor`;
 - `categories`, `families`, `styles`, `substances`: the names that may be used; `naming`: of what
   has none;
@@ -13,9 +13,9 @@
 - `schema`: the JSON Schema.
 """
 
-from openrooms_usd.description.alignment import named_objects
 from openrooms_usd.description.dataset import Dataset
 from openrooms_usd.description.files import dump_room, load_dataset, load_room, parse_room
+from openrooms_usd.description.furniture import named_objects
 from openrooms_usd.description.layout import named_openings
 from openrooms_usd.description.room import Room, room_of
 

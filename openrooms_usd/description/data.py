@@ -7,6 +7,7 @@ from typing import Any, Final
 from pydantic import BaseModel, ValidationError
 
 from openrooms_usd.description.diagnosis import diagnose
+from openrooms_usd.description.former import rename_sections
 from openrooms_usd.description.mistakes import Mistake, MistakesError, Place, Steps, shown
 from openrooms_usd.description.reading import MAX_DEPTH, Mapping, Sequence
 from openrooms_usd.errors import DescriptionError
@@ -15,7 +16,7 @@ _NAME: Final = "the room"
 
 
 def placed(data: AnyMapping[str, Any]) -> Mapping:
-    """Plain data with an order of its own, as a file's has lines.
+    """Plain data whose keys and items know their order, as those of a file know their lines.
 
     Tuples are lists, and arrays and numbers of numpy are lists and numbers.
 
@@ -32,8 +33,9 @@ def placed(data: AnyMapping[str, Any]) -> Mapping:
 def refused(
     error: ValidationError, data: AnyMapping[str, Any], model: type[BaseModel]
 ) -> DescriptionError:
-    """What to raise for what pydantic found in data that stands in no file."""
+    """The error for what pydantic found in data that is not from a file."""
     found = placed(data)
+    rename_sections(found, _NAME)
     return MistakesError(_NAME, diagnose(error, found, model))
 
 

@@ -86,7 +86,7 @@ class DepthCamera(Model):
 
 
 class Sensor(CheckedModel):
-    """What is written beside the truth of every view."""
+    """Simulated sensors, written beside the ground truth of every view."""
 
     distortion: Distortion | None = None
     """Of the lens; by default none."""
@@ -119,7 +119,7 @@ _Text = Annotated[str, Field(min_length=1)]
 
 
 class GeneratedRooms(Model):
-    """Rooms from nothing."""
+    """Generated rooms."""
 
     source: Literal["generate"] = Field(default="generate", alias="from")
     types: tuple[RoomType, ...] = Field(default=get_args(RoomType), min_length=1)
@@ -133,7 +133,7 @@ class GeneratedRooms(Model):
 
 
 class DescribedRooms(Model):
-    """Rooms of which there is a room.yaml: drawn by people, or imported from captures."""
+    """Rooms with a room.yaml: written by hand, or imported from captures."""
 
     source: Literal["descriptions"] = Field(default="descriptions", alias="from")
     files: tuple[_Text, ...] = Field(min_length=1)
@@ -211,7 +211,7 @@ class DatasetViews(CheckedModel):
 
 
 class Output(Model):
-    """A form in which finished rooms are written besides."""
+    """A further format in which finished rooms are written."""
 
     kind: _Text = Field(alias="as")
     """Format: openrooms, nerf, webdataset, hypersim, coco, parquet, or an installed one."""
@@ -230,7 +230,7 @@ class Output(Model):
 
 
 class Shares(CheckedModel):
-    """Which part of the rooms is for what; a room with all its views is in one of them."""
+    """Shares of the rooms for each split; a room is in one split, with all its views."""
 
     train: _Share = 0.8
     """For training."""
@@ -241,7 +241,7 @@ class Shares(CheckedModel):
 
     @classmethod
     def disagreements(cls, given: Any) -> Iterator[FoundMistake]:
-        """Shares that are not 1 together."""
+        """Shares that do not add up to 1."""
         found = [peek(given, name) for name in cls.model_fields]
         usual = [info.default for info in cls.model_fields.values()]
         shares = [u if share is None else share for share, u in zip(found, usual, strict=True)]
@@ -297,7 +297,7 @@ class Dataset(CheckedModel):
         return found
 
     def settings(self, seed: int = 0) -> RenderSettings:
-        """What each view is asked for.
+        """The render settings of each view.
 
         Args:
             seed: Fixes every random number.

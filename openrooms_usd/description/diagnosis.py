@@ -67,7 +67,7 @@ def diagnose(
     """
     for row in error.errors(include_url=False):
         spot = _follow(row["loc"], model)
-        path, place, found = _look_up(data, _blamed(row["type"], spot.path), row["type"])
+        path, place, found = _look_up(data, _path_to_blame(row["type"], spot.path), row["type"])
         too_short = row["type"] == "too_short" and isinstance(found, list)
         if too_short and len(found) >= row["ctx"]["min_length"]:
             continue  # only because of faulty entries, which have their own rows
@@ -81,7 +81,7 @@ def located(data: reading.Mapping, found: Iterable[tuple[Steps, str]]) -> Iterat
         yield Mistake(place, path, text)
 
 
-def _blamed(kind: str, path: Steps) -> Steps:
+def _path_to_blame(kind: str, path: Steps) -> Steps:
     """What to point at: the list that has too few entries, the key that chooses a source."""
     if kind == "missing" and isinstance(path[-1], int):
         return path[:-1]
@@ -217,7 +217,7 @@ def _text(row: ErrorDetails, spot: _Spot, found: Any) -> str:
         also = other_words() if allowed[0] == CATEGORIES[0] else None
         hint = did_you_mean(found, allowed, also)
         hint = as_linear(spot.path, found) or hint
-        return f"found {shown(found)}{hint}; allowed: {_listed(allowed)}"
+        return f"found {shown(found)}{hint}; allowed: {_list_choices(allowed)}"
     limits = {key: _limit(value) for key, value in context.items()}
     values = {**limits, "unit": _unit(spot.annotation), "entries": len(get_args(spot.holder))}
     expected = _EXPECTED[kind].format(**values) if kind in _EXPECTED else row["msg"]
@@ -228,7 +228,7 @@ def _text(row: ErrorDetails, spot: _Spot, found: Any) -> str:
     return f"expected {expected}, found {shown(found)}{hint}"
 
 
-def _listed(allowed: Sequence[str]) -> str:
+def _list_choices(allowed: Sequence[str]) -> str:
     """All choices, or so many that a person reads them."""
     if len(allowed) <= _MOST_LISTED:
         return ", ".join(allowed)

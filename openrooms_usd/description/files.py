@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from openrooms_usd.description.dataset import Dataset
 from openrooms_usd.description.diagnosis import diagnose
+from openrooms_usd.description.former import rename_sections
 from openrooms_usd.description.mistakes import Mistake, MistakesError
 from openrooms_usd.description.model import Model
 from openrooms_usd.description.reading import place_of, read_yaml
@@ -77,6 +78,7 @@ def load_dataset(path: Path) -> Dataset:
 def _parsed(model: type[Described], text: str | bytes, name: str) -> Described:
     """What a text describes; all its mistakes at once."""
     data, mistakes = read_yaml(_decoded(text, name), name)
+    notes = rename_sections(data, name) if model is Room else ()
     try:
         found = model.model_validate(data)
     except ValidationError as error:
@@ -85,7 +87,7 @@ def _parsed(model: type[Described], text: str | bytes, name: str) -> Described:
         raise MistakesError(name, [*mistakes, *further], data) from None
     if mistakes:
         raise MistakesError(name, mistakes, data)
-    return of_text(found, name, data) if isinstance(found, Room) else found
+    return of_text(found, name, data, notes) if isinstance(found, Room) else found
 
 
 def dump_room(room: Room) -> str:

@@ -18,7 +18,7 @@ class GeneratedLayout(Model):
     """Thickness of the walls, outwards from the polygon."""
 
 
-class GeneratedAlignment(Model):
+class GeneratedFurniture(Model):
     """Furniture as rooms of its type have it, drawn by the seed."""
 
     source: Literal["generate"] = Field(alias="from")

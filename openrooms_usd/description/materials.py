@@ -30,7 +30,7 @@ _CLASHES: Final = {
 
 
 class MaterialChoice(CheckedModel):
-    """One material: of the library, of files, or a constant; what is left out is drawn."""
+    """One material: of the library, of files, or a constant; omitted keys are drawn."""
 
     family: FamilyName | None = None
     """A family of the library, or a substance: then a family of it is drawn."""

@@ -41,7 +41,7 @@ class Mistake:
 
 
 def written(path: Steps) -> str:
-    """A path as people write it: ``alignment.objects[3].size[1]``."""
+    """A path as people write it: ``furniture.objects[3].size[1]``."""
     text = "".join(
         f"[{step}]"
         if isinstance(step, int)
@@ -80,7 +80,7 @@ class MistakesError(DescriptionError):
 
     def __init__(self, name: str, mistakes: Iterable[Mistake], given: Any = None) -> None:
         self.name, self.mistakes, self.given = name, tuple(mistakes), given
-        super().__init__(_listed(name, self.mistakes), place=name)
+        super().__init__(_list_mistakes(name, self.mistakes), place=name)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Workers hand it over.
@@ -88,7 +88,7 @@ class MistakesError(DescriptionError):
 
 
 class FieldsError(DescriptionError):
-    """Fields ask for what cannot be made; who knows the file says where they stand in it.
+    """Fields ask for what cannot be made; a caller that knows the file adds their lines.
 
     Attributes:
         found: The path of each, and what is wrong there.
@@ -97,13 +97,13 @@ class FieldsError(DescriptionError):
     def __init__(self, *found: tuple[Steps, str]) -> None:
         self.found = found
         mistakes = [Mistake(Place(0, i), *row) for i, row in enumerate(found)]
-        super().__init__(_listed("the room", mistakes), place="the room")
+        super().__init__(_list_mistakes("the room", mistakes), place="the room")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), self.found
 
 
-def _listed(name: str, mistakes: Iterable[Mistake]) -> str:
+def _list_mistakes(name: str, mistakes: Iterable[Mistake]) -> str:
     ordered = sorted(
         dict.fromkeys(mistakes), key=lambda mistake: (mistake.place, written(mistake.path))
     )

@@ -41,7 +41,7 @@ def clock_time(value: Any) -> str:
 
 
 def utc_offset(value: Any) -> float | str:
-    """Read what clocks are ahead of UTC: hours, or a time zone that this machine knows."""
+    """Read an offset from UTC: hours, or a time zone that this machine knows."""
     expected = "hours ahead of UTC from -15 to 15, or a time zone such as Europe/Berlin"
     if isinstance(value, str):
         try:

@@ -17,7 +17,7 @@ Corners = tuple[tuple[float, float], ...]
 
 
 def simple_polygon(corners: Corners) -> Corners:
-    """Let a simple polygon pass.
+    """Accept a simple polygon.
 
     Args:
         corners: (N, 2) corners in order, metres.

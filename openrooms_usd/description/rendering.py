@@ -126,7 +126,7 @@ class Rendering(Model):
 
 
 class RenderSettings(Budget, Rendering):
-    """All that a render may be asked for.
+    """All settings of a render.
 
     Raises:
         InputError: A name is unknown, a number is outside its limits, or samples, error and seconds

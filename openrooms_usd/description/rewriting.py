@@ -13,6 +13,7 @@ from typing import Any, Final, NamedTuple
 
 import yaml
 
+from openrooms_usd.description.former import name_in
 from openrooms_usd.description.reading import read_yaml
 from openrooms_usd.errors import DescriptionError
 
@@ -37,7 +38,8 @@ def rewritten(text: str, section: str, values: Mapping[str, Any], name: str = "r
 
     Args:
         text: A description that reads without mistakes.
-        section: The section's key, such as ``layout``; it is added where it is missing.
+        section: The section's key, such as ``layout``; it is added where it is missing, and keeps
+            a former name.
         values: The new values by their keys: plain data, and None for keys to leave out.
         name: The file's name, for messages.
 
@@ -49,6 +51,7 @@ def rewritten(text: str, section: str, values: Mapping[str, Any], name: str = "r
             example because an alias elsewhere stands for what is replaced.
     """
     data, _ = read_yaml(text, name)
+    section = name_in(data, section)
     held = data.get(section) or {}
     wanted = {key: held[key] for key in held if values.get(key, held[key]) is not None}
     wanted.update({key: value for key, value in values.items() if value is not None})

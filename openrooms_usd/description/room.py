@@ -1,15 +1,16 @@
 """The whole description: a name, a room type, a seed, and one section a stage."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import Field, PrivateAttr, ValidationError
 
 from openrooms_usd.description import reading
-from openrooms_usd.description.alignment import Alignment, ObjectList, object_names
 from openrooms_usd.description.cameras import AnyCameras, Cameras
+from openrooms_usd.description.former import rename_sections
+from openrooms_usd.description.furniture import Furniture, ObjectList, object_names
 from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.lights import Lights
 from openrooms_usd.description.materials import Materials
@@ -57,10 +58,12 @@ class _Text:
     Attributes:
         name: Of the file.
         data: Its data, with their places; None for a room that stands in no file.
+        notes: What users should know of how it is written.
     """
 
     name: str = field(compare=False)
     data: reading.Mapping | None = field(default=None, compare=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
 
 class Room(CheckedModel):
@@ -79,7 +82,7 @@ class Room(CheckedModel):
     listed objects, 1 tidy, 2 lived in, 3 messy."""
     layout: Layout = Field(default_factory=PolygonLayout)
     """The room's shell."""
-    alignment: Alignment = Field(default_factory=ObjectList)
+    furniture: Furniture = Field(default_factory=ObjectList)
     """The objects in it."""
     materials: Materials = Field(default_factory=Materials)
     """Materials of the room and its objects."""
@@ -101,15 +104,27 @@ class Room(CheckedModel):
             Raises:
                 DescriptionError: Something is wrong; the message lists every mistake.
             """
+            notes = rename_sections(sections, "the room")
             try:
                 super().__init__(**sections)
             except ValidationError as error:
                 from openrooms_usd.description.data import refused
 
                 raise refused(error, sections, type(self)) from None
+            self._text = replace(self._text, notes=notes)
 
         # So that pydantic checks data without calling this: what reads files says the lines.
         __init__.__pydantic_base_init__ = True
+
+    @property
+    def alignment(self) -> Furniture:
+        """The former name of `furniture`."""
+        return self.furniture
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes on how it is written, such as on former names."""
+        return self._text.notes
 
     @property
     def folder(self) -> Path | None:
@@ -123,7 +138,7 @@ class Room(CheckedModel):
         return room
 
     def as_dict(self) -> dict[str, Any]:
-        """What was given of it, as plain data that makes the same room again."""
+        """The given fields, as plain data that makes the same room again."""
         return self.model_dump(mode="json", by_alias=True, exclude_unset=True)
 
     def __repr__(self) -> str:
@@ -133,8 +148,8 @@ class Room(CheckedModel):
 
     def _holds(self) -> str:
         """What stands in it, in a few words."""
-        objects = getattr(self.alignment, "objects", None)
-        found = _source(self.alignment) if objects is None else f"{len(objects)} objects"
+        objects = getattr(self.furniture, "objects", None)
+        found = _source(self.furniture) if objects is None else f"{len(objects)} objects"
         return f"layout from {_source(self.layout)}, {found}"
 
     @classmethod
@@ -145,11 +160,11 @@ class Room(CheckedModel):
         """
         yield from _cameras_of_nothing(given)
         yield from _drawn_into_captures(given)
-        alignment = peek(given, "alignment")
-        generated = alignment is None and _source(peek(given, "layout")) == "generate"
-        if generated or (_source(alignment) or "objects") != "objects":
+        furniture = peek(given, "furniture")
+        generated = furniture is None and _source(peek(given, "layout")) == "generate"
+        if generated or (_source(furniture) or "objects") != "objects":
             return
-        names = object_names(peek_list(alignment, "objects"))
+        names = object_names(peek_list(furniture, "objects"))
         for section, key in (
             ("lights", "lamps"),
             ("materials", "overrides"),
@@ -166,15 +181,17 @@ class Room(CheckedModel):
 AnyRoom = TypeVar("AnyRoom", bound=Room)
 
 
-def of_text(room: AnyRoom, name: str, data: reading.Mapping) -> AnyRoom:
-    """The same room, which knows the name and the data of the file that it was read from."""
+def of_text(
+    room: AnyRoom, name: str, data: reading.Mapping | None, notes: tuple[str, ...]
+) -> AnyRoom:
+    """The same room, which knows the name, the data and the notes of what it was read from."""
     same = room.model_copy()
-    same._text = _Text(name, data)
+    same._text = _Text(name, data, notes)
     return same
 
 
 def refused_fields(room: Room, found: Iterable[tuple[Steps, str]]) -> MistakesError:
-    """What to raise where fields of a room ask for what cannot be made.
+    """The error for fields of a room that ask for what cannot be made.
 
     Args:
         room: As it was described.
@@ -204,8 +221,9 @@ def room_of(data: Mapping[str, Any]) -> Room:
     from openrooms_usd.description.data import placed, refused
 
     sections = placed(data)
+    notes = rename_sections(sections, "the room")
     try:
-        return Room.model_validate(sections)
+        return of_text(Room.model_validate(sections), "the room", None, notes)
     except ValidationError as error:
         raise refused(error, sections, Room) from None
 
@@ -216,16 +234,16 @@ def _source(section: Any) -> Any:
 
 def _drawn_into_captures(given: Any) -> Iterator[FoundMistake]:
     """Furniture and small things that are to be drawn for a room that was captured."""
-    layout, alignment = (_source(peek(given, key)) for key in ("layout", "alignment"))
+    layout, furniture = (_source(peek(given, key)) for key in ("layout", "furniture"))
     captured = layout not in (None, "polygon", "generate")
-    if captured and alignment == "generate":
+    if captured and furniture == "generate":
         yield FoundMistake(
-            ("alignment", "from"),
+            ("furniture", "from"),
             "furniture is generated for rooms that are drawn or generated, not for captured ones; "
             "give the polygon of the room in layout, or list the objects",
         )
     if peek(given, "clutter") in (1, 2, 3) and (
-        captured or alignment not in (None, "objects", "generate")
+        captured or furniture not in (None, "objects", "generate")
     ):
         yield FoundMistake(
             ("clutter",),
@@ -236,7 +254,7 @@ def _drawn_into_captures(given: Any) -> Iterator[FoundMistake]:
 
 def _cameras_of_nothing(given: Any) -> Iterator[FoundMistake]:
     """Cameras from a capture in a room that comes from none."""
-    named = [("layout", "file"), ("layout", "scan"), ("alignment", "file")]
+    named = [("layout", "file"), ("layout", "scan"), ("furniture", "file")]
     if any(peek(peek(given, section), key) for section, key in named):
         return
     cameras = peek(given, "cameras")
@@ -245,6 +263,6 @@ def _cameras_of_nothing(given: Any) -> Iterator[FoundMistake]:
     for path, view in [(("cameras",), cameras)] if _source(cameras) == "capture" else views:
         if _source(view) == "capture":
             text = (
-                "the room does not come from a capture: neither its layout nor its alignment does"
+                "the room does not come from a capture: neither its layout nor its furniture does"
             )
             yield FoundMistake((*path, "from"), text)

@@ -41,7 +41,7 @@ _TYPES: Final[dict[str, tuple[type, ...]]] = {
 
 
 def plain(text: str) -> Any:
-    """The meaning of a scalar without quotes; whatever is nothing else is text.
+    """The meaning of a scalar without quotes; anything else is text.
 
     So is a number that is longer than any honest one: the field that it is for refuses it then.
     """

@@ -8,6 +8,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from openrooms_usd.description.dataset import Dataset
 from openrooms_usd.description.model import Model
 from openrooms_usd.description.room import Room
+from openrooms_usd.names import FORMER_SECTIONS
 
 FILE: Final = "room.schema.json"
 DATASET_FILE: Final = "dataset.schema.json"
@@ -38,7 +39,12 @@ def room_schema() -> dict[str, Any]:
     What needs more than one field, such as that a polygon must not cross itself, is beyond it:
     `openrooms_usd.description.load_room` checks that too.
     """
-    return _schema(Room, "room")
+    schema = _schema(Room, "room")
+    for former, present in FORMER_SECTIONS.items():
+        said = {"deprecated": True, "description": f"The former name of `{present}`."}
+        schema["properties"][former] = schema["properties"][present] | said
+        schema.setdefault("not", {"anyOf": []})["anyOf"].append({"required": [former, present]})
+    return schema
 
 
 def dataset_schema() -> dict[str, Any]:

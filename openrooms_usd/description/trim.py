@@ -83,7 +83,7 @@ class Threshold(Model):
     """Above the floor; below a door's leaf there are 6 mm."""
 
 
-def _named(model: Any, key: str, profiles: Any = None) -> BeforeValidator:
+def _shorthand(model: Any, key: str, profiles: Any = None) -> BeforeValidator:
     """``true`` stands for all defaults, a length for the one key that matters most."""
     values = get_args(profiles) if profiles else ()
     either = f"true, a length, {', '.join(values)}, or" if values else "true, a length or"
@@ -105,24 +105,24 @@ def _named(model: Any, key: str, profiles: Any = None) -> BeforeValidator:
 
 
 class Trim(Model):
-    """What runs along walls and around openings; without a key there is none of its kind."""
+    """Mouldings along walls and around openings; an omitted key means none of its kind."""
 
-    skirting: Annotated[Skirting, _named(Skirting, "height", Profile)] | None = None
+    skirting: Annotated[Skirting, _shorthand(Skirting, "height", Profile)] | None = None
     """Boards along the foot of walls: a mapping, a height, a profile, or `true`."""
-    cornice: Annotated[Cornice, _named(Cornice, "height", CornicePiece)] | None = None
+    cornice: Annotated[Cornice, _shorthand(Cornice, "height", CornicePiece)] | None = None
     """Mouldings below the ceiling: likewise."""
-    casing: Annotated[Casing, _named(Casing, "width", Profile)] | None = None
+    casing: Annotated[Casing, _shorthand(Casing, "width", Profile)] | None = None
     """Boards around openings: a mapping, a width, a profile, or `true`."""
-    picture_rail: Annotated[PictureRail, _named(PictureRail, "at", Profile)] | None = None
+    picture_rail: Annotated[PictureRail, _shorthand(PictureRail, "at", Profile)] | None = None
     """A moulding high on the walls: a mapping, its height above the floor, or `true`."""
-    wainscot: Annotated[Wainscot, _named(Wainscot, "height")] | None = None
+    wainscot: Annotated[Wainscot, _shorthand(Wainscot, "height")] | None = None
     """Panelling of the lower walls: a mapping, a height, or `true`."""
-    threshold: Annotated[Threshold, _named(Threshold, "height")] | None = None
+    threshold: Annotated[Threshold, _shorthand(Threshold, "height")] | None = None
     """Strips in doorways: a mapping, a height, or `true`."""
 
 
 class Ceiling(CheckedModel):
-    """What stands out below the ceiling."""
+    """Beams, coffers or a grid below the ceiling."""
 
     kind: CeilingKind = "plain"
     """Nothing, beams, beams that cross, or the bars of a suspended ceiling."""

@@ -117,7 +117,7 @@ def _adopted(scene: Path, saved: Path | None, *, dry_run: bool) -> Adoption:
     changes = tuple(_changes(opinions, base))
     left = (
         *differences.left,
-        *(() if blenders else _left(foreign, layer)),
+        *(() if blenders else _list_ignored(foreign, layer)),
         *_outside(outside, out),
     )
     adoption = Adoption(edits, changes, left, differences.compared)
@@ -215,7 +215,7 @@ def _changes(opinions: Sdf.Layer, base: Usd.Stage) -> Iterator[Change]:
             yield Change(str(spec.path), not known, fields)
 
 
-def _left(foreign: Foreign, layer: Sdf.Layer) -> Iterator[str]:
+def _list_ignored(foreign: Foreign, layer: Sdf.Layer) -> Iterator[str]:
     if foreign.metadata:
         yield f"metadata of the file is not adopted: {', '.join(foreign.metadata)}"
     if layer.HasStartTimeCode():

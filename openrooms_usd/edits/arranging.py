@@ -148,7 +148,7 @@ def place(
         goal = settled(room, thing, spot) if snap else spot
         floored = thing.support == "floor" and abs(thing.z - room.floor) < _ON_FLOOR_M
         usual = room.floor if floored and snap else thing.z
-        _write(stage, prim, _moved(prim, goal, usual if z is None else z))
+        _write(stage, prim, _transform_at(prim, goal, usual if z is None else z))
         return standing(prim)
 
 
@@ -176,7 +176,7 @@ def duplicate(scene: Path, name: str) -> Standing:
         # Also when the original is taken away.
         spec.active = True
         copy = stage.GetPrimAtPath(path)
-        _write(stage, copy, _moved(copy, spot, thing.z))
+        _write(stage, copy, _transform_at(copy, spot, thing.z))
         return standing(copy)
 
 
@@ -208,7 +208,7 @@ def relabel(scene: Path, name: str, category: str) -> Standing:
     """
     from openrooms_usd.description.room import room_of
 
-    room_of({"alignment": {"objects": [{"category": category, "at": [0.0, 0.0]}]}})
+    room_of({"furniture": {"objects": [{"category": category, "at": [0.0, 0.0]}]}})
     with editing(scene) as stage:
         prim = furniture(stage, name)
         label(prim, category)
@@ -270,7 +270,7 @@ def free_path(stage: Usd.Stage, path: Sdf.Path) -> Sdf.Path:
     return next(one for one in chain([path], numbered) if not stage.GetPrimAtPath(one))
 
 
-def _moved(prim: Usd.Prim, spot: PlanPoint, z: float) -> Gf.Matrix4d:
+def _transform_at(prim: Usd.Prim, spot: PlanPoint, z: float) -> Gf.Matrix4d:
     """An object's transform at another place; it leans and is scaled as before."""
     local = UsdGeom.Xformable(prim).GetLocalTransformation(TIME)
     turn = Gf.Rotation(Gf.Vec3d.ZAxis(), spot.yaw - standing(prim).yaw)

@@ -2,7 +2,7 @@
 
 Materials lie in ``/World/Looks``, their textures in ``layers/edits/textures``; each part that was
 meant is bound to one of them. An instance cannot be edited inside, so an object with an edited part
-stops being an instance. The stages leave alone what the edits bind.
+stops being an instance. The steps leave alone what the edits bind.
 """
 
 from collections.abc import Iterable, Mapping
@@ -94,7 +94,7 @@ def assign(
 
 
 def unassign(scene: Path, path: str, scope: Scope) -> Assigned:
-    """Let parts be made of what the stages gave them again.
+    """Let parts be made of what the steps gave them again.
 
     Raises:
         InputError: There is no such part, or this is not a composed room.
@@ -104,7 +104,7 @@ def unassign(scene: Path, path: str, scope: Scope) -> Assigned:
     with editing(scene) as stage:
         layer = stage.GetEditTarget().GetLayer()
         parts = parts_meant(stage, path, scope)
-        freed = [part for part in parts if _freed(layer, part)]
+        freed = [part for part in parts if _remove_binding(layer, part)]
         roots = [object_of(stage.GetPrimAtPath(part)).GetPath() for part in freed]
         for root in dict.fromkeys(roots):
             _closed(layer, root)
@@ -156,7 +156,7 @@ def bind(prim: Usd.Prim, material: UsdShade.Material) -> None:
     UsdShade.MaterialBindingAPI.Apply(prim).Bind(material, strength)
 
 
-def _freed(layer: Sdf.Layer, part: Sdf.Path) -> bool:
+def _remove_binding(layer: Sdf.Layer, part: Sdf.Path) -> bool:
     """Take a binding to one of our materials away; whether there was one."""
     spec = layer.GetPrimAtPath(part)
     bound = spec.relationships.get(_BINDING) if spec else None

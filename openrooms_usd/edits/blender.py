@@ -173,11 +173,11 @@ def _matched(
     known = {name for name, _, _ in choices}
     possible = []
     for theirs in objects:
-        name, shows = _known(theirs, known), _shows(theirs)
+        name, shows = _match_name(theirs, known), _shows(theirs)
         for number, (choice, ours, shape) in enumerate(choices):
             if choice == name and shows in (None, _is_shape(shape)):
                 pair = Pair(ours, theirs, shape, _data(theirs, shape))
-                counted = shape == ours and _given(theirs) != name
+                counted = shape == ours and _prim_name_of(theirs) != name
                 possible.append((counted, pair.distance(), number, pair))
     possible.sort(key=lambda found: found[:3])
     taken: dict[Usd.Prim, Pair] = {}
@@ -189,15 +189,15 @@ def _matched(
     return sorted(taken.values(), key=lambda pair: str(pair.ours.GetPath()))
 
 
-def _given(theirs: Usd.Prim) -> str:
+def _prim_name_of(theirs: Usd.Prim) -> str:
     """An object's name as it would be a prim's."""
     attribute = theirs.GetAttribute(OBJECT)
     return str(Tf.MakeValidIdentifier(attribute.Get())) if attribute else str(theirs.GetName())
 
 
-def _known(theirs: Usd.Prim, known: set[str]) -> str:
+def _match_name(theirs: Usd.Prim, known: set[str]) -> str:
     """An object's name among those that there are; where Blender wrote none, by its prim."""
-    name = _given(theirs)
+    name = _prim_name_of(theirs)
     if theirs.GetAttribute(OBJECT):
         return name if name in known else named(theirs)
     while name not in known and _NUMBERED.search(name):

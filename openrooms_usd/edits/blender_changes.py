@@ -156,7 +156,7 @@ class BlenderDifferences(Differences):
     def _remove(self, pairing: Pairing) -> None:
         """Switch off what is gone, where the file is of the whole room."""
         for kind, what in ((UsdGeom.Gprim, "meshes"), (UsdGeom.Camera, "cameras")):
-            seen = {prim: list(_seen(prim, kind)) for prim in pairing.missing}
+            seen = {prim: list(_imported_prims(prim, kind)) for prim in pairing.missing}
             gone = sum(map(len, seen.values()))
             there = sum(1 for pair in pairing.pairs if pair.shape.IsA(kind))
             if gone > MOST_REMOVED * (gone + there):
@@ -169,7 +169,7 @@ class BlenderDifferences(Differences):
                 self._over(prim.GetPath()).active = False
 
 
-def _seen(prim: Usd.Prim, kind: type) -> Iterator[Usd.Prim]:
+def _imported_prims(prim: Usd.Prim, kind: type) -> Iterator[Usd.Prim]:
     """What of a kind is at and below a prim, as Blender imports it: nothing hidden, no guides."""
     for found in Usd.PrimRange(prim, Usd.TraverseInstanceProxies()):
         shown = UsdGeom.Imageable(found)

@@ -82,7 +82,7 @@ def orphans_of(out: Path, name: str = names.EDITS) -> tuple[Orphan, ...]:
 
     Args:
         out: The folder that compose wrote.
-        name: The layer to check: ``edits``, or another one that no stage writes.
+        name: The layer to check: ``edits``, or another one that no step writes.
 
     Raises:
         InputError: There is no composed room, or its edits cannot be read.

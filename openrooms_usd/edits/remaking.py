@@ -15,7 +15,7 @@ import numpy as np
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.description.alignment import SURFACES, FileObject, LibraryObject, ObjectList
+from openrooms_usd.description.furniture import SURFACES, FileObject, LibraryObject, ObjectList
 from openrooms_usd.description.room import room_of
 from openrooms_usd.edits.arranging import Standing, free_path, standing
 from openrooms_usd.edits.assigning import context_of
@@ -156,7 +156,7 @@ def add(scene: Path, said: Mapping[str, Any], base: Path | None = None) -> Stand
 
     Args:
         scene: The ``scene.usda`` of the room.
-        said: The object as ``alignment: objects:`` of a room.yaml has it. What carries it, and what
+        said: The object as ``furniture: objects:`` of a room.yaml has it. What carries it, and what
             it is relative to, are objects of the room.
         base: Where the name of its file begins; None for the scene's folder.
 
@@ -179,7 +179,7 @@ def add(scene: Path, said: Mapping[str, Any], base: Path | None = None) -> Stand
         author_described(spec, stand.x, stand.y, stand.z, stand.yaw, stand.tilt)
         prim = stage.GetPrimAtPath(path)
         give_model(context, spec, prim, wanted.asset)
-        # The lights stage writes over bulbs, which it could not inside an instance.
+        # The lights step writes over bulbs, which it could not inside an instance.
         spec.instanceable = not wanted.emits
         for note in context.notes:
             _LOG.warning("%s", note)
@@ -189,7 +189,7 @@ def add(scene: Path, said: Mapping[str, Any], base: Path | None = None) -> Stand
 def _described(said: Mapping[str, Any]) -> Described:
     """The object, checked as those of a room.yaml are; what it refers to is looked for later."""
     alone = {key: said[key] for key in said if key not in ("on", "relative_to")}
-    section = room_of({"alignment": {"objects": [alone]}}).alignment
+    section = room_of({"furniture": {"objects": [alone]}}).furniture
     assert isinstance(section, ObjectList), "it was given"
     return section.objects[0]
 

@@ -134,7 +134,7 @@ def meaning(words: Sequence[str], above_floor: float) -> Meaning:
             synset and its class. The first that means something counts.
         above_floor: How high it begins above the floor, metres.
     """
-    known = (named for word in words if (named := _named(word)) is not None)
+    known = (named for word in words if (named := _match_word(word)) is not None)
     found, name = next(known, ("", ""))
     if name in _BUILDING or name in SHELL:
         return Meaning("building")
@@ -160,7 +160,7 @@ def category_of(word: str, above_floor: float) -> str | None:
         word: Of a capture.
         above_floor: How high the thing begins above the floor, metres.
     """
-    found, name = _named(word) or ("", "")
+    found, name = _match_word(word) or ("", "")
     if found in _LAMPS:
         return lamps(above_floor)[0][0]
     return name if name in BUILT else None
@@ -168,7 +168,7 @@ def category_of(word: str, above_floor: float) -> str | None:
 
 def spelled(word: str) -> str | None:
     """The category that a word names, of the library or of what captures bring; None of none."""
-    found, name = _named(word) or ("", "")
+    found, name = _match_word(word) or ("", "")
     if found in _LAMPS:
         return LAMP
     return None if found in _NOTHING else name or None
@@ -191,7 +191,7 @@ def named_in(text: str) -> str | None:
     return next((known[word] for span in spans if (word := "_".join(span)) in known), None)
 
 
-def _named(word: str) -> tuple[str, str] | None:
+def _match_word(word: str) -> tuple[str, str] | None:
     """The known word that says what a word names, and its category; None where none does."""
     known = library_words()
     for form in _forms(plain(word)):

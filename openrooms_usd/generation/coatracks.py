@@ -80,7 +80,7 @@ def coat_racks(room: Arrangement, kit: Kit, room_type: str) -> list[Item]:
     while count:
         whole = (size[0] + (count - 1) * _PITCH_M, size[1], size[2])
         for side, at in _places(room, kit, whole[0]):
-            if _taken(room, side, at, whole, z):
+            if _occupy(room, side, at, whole, z):
                 offsets = _PITCH_M * (np.arange(count) - 0.5 * (count - 1))
                 return [_hook(kit, side, at + float(dx), size, style, z) for dx in offsets]
         count -= 1
@@ -113,7 +113,7 @@ def _places(room: Arrangement, kit: Kit, width: float) -> Iterator[tuple[Side, f
     yield from ((side, at) for side, at in drawn if half < at < side.length - half)
 
 
-def _taken(room: Arrangement, side: Side, at: float, size: Size, z: float) -> bool:
+def _occupy(room: Arrangement, side: Side, at: float, size: Size, z: float) -> bool:
     """Take a place on a wall with what hangs there, if all of it is free."""
     rack = side.keep(at, size[0], size[1], z, z + size[2])
     hung = side.keep(at, size[0] + 2 * _BEYOND_M, _DEPTH_M, z - _DROP_M, z + size[2])

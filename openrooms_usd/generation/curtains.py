@@ -93,7 +93,7 @@ def curtains(
             widths, depth = [beside, _BLIND_BESIDE_M], _CURTAIN_DEPTH_M
         widths = [wide + more for wide in widths for more in _WIDER_M]
         sizes = [(gap.width + 2.0 * wide, depth, top - low) for wide in widths for low in ends]
-        found = _hung(room, kit, gap, style, sizes, top)
+        found = _hang_curtain(room, kit, gap, style, sizes, top)
         made += [found] if found else []
     return made
 
@@ -104,7 +104,7 @@ def _make(kit: Kit, room_type: str) -> str:
     return drawn(kit.rng, {name: w * factors.get(name, 1.0) for name, w in weights.items()})
 
 
-def _hung(
+def _hang_curtain(
     room: Arrangement, kit: Kit, gap: Gap, style: str, sizes: list[Size], top: float
 ) -> Item | None:
     """The first of some sizes that disturbs nothing, on the wall of a window."""

@@ -144,7 +144,7 @@ class Fitter:
         for side, at in (*windows, *self._places(size[0])):
             if len(made) == wanted:
                 break
-            made += self._hung("wall_vent", side, at, self._foot(0.06), size, style)
+            made += self._hang_flat("wall_vent", side, at, self._foot(0.06), size, style)
         return made
 
     def _foot(self, above: float) -> float:
@@ -163,7 +163,7 @@ class Fitter:
             away = 0.5 * gap.width + self.room.shell.casing + _BESIDE_M + 0.5 * size[0]
             first = 1.0 if gap.hinge == "right" else -1.0
             for at in (gap.at + s * (away + more) for more in (0.0, 0.15) for s in (first, -first)):
-                found = self._hung("light_switch", side, at, z, size, style, _REACHED_M)
+                found = self._hang_flat("light_switch", side, at, z, size, style, _REACHED_M)
                 if found:
                     made += found
                     break
@@ -177,7 +177,7 @@ class Fitter:
         for item in switches:
             side = min(self.room.shell.sides, key=lambda s: _distance(s, item))
             at = float((np.array([item.x, item.y]) - side.start) @ side.along)
-            made = self._hung("thermostat", side, at, _THERMOSTAT_Z_M, size, style, _READ_M)
+            made = self._hang_flat("thermostat", side, at, _THERMOSTAT_Z_M, size, style, _READ_M)
             if made:
                 return made
         return []
@@ -190,7 +190,9 @@ class Fitter:
             carrier = next((other for _, group in self.room.items for other in group
                             if other.key == item.on), item)  # fmt: skip
             for side, at in self._beside(carrier, 0.25):
-                found = self._hung("data_outlet", side, at, _SOCKET_Z_M, size, style, _PLUGGED_M)
+                found = self._hang_flat(
+                    "data_outlet", side, at, _SOCKET_Z_M, size, style, _PLUGGED_M
+                )
                 if found:
                     made += found
                     break
@@ -204,7 +206,7 @@ class Fitter:
             x, y = side.point(at)
             near = [abs(o.x - x) + abs(o.y - y) for o in made if abs(o.z - z) < 0.3]
             if min(near, default=9.0) >= _NEAREST_SOCKET_M:
-                made += self._hung("socket", side, at, z, size, style, _PLUGGED_M)
+                made += self._hang_flat("socket", side, at, z, size, style, _PLUGGED_M)
         return made
 
     def _socket_places(self) -> Iterator[tuple[Side, float, float]]:
@@ -252,7 +254,7 @@ class Fitter:
             for lamp in lamps:
                 item = self._overhead("ceiling_rose", lamp.x, lamp.y, size, style)
                 if self._fits_around(item, lamp):
-                    made.append(self._taken(item))
+                    made.append(self._occupy(item))
         if lamps and self.room_type not in _WET and self.kit.chance(_DETECTED):
             made += self._detector(lamps[0])
         return made
@@ -264,7 +266,7 @@ class Fitter:
             x, y = lamp.x + _BESIDE_LAMP_M * np.cos(angle), lamp.y + _BESIDE_LAMP_M * np.sin(angle)
             item = self._overhead("smoke_detector", float(x), float(y), size, style)
             if self._is_free_above(item):
-                return [self._taken(item)]
+                return [self._occupy(item)]
         return []
 
     def _overhead(self, name: str, x: float, y: float, size: Size, style: str) -> Item:
@@ -289,7 +291,7 @@ class Fitter:
             (high[:, 4:6] < _ROSE_HOLE_M - 0.005).all()
         )
 
-    def _hung(
+    def _hang_flat(
         self, name: str, side: Side, at: float, z: float, size: Size, style: str, reach: float = 0.0
     ) -> list[Item]:
         """A flat thing on a wall where nothing else is; none where something is."""
@@ -303,7 +305,7 @@ class Fitter:
         taken |= bool(overlap(before, shell.fixed, 0.004).any())
         taken |= bool(overlap(item.box[None], shell.standing, -0.002).any())
         taken |= self.room.is_splashed(item.box[None])
-        return [] if taken else [self._taken(item)]
+        return [] if taken else [self._occupy(item)]
 
     def _is_cut(self, side: Side, at: float, z: float, size: Size) -> bool:
         """Whether an opening or its casing is there."""
@@ -323,7 +325,7 @@ class Fitter:
             name, x, y, side.yaw, size=size, style=style, z=z, on="wall", optional=True
         )
 
-    def _taken(self, item: Item) -> Item:
+    def _occupy(self, item: Item) -> Item:
         solids: Array = np.concatenate([self.room.solids, item.box[None]])
         self.room.solids = solids
         return item

@@ -212,10 +212,12 @@ def generate(
         if not best[0].furnishing.missing:
             break
     assert best is not None
-    return _lived_in(*best, shapes, clutter)
+    return _with_clutter(*best, shapes, clutter)
 
 
-def _lived_in(room: Generated, arrangement: Arrangement, shapes: Shapes, clutter: int) -> Generated:
+def _with_clutter(
+    room: Generated, arrangement: Arrangement, shapes: Shapes, clutter: int
+) -> Generated:
     """The same room with what lies about in it."""
     groups = add_clutter(
         room.furnishing.groups, arrangement, shapes, room.room_type, room.seed, clutter
@@ -266,7 +268,7 @@ def furnish(
             break
         best = min(best, other, key=lambda made: made[0].missing)
     made = Generated(room_type, seed, shell, [], best[0], style)
-    return _lived_in(made, best[1], shapes, clutter)
+    return _with_clutter(made, best[1], shapes, clutter)
 
 
 def _furnished(

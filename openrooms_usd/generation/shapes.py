@@ -151,7 +151,7 @@ def _row(x0: float, y0: float, z0: float, x1: float, y1: float, z1: float) -> Ar
 
 @dataclass
 class Shapes:
-    """Builds each distinct object once, just as the alignment stage will.
+    """Builds each distinct object once, just as the alignment step will.
 
     Attributes:
         seed: The room's.
@@ -170,7 +170,7 @@ class Shapes:
         """The form of an object."""
         key = (category, size, style, order)
         if key not in self._known:
-            # The key of the alignment stage: the same draws give the same details.
+            # The key of the alignment step: the same draws give the same details.
             rng = generator(self.seed, "alignment", "details", category, repr(size), style)
             parts = make(category, size, style, rng, order).parts
             self._known[key] = BuiltForm(tuple(parts.values()), tuple(parts))

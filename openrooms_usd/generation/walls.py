@@ -39,13 +39,13 @@ def hang(
     made: list[Item] = []
     for name, least, most in wanted:
         for _ in range(int(kit.rng.integers(least, most + 1))):
-            found = _hung(room, kit, name)
+            found = _hang(room, kit, name)
             if found and room.add(found):
                 made.append(found)
     return made
 
 
-def _hung(room: Arrangement, kit: Kit, name: str) -> Item | None:
+def _hang(room: Arrangement, kit: Kit, name: str) -> Item | None:
     spec = category(name)
     size, style = kit.make(name) if spec.one_variant_per_room else (kit.size(name), "")
     low = round(spec.mount_height + float(kit.rng.uniform(-0.05, 0.1)), 2)
@@ -84,17 +84,17 @@ def ceiling_lamps(room: Arrangement, kit: Kit) -> list[Item]:
     size = (size[0], size[1], round(min(size[2], max(0.08, shell.height - _LAMP_HEADROOM_M)), 2))
     style = style if style in styles("ceiling_lamp", size) else kit.style("ceiling_lamp", size)
     places = [_between_beams(room.shell, x, y) for x, y in _grid(room.shell)]
-    made = _lit(room, kit, [(size, style)] * _MAX_LAMPS, list(dict.fromkeys(places)))
+    made = _add_wall_lamps(room, kit, [(size, style)] * _MAX_LAMPS, list(dict.fromkeys(places)))
     if not made:
         small = (min(size[0], _SMALL_LAMP_WIDTH_M), min(size[1], _SMALL_LAMP_WIDTH_M), size[2])
         x, y = _between_beams(room.shell, *room_centre(room.shell.corners).tolist())
-        made = _lit(room, kit, [(small, kit.style("ceiling_lamp", small))], [(x, y)])
+        made = _add_wall_lamps(room, kit, [(small, kit.style("ceiling_lamp", small))], [(x, y)])
     if made:
         room.solids = np.concatenate([room.solids, [item.box for item in made]])
     return made
 
 
-def _lit(
+def _add_wall_lamps(
     room: Arrangement, kit: Kit, makes: list[tuple[Size, str]], places: list[tuple[float, float]]
 ) -> list[Item]:
     """Lamps at those of some places where they hang clear of walls and furniture."""

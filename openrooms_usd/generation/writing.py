@@ -55,7 +55,7 @@ def _lines(room: Generated) -> Iterator[str]:
     yield from (f"    - {flow(row)}" for row in layout["openings"])
     yield from _finish_lines(layout)
     yield ""
-    yield "alignment:"
+    yield "furniture:"
     yield "  # What is relative_to another object has its place in that object's frame: x to its"
     yield "  # right, y to its back. Move the first of a group, and the group moves."
     yield "  objects:"

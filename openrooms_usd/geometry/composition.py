@@ -105,7 +105,7 @@ def photographic_rating(
 
     def rating(look: ViewThumbnails) -> Array:
         return np.asarray(
-            _shown(caster, subjects, look)
+            _visible_shares(caster, subjects, look)
             * _full(subjects, look)
             * _uncluttered(look)
             * _not_bare(subjects, look)
@@ -116,7 +116,7 @@ def photographic_rating(
     return rating
 
 
-def _shown(caster: RayCaster, subjects: Subjects, look: ViewThumbnails) -> Array:
+def _visible_shares(caster: RayCaster, subjects: Subjects, look: ViewThumbnails) -> Array:
     """(C,) how much of the subjects is whole and unhidden in each picture, by their weights."""
     if not subjects.weights.sum() > 0.0:
         return np.ones(len(look.views))

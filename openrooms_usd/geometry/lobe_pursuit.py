@@ -62,7 +62,7 @@ def pursue(light: Floats, weights: Floats, count: int) -> tuple[Floats, Floats]:
     Returns:
         (P, count, 3) axes and (P, count) sharpness.
     """
-    known, points = _known(), np.arange(len(light))
+    known, points = _all_lobes(), np.arange(len(light))
     lengths = known.products(weights, 2)
     chosen = np.zeros((len(light), count), dtype=np.int64)
     left = light * weights
@@ -85,7 +85,7 @@ def most_wanted(left: Floats, weights: Floats) -> tuple[Floats, Floats]:
     Returns:
         (P, 3) its axis and (P,) its sharpness.
     """
-    known = _known()
+    known = _all_lobes()
     gains = sum(np.maximum(known.products(color), 0.0) ** 2 for color in np.moveaxis(left, -1, 0))
     best = np.argmax(gains / known.products(weights, 2), axis=1)
     return known.axes[best], known.sharpness[best]
@@ -97,7 +97,7 @@ def raised(logarithms: Floats, out: Floats | None = None) -> Floats:
 
 
 @cache
-def _known() -> _Set:
+def _all_lobes() -> _Set:
     """All lobes; the first of them again at the end, so that the last piece is whole."""
     lobes = [
         (sharpness, axis) for sharpness, step in _SHARPNESS_AND_CELLS for axis in _lattice(step)

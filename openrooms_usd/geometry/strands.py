@@ -128,13 +128,13 @@ def _transported(strands: Strands) -> Array:
     found[first] = unit(np.cross(tangents[first], away))
     for step in range(1, int(strands.counts.max())):
         here = first[strands.counts > step] + step
-        found[here] = _carried(strands, found, here - 1, here)
+        found[here] = _transport_directions(strands, found, here - 1, here)
     # What is left of an error is taken off, and strands that stand still face anywhere.
     square = unit(found - (found * tangents).sum(axis=1, keepdims=True) * tangents)
     if not strands.closed:
         return square
     # A ring comes back turned by some angle, which all of it shares.
-    back = _carried(strands, square, first + strands.counts - 1, first)
+    back = _transport_directions(strands, square, first + strands.counts - 1, first)
     beside = np.cross(tangents[first], square[first])
     angle = np.arctan2((back * beside).sum(axis=1), (back * square[first]).sum(axis=1))
     share = (np.arange(len(square)) - first[strands.strand]) / strands.counts[strands.strand]
@@ -142,7 +142,7 @@ def _transported(strands: Strands) -> Array:
     return np.asarray(np.cos(turn) * square + np.sin(turn) * np.cross(tangents, square))
 
 
-def _carried(strands: Strands, found: Array, last: Ints, here: Ints) -> Array:
+def _transport_directions(strands: Strands, found: Array, last: Ints, here: Ints) -> Array:
     """Directions of the points ``last``, taken along to the points ``here``."""
     tangents = strands.tangents
     step = strands.points[here] - strands.points[last]

@@ -22,7 +22,7 @@ from openrooms_usd.untrusted import check_path, opened
 ROOM: Final = "room.yaml"
 _UNLABELLED: Final = (
     "the scan has no labels: compose finds furniture by its shape, names the clear cases and "
-    "puts boxes for the rest; give your own segmentation by `--segments FILE` or `alignment: "
+    "puts boxes for the rest; give your own segmentation by `--segments FILE` or `furniture: "
     "{segmenter: NAME}`; `unlabelled: leave_out` there leaves furniture out"
 )
 

@@ -38,7 +38,7 @@ seed: 0
 layout:
 {source}
 {openings}
-alignment:
+furniture:
 {source}
 {further}
 lights:
@@ -67,7 +67,7 @@ seed: 0
 layout:
 {source}
 
-alignment:
+furniture:
 {furniture}
 
 lights:

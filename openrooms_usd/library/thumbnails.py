@@ -77,7 +77,7 @@ def ball(maps: TextureSet) -> NDArray[np.uint8]:
     x, y = np.meshgrid(axis, -axis)
     inside = x**2 + y**2 < 1.0
     z = np.sqrt(np.clip(1.0 - x**2 - y**2, 0.0, 1.0))
-    normal, color, rough, metal = _seen(maps, np.stack([x, y, z], axis=-1))
+    normal, color, rough, metal = _sample_maps(maps, np.stack([x, y, z], axis=-1))
     light = _LIGHT / np.linalg.norm(_LIGHT)
     half = light + np.array([0.0, 0.0, 1.0])
     lit = np.clip(normal @ light, 0.0, 1.0)
@@ -92,7 +92,7 @@ def ball(maps: TextureSet) -> NDArray[np.uint8]:
     return np.asarray(pixels, np.uint8)
 
 
-def _seen(maps: TextureSet, place: Array) -> tuple[Array, Array, Array, Array]:
+def _sample_maps(maps: TextureSet, place: Array) -> tuple[Array, Array, Array, Array]:
     """Normal, linear base colour, roughness and metalness at points of a unit ball (..., 3)."""
     side = maps.albedo.shape[0]
     # Half a turn shows one repeat; latitude and longitude stretch it a little at the rim.

@@ -61,7 +61,9 @@ class ViewStream(torch.utils.data.IterableDataset):  # type: ignore[misc]
         if self.shuffle > 1:
             np.random.default_rng(drawn).shuffle(numbers)
         views = (view for number in numbers[share::shares] for view in self._views(int(number)))
-        return map(tensors_of, _held(views, self.shuffle, np.random.default_rng([*drawn, share])))
+        return map(
+            tensors_of, _shuffle(views, self.shuffle, np.random.default_rng([*drawn, share]))
+        )
 
     def _views(self, number: int) -> Iterator[Sample]:
         """The views of a shard, transformed."""
@@ -71,7 +73,7 @@ class ViewStream(torch.utils.data.IterableDataset):  # type: ignore[misc]
             yield sample if self.transform is None else self.transform(sample, rng)
 
 
-def _held(views: Iterator[Sample], most: int, rng: np.random.Generator) -> Iterator[Sample]:
+def _shuffle(views: Iterator[Sample], most: int, rng: np.random.Generator) -> Iterator[Sample]:
     """The same views in another order: one of the last few, whichever is drawn."""
     held: list[Sample] = []
     for view in views:

@@ -41,7 +41,7 @@ class MassProperties:
     def about(self, point: ArrayLike) -> Array:
         """(3, 3) inertia about another point of the frame, by the theorem of parallel axes."""
         offset = self.centre - np.asarray(point, dtype=np.float64)
-        return self.inertia + self.mass * _spread(np.outer(offset, offset))
+        return self.inertia + self.mass * _inertia_of(np.outer(offset, offset))
 
     def transformed(self, matrix: ArrayLike) -> "MassProperties":
         """The piece in another frame.
@@ -73,7 +73,7 @@ class MassProperties:
         growth = abs(float(np.prod(S)))
         moments = growth * self.second_moments() * np.outer(S, S)
         return replace(
-            self, mass=self.mass * growth, centre=self.centre * S, inertia=_spread(moments)
+            self, mass=self.mass * growth, centre=self.centre * S, inertia=_inertia_of(moments)
         )
 
     def weighing(self, kilograms: float) -> "MassProperties":
@@ -170,11 +170,11 @@ def from_moments(
     """Properties from the integrals of 1, x (3,) and x x^T (3, 3) over the mass."""
     centre = first / mass
     return MassProperties(
-        float(mass), centre, _spread(second - mass * np.outer(centre, centre)), notes
+        float(mass), centre, _inertia_of(second - mass * np.outer(centre, centre)), notes
     )
 
 
-def _spread(second: Array) -> Array:
+def _inertia_of(second: Array) -> Array:
     """Inertia of second moments."""
     return np.asarray(np.trace(second) * np.eye(3) - second)
 

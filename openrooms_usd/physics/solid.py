@@ -43,9 +43,9 @@ class Solid:
 
     def surface(self, contact: str | None = None) -> TriangleSurface:
         """All its triangles, or those of one contact material."""
-        return self._owned(contact)[0]
+        return self._surface_and_components(contact)[0]
 
-    def _owned(self, contact: str | None) -> tuple[TriangleSurface, Rows]:
+    def _surface_and_components(self, contact: str | None) -> tuple[TriangleSurface, Rows]:
         """A surface, and the closed component that each of its triangles is of; -1 for none."""
         if contact is not None and all(c.contact == contact for c in self.components):
             contact = None
@@ -147,7 +147,7 @@ class Solid:
 
     def _bounds(self, corners: Array, floor: float) -> tuple[Array, Array]:
         """(M,) upper and (M,) lower bounds of each triangle; loose where both are below a floor."""
-        surface, owners = self._owned(None)
+        surface, owners = self._surface_and_components(None)
         centres, radii = balls(corners)
         nearest = surface.nearest(centres, floor)
         most = np.minimum(nearest.distance + radii, surface.farthest(corners, nearest.triangle))

@@ -63,7 +63,7 @@ class Shading:
         self._rules = {name: rule for name, rule in RULES.items() if name not in given}
 
     def makes(self, channels: tuple[str, ...]) -> bool:
-        """Whether any of these is one of ours."""
+        """Whether it makes any of these channels."""
         return not self._rules.keys().isdisjoint(channels)
 
     def needs(self, channels: tuple[str, ...]) -> tuple[str, ...]:

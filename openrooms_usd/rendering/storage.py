@@ -45,7 +45,7 @@ _MOST_EXPONENT: Final = 120
 
 @dataclass(frozen=True)
 class Way:
-    """How a channel lies on disk.
+    """How a channel is stored on disk.
 
     Attributes:
         file: In the folder of its view; empty where it is left out.
@@ -71,7 +71,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Storing:
-    """How a view lies on disk.
+    """How a view is stored on disk.
 
     Attributes:
         profile: The profile that this follows.
@@ -115,7 +115,7 @@ class Storing:
 
 
 def storing(view: View, profile: StorageName = COMPLETE) -> Storing:
-    """How a view shall lie on disk."""
+    """How to store a view on disk."""
     images = {name: image.pixels for name, image in view.images.items()}
     clean = {name: image.pixels for name, image in view.denoised.items()}
     if profile == COMPLETE:

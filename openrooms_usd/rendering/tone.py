@@ -94,7 +94,7 @@ class Tone:
         return _graded(film(_compressed(exposed, self.slope)))
 
     def told(self) -> str:
-        """The same in words and numbers."""
+        """The tone in words."""
         words = [_TOLD[self.name]]
         if self.balance != (1.0, 1.0, 1.0):
             words.append("white balance " + " ".join(f"{factor:.3g}" for factor in self.balance))

@@ -54,13 +54,13 @@ def shown(points: Array, rooms: Sequence[FoundRoom]) -> Shown:
 
     tree, up = cKDTree(points), np.array([0.0, 0.0, 1.0])
     walls = [wall for room in rooms for wall in _wall_cells(room)]
-    seen_floor = np.concatenate([_seen(tree, _floor_cells(room), up) for room in rooms])
-    seen_walls = np.concatenate([_seen(tree, cells, inward) for cells, inward in walls])
+    seen_floor = np.concatenate([_is_observed(tree, _floor_cells(room), up) for room in rooms])
+    seen_walls = np.concatenate([_is_observed(tree, cells, inward) for cells, inward in walls])
     both = np.concatenate([seen_floor, seen_walls])
     return Shown(*(round(float(part.mean()), 4) for part in (seen_floor, seen_walls, both)))
 
 
-def _seen(tree: Any, cells: Array, inward: Array) -> NDArray[np.bool_]:
+def _is_observed(tree: Any, cells: Array, inward: Array) -> NDArray[np.bool_]:
     """(C,) whether a point lies at each cell, or in the way to it."""
     found = np.zeros(len(cells), dtype=bool)
     # Steps of half a sphere's width: between spheres that only touch, a table's top would be lost.

@@ -44,7 +44,7 @@ _FOV_DEG: Final = 24.0
 _ROW_GAP_M: Final = 1.0
 # Free room beside an exhibit, in parts of its size.
 _GAP_SHARE: Final = 1.1
-_STAGES: Final = ("layout", "alignment", "materials")
+_STEPS: Final = ("layout", "alignment", "materials")
 
 
 @dataclass(frozen=True)
@@ -69,20 +69,20 @@ def build(exhibits: Sequence[Exhibit], seed: int, folder: Path) -> Usd.Stage:
     """
     description = folder / "room.yaml"
     description.write_text(json.dumps(_description(exhibits, seed)), encoding="utf-8")
-    for stage in _STAGES:
-        compose_room(description, folder / "composed", only=stage)
+    for step in _STEPS:
+        compose_room(description, folder / "composed", only=step)
     layer = Sdf.Layer.CreateNew(str(folder / "studio.usda"))
     apply_metadata(layer)
     layer.subLayerPaths = ["./composed/scene.usda"]
-    stage_ = Usd.Stage.Open(layer)
-    stage_.OverridePrim(names.ROOM).SetActive(False)
+    stage = Usd.Stage.Open(layer)
+    stage.OverridePrim(names.ROOM).SetActive(False)
     spots = list(_arranged(exhibits))
     for spot in spots:
-        _place(stage_, spot)
-    _define_backdrop(stage_, spots)
+        _place(stage, spot)
+    _define_backdrop(stage, spots)
     write_exr(folder / "softboxes.exr", softboxes())
-    define_dome(stage_, names.ENVIRONMENT, texture="./softboxes.exr")
-    return stage_
+    define_dome(stage, names.ENVIRONMENT, texture="./softboxes.exr")
+    return stage
 
 
 def camera_of(exhibit: Exhibit) -> str:
@@ -113,7 +113,7 @@ def _description(exhibits: Sequence[Exhibit], seed: int) -> dict[str, object]:
         }
         for item in exhibits
     ]
-    return {"seed": seed, "alignment": {"objects": objects}, "materials": {"resolution": 256}}
+    return {"seed": seed, "furniture": {"objects": objects}, "materials": {"resolution": 256}}
 
 
 def _arranged(exhibits: Sequence[Exhibit]) -> Iterator[_Spot]:

@@ -123,7 +123,7 @@ def settle(
             raise StageError(
                 "nothing in this stage can move",
                 place=path,
-                remedy="compose the room with its physics stage",
+                remedy="compose the room with its physics step",
             )
         simulation = found.open(world, timestep=timestep, friction=friction)
         try:

@@ -1,4 +1,4 @@
-"""What a stage is, what it is given, and what its layer depends on; `runner` runs it."""
+"""What a step is, what it is given, and what its layer depends on; `runner` runs it."""
 
 import hashlib
 import json
@@ -26,27 +26,27 @@ from openrooms_usd.untrusted import check_path, kind_of
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
-# What writes the layer of every stage, beside the stage itself.
+# What writes the layer of every step, beside the step itself.
 _RUNNER: Final = "openrooms_usd.steps.runner"
 # A section counts as it is, whatever else a description might say.
 _APART: Final = ("openrooms_usd.description.categories",)
-# A module that a stage asked for by name, as `codedigest.count` takes it.
+# A module that a step asked for by name, as `codedigest.count` takes it.
 _COUNTED: Final = re.compile(r"openrooms_usd(\.[a-z_]\w*)+(\.\*)?")
 
 
 @dataclass(frozen=True)
 class StepContext:
-    """What a stage is given.
+    """What a step is given.
 
     Attributes:
-        room: The whole description; a stage reads its own section, the room type and the seed.
+        room: The whole description; a step reads its own section, the room type and the seed.
         source: The folder of the description: its relative file names start here.
         stage: The composed stage of all weaker layers, the layer to write and ``edits.usda``. All
             edits go to the layer to write.
-        folder: ``layers/<stage name>``, for the files that only this layer refers to. Asset paths
-            in the layer are relative to the layer: ``./<stage name>/<file>``.
-        workers: How many threads the stage may use. The result never depends on it.
-        progress: Called with the step, and the finished fraction of the stage, where it takes long.
+        folder: ``layers/<step name>``, for the files that only this layer refers to. Asset paths
+            in the layer are relative to the layer: ``./<step name>/<file>``.
+        workers: How many threads the step may use. The result never depends on it.
+        progress: Called with what is being done, and the finished fraction of the step.
         notes: Sentences for the user: what was approximated or guessed.
     """
 
@@ -62,7 +62,7 @@ class StepContext:
     def rng(self, *key: str) -> np.random.Generator:
         """A generator that depends on the seed and the key alone.
 
-        Key it by the stage and the object's name, so that adding one object changes no other.
+        Key it by the step and the object's name, so that adding one object changes no other.
         """
         return generator(self.room.seed, *key)
 
@@ -82,7 +82,7 @@ class StepContext:
         return self.folder / relative
 
     def asset(self, relative: str) -> str:
-        """The anchored asset path for the layer of a kept file: ``./<stage name>/<relative>``."""
+        """The anchored asset path for the layer of a kept file: ``./<step name>/<relative>``."""
         return f"./{self.folder.name}/{relative}"
 
     def kept(self) -> frozenset[str]:
@@ -165,10 +165,10 @@ class Step(Protocol):
     """One of `openrooms_usd.names.STEPS`."""
 
     reads: tuple[str, ...]
-    """The weaker stages whose prims this one looks at."""
+    """The weaker steps whose prims this one looks at."""
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
-        """The files that this stage reads, relative to the description.
+        """The files that this step reads, relative to the description.
 
         Args:
             room: The description, which names them.
@@ -185,14 +185,14 @@ class Step(Protocol):
         ...
 
 
-def fingerprint(stage: Step, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
-    """A hash of everything that a stage's layer depends on, before it has run.
+def fingerprint(step: Step, room: Room, source: Path, layer: Callable[[str], Path]) -> str:
+    """A hash of everything that a step's layer depends on, before it has run.
 
-    That is: the code that it runs, the stage's section, the room type, the seed, the style, its
-    input files, the layers that it reads, and the human edits. The room's name is read by no stage.
+    That is: the code that it runs, the step's section, the room type, the seed, the style, its
+    input files, the layers that it reads, and the human edits. The room's name is read by no step.
 
     Args:
-        stage: The stage.
+        step: The step.
         room: The description.
         source: The description's folder.
         layer: Where the layer of a name lies.
@@ -203,18 +203,18 @@ def fingerprint(stage: Step, room: Room, source: Path, layer: Callable[[str], Pa
     Raises:
         InputError: An input file is missing, or cannot be read.
     """
-    section = getattr(room, stage.name)
+    section = getattr(room, names.section_of(step.name))
     parts: dict[str, Any] = {
-        "stage": stage.name,
-        "code": code_digest(*code_of(stage), *_adapters(room), apart=_APART),
+        "stage": step.name,
+        "code": code_digest(*code_of(step), *_adapters(room), apart=_APART),
         "section": section and section.model_dump(mode="json"),
         "room": [room.room, room.seed, room.style],
         "inputs": {
-            name: file_digest(input_file(source, name)) for name in stage.inputs(room, source)
+            name: file_digest(input_file(source, name)) for name in step.inputs(room, source)
         },
         "reads": {
             name: file_digest(path)
-            for name in (*stage.reads, names.EDITS)
+            for name in (*step.reads, names.EDITS)
             if (path := layer(name)).is_file()
         },
     }
@@ -222,7 +222,7 @@ def fingerprint(stage: Step, room: Room, source: Path, layer: Callable[[str], Pa
 
 
 def completed(before: str, counted: Iterable[str]) -> str:
-    """The fingerprint of a stage's layer, with the modules that the stage asked for by name.
+    """The fingerprint of a step's layer, with the modules that the step asked for by name.
 
     Equal code on equal inputs asks for equal modules: so a layer is current when those of its last
     run, and all that its `fingerprint` covers, are what they were.
@@ -239,25 +239,25 @@ def completed(before: str, counted: Iterable[str]) -> str:
     return hashlib.sha256(f"{before} {code}".encode()).hexdigest()
 
 
-def record_of(layer: "Sdf.Layer", stage: str) -> dict[str, Any]:
-    """What a stage noted in its layer when it wrote it; nothing in other layers."""
+def record_of(layer: "Sdf.Layer", step: str) -> dict[str, Any]:
+    """What a step noted in its layer when it wrote it; nothing in other layers."""
     data: Any = layer.customLayerData
-    for key in (names.NAMESPACE, "stages", stage):
+    for key in (names.NAMESPACE, "stages", step):
         data = data.get(key, {}) if isinstance(data, dict) else {}
     return data if isinstance(data, dict) else {}
 
 
-def code_of(stage: Step) -> tuple[str, ...]:
-    """The modules that a stage's layer hangs on, beside those that it asks for by name."""
-    return type(stage).__module__, _RUNNER
+def code_of(step: Step) -> tuple[str, ...]:
+    """The modules that a step's layer hangs on, beside those that it asks for by name."""
+    return type(step).__module__, _RUNNER
 
 
 def _adapters(room: Room) -> Iterator[str]:
     """The modules of importers and segmenters that fill sections; what is missing is said later."""
-    sections = [s for s in (room.layout, room.alignment) if isinstance(s, CapturedSection)]
+    sections = [s for s in (room.layout, room.furniture) if isinstance(s, CapturedSection)]
     known = adapters.available(adapters.IMPORTERS) if sections else {}
     yield from (known[s.reader].module for s in sections if s.reader in known)
-    segmenter = getattr(room.alignment, "segmenter", None)
+    segmenter = getattr(room.furniture, "segmenter", None)
     known = adapters.available(adapters.SEGMENTERS) if segmenter else {}
     yield from (known[name].module for name in (segmenter,) if name in known)
 

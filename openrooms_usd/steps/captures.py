@@ -14,8 +14,8 @@ from openrooms_usd.untrusted import check_path
 
 
 def captured_section(room: Room) -> CapturedSection | None:
-    """The section that names the room's capture: the layout before the alignment."""
-    sections = (room.layout, room.alignment)
+    """The section that names the room's capture: the layout before the furniture."""
+    sections = (room.layout, room.furniture)
     return next((section for section in sections if isinstance(section, CapturedSection)), None)
 
 

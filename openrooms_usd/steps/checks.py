@@ -1,4 +1,4 @@
-"""What a description asks for that cannot be made, found before any stage runs: all at once."""
+"""What a description asks for that cannot be made, found before any step runs: all at once."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
@@ -9,8 +9,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from openrooms_usd import furniture
 from openrooms_usd.description import load_room
-from openrooms_usd.description.alignment import AlignedObject, LibraryObject
 from openrooms_usd.description.diagnosis import located
+from openrooms_usd.description.furniture import AlignedObject, LibraryObject
 from openrooms_usd.description.layout import Layout, PolygonLayout
 from openrooms_usd.description.mistakes import FieldsError, MistakesError, Steps
 from openrooms_usd.description.room import Room, refused_fields
@@ -54,13 +54,13 @@ def _impossible(given: Mapping[str, Any], source: Path) -> Iterator[Found]:
     layout = _valid(Layout, given.get("layout") or {})
     if isinstance(layout, PolygonLayout):
         yield from _shell(layout)
-    alignment = given.get("alignment")
+    listed = given.get("furniture")
     for key in ("objects", "further"):
-        rows = alignment.get(key) if isinstance(alignment, Mapping) else None
+        rows = listed.get(key) if isinstance(listed, Mapping) else None
         for index, row in enumerate(rows if isinstance(rows, Sequence) else ()):
             item = _valid(AlignedObject, row)
             if isinstance(item, LibraryObject):
-                yield from _piece(("alignment", key, index), item)
+                yield from _piece(("furniture", key, index), item)
     for path, name in _named_files(given, ()):
         try:
             input_file(source, name, folders=True)
@@ -94,7 +94,7 @@ def _named_files(given: Any, path: Steps) -> Iterator[tuple[Steps, str]]:
         rows = enumerate(given)
     for key, value in rows:
         here = (*path, key)
-        named = key in _FILES or path[-1:] == ("annotations",) or here == ("alignment", "cad")
+        named = key in _FILES or path[-1:] == ("annotations",) or here == ("furniture", "cad")
         shining = key == "profile" and path[-2:-1] == ("lamps",) and value not in BEAMS
         if (named or shining) and isinstance(value, str):
             yield here, value

@@ -61,7 +61,7 @@ class Draft:
         return self._new.get(self._place(name), self._place(name))
 
     def folder(self, name: str) -> Path:
-        """Where the files of a stage lie that only its layer refers to."""
+        """Where the files of a step lie that only its layer refers to."""
         return self.layers / name
 
     @contextmanager
@@ -82,8 +82,8 @@ class Draft:
 
         Args:
             layer: What it holds.
-            name: The stage, or ``edits``.
-            kept: What it refers to in the folder of its stage; the rest will be removed.
+            name: The step, or ``edits``.
+            kept: What it refers to in the folder of its step; the rest will be removed.
         """
         self._draft(layer, self._place(name))
         # The folder of any other layer holds what people put into it.
@@ -100,11 +100,11 @@ class Draft:
             raise changed(self._place(name))
 
     def keep(self, name: str, files: Iterable[str]) -> None:
-        """Say what a layer refers to in the folder of its stage; the rest of ours is removed.
+        """Say what a layer refers to in the folder of its step; the rest of ours is removed.
 
         Args:
-            name: The stage.
-            files: Files and folders, relative to the stage's folder.
+            name: The step.
+            files: Files and folders, relative to the step's folder.
         """
         self._kept[name] = frozenset(files)
 
@@ -131,7 +131,7 @@ class Draft:
             removal.remove_if_empty(folder)
 
     def _remove_others(self, name: str, kept: frozenset[str]) -> None:
-        """Remove what was written for earlier layers of a stage, and see what else is there."""
+        """Remove what was written for earlier layers of a step, and see what else is there."""
         # As the ledger names its files.
         folder = self.folder(name).absolute()
 
@@ -156,7 +156,7 @@ class Draft:
 
 
 def _folders(layers: Path) -> frozenset[Path]:
-    """The folders of stages and those in them."""
+    """The folders of steps and those in them."""
     tops = [layers / name for name in names.STEPS if not (layers / name).is_symlink()]
     return frozenset(Path(inner) for top in tops for inner, _, _ in os.walk(top))
 

@@ -1,4 +1,4 @@
-"""Reports of stages, for people and programs: kept beside a layer, gathered at the end."""
+"""Reports of steps, for people and programs: kept beside a layer, gathered at the end."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ OVERLAY: Final = "overlay.png"
 
 
 def keep_report(context: StepContext, report: Mapping[str, Any]) -> None:
-    """Keep what a stage reports.
+    """Keep what a step reports.
 
     Raises:
         OutputError: It cannot be written.
@@ -38,7 +38,7 @@ def keep_overlay(
     """Keep a plan of what was found in a scan.
 
     Args:
-        context: The stage's.
+        context: The step's.
         cloud: The scan, in the level frame.
         rooms: Those in it.
         objects: What stands in them.
@@ -62,9 +62,9 @@ def _keep(context: StepContext, data: bytes, name: str) -> None:
 
 
 def gather(out: Path) -> tuple[Path, ...]:
-    """Bring the reports of all stages together in a composed folder.
+    """Bring the reports of all steps together in a composed folder.
 
-    ``report.json`` has a part for each stage that reports, under the stage's name; ``overlay.png``
+    ``report.json`` has a part for each step that reports, under the step's name; ``overlay.png``
     is that of the last one. Without any, neither is there.
 
     Args:

@@ -1,4 +1,4 @@
-"""Runs one stage: gives it a layer between the others, then drafts what it wrote, whole."""
+"""Runs one step: gives it a layer between the others, then drafts what it wrote, whole."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -22,7 +22,7 @@ from openrooms_usd.version import __version__
 
 
 def steps() -> list[Step]:
-    """One of each stage, from the weakest to the strongest layer."""
+    """One of each step, from the weakest to the strongest layer."""
     modules = [import_module(f"openrooms_usd.steps.{name}.step") for name in names.STEPS]
     return [
         getattr(module, f"{name.capitalize()}Step")()
@@ -45,35 +45,35 @@ def create_edits(draft: Draft) -> None:
         draft.export(layer, names.EDITS)
 
 
-def is_current(stage: Step, wanted: str, draft: Draft) -> bool:
-    """Whether a stage's layer is as it would be written now, and all its files are there.
+def is_current(step: Step, wanted: str, draft: Draft) -> bool:
+    """Whether a step's layer is as it would be written now, and all its files are there.
 
     If so, the draft keeps these files.
 
     Args:
-        stage: The stage.
+        step: The step.
         wanted: Its `fingerprint`.
         draft: The composition.
     """
-    path = draft.layer(stage.name)
+    path = draft.layer(step.name)
     if not path.is_file():
         return False
     try:
         layer = Sdf.Layer.OpenAsAnonymous(str(path), metadataOnly=True)
     except Tf.ErrorException:
         return False
-    record = record_of(layer, stage.name)
+    record = record_of(layer, step.name)
     files: Iterable[str] = record.get("files", ())
     if record.get("fingerprint") != completed(wanted, record.get("counted", ())):
         return False
-    if not all((draft.folder(stage.name) / file).exists() for file in files):
+    if not all((draft.folder(step.name) / file).exists() for file in files):
         return False
-    draft.keep(stage.name, files)
+    draft.keep(step.name, files)
     return True
 
 
 def run(
-    stage: Step,
+    step: Step,
     room: Room,
     source: Path,
     draft: Draft,
@@ -81,37 +81,37 @@ def run(
     workers: int,
     progress: Progress = silent,
 ) -> Sequence[str]:
-    """Author one stage's layer into a draft; its record keeps the notes.
+    """Author one step's layer into a draft; its record keeps the notes.
 
     Args:
-        stage: The stage.
+        step: The step.
         room: The description.
         source: The description's folder.
         draft: The composition that it is for.
-        fingerprint: What the layer is written from, besides the code that the stage asks for.
-        workers: Threads that the stage may use.
-        progress: Called with the step and the finished fraction of the stage.
+        fingerprint: What the layer is written from, besides the code that the step asks for.
+        workers: Threads that the step may use.
+        progress: Called with what is being done, and the finished fraction of the step.
 
     Returns:
         Notes for the user.
 
     Raises:
-        OrusdError: The stage refuses the description, a file cannot be written, or the layer was
+        OrusdError: The step refuses the description, a file cannot be written, or the layer was
             changed by hand.
     """
-    draft.check_unchanged(stage.name)
-    folder = draft.folder(stage.name)
+    draft.check_unchanged(step.name)
+    folder = draft.folder(step.name)
     try:
-        with draft.scratch(stage.name) as layer, _edits(stage.name, draft) as edits:
+        with draft.scratch(step.name) as layer, _edits(step.name, draft) as edits:
             usd_layers.apply_metadata(layer)
-            position = names.STEPS.index(stage.name)
+            position = names.STEPS.index(step.name)
             weaker = [draft.layer(name) for name in reversed(names.STEPS[:position])]
             with usd_layers.stacked(layer, [edits], weaker) as composed:
                 context = StepContext(room, source, composed, folder, workers, progress)
                 with counting() as counted:
-                    stage.author(context)
+                    step.author(context)
                 whole = completed(fingerprint, counted)
-                _write_authorship(composed, stage.name, room, whole)
+                _write_authorship(composed, step.name, room, whole)
             kept = set(context.kept())
             arrays = usd_layers.arrays_file(layer, folder)
             kept |= {arrays.name} if arrays else set()
@@ -123,23 +123,23 @@ def run(
                 "counted": Vt.StringArray(sorted(counted)),
                 "notes": Vt.StringArray(context.notes),
             }
-            custom = {names.NAMESPACE: {"stages": {stage.name: record}}}
+            custom = {names.NAMESPACE: {"stages": {step.name: record}}}
             layer.customLayerData = {**layer.customLayerData, **custom}
-            draft.export(layer, stage.name, kept)
+            draft.export(layer, step.name, kept)
     except Tf.ErrorException as error:
-        message = f"USD rejects what the stage {stage.name} writes: {reason(error)}"
+        message = f"USD rejects what the step {step.name} writes: {reason(error)}"
         raise StageError(message) from error
     return context.notes
 
 
 @contextmanager
-def _edits(stage: str, draft: Draft) -> Iterator[Path]:
-    """The human edits, as a stage sees them: what it defines itself is active.
+def _edits(step: str, draft: Draft) -> Iterator[Path]:
+    """The human edits, as a step sees them: what it defines itself is active.
 
-    USD defines nothing below an inactive prim. What other stages define stays inactive.
+    USD defines nothing below an inactive prim. What other steps define stays inactive.
     """
     path = draft.layer(names.EDITS)
-    edits = _reactivated(path, stage)
+    edits = _reactivated(path, step)
     if edits is None:
         yield path
         return
@@ -150,28 +150,28 @@ def _edits(stage: str, draft: Draft) -> Iterator[Path]:
         yield Path(copy.realPath)
 
 
-def _reactivated(path: Path, stage: str) -> Sdf.Layer | None:
-    """The edits without what deactivates a stage's own prims; None when nothing does."""
+def _reactivated(path: Path, step: str) -> Sdf.Layer | None:
+    """The edits without what deactivates a step's own prims; None when nothing does."""
     try:
         edits = Sdf.Layer.OpenAsAnonymous(str(path)) if path.is_file() else None
     except Tf.ErrorException:
-        # Said when the stage is composed, with the layer's place.
+        # Said when the step is composed, with the layer's place.
         return None
     if edits is None:
         return None
-    off = layers.deactivations(edits, names.OWNED[stage])
+    off = layers.deactivations(edits, names.OWNED[step])
     world = edits.GetPrimAtPath(names.WORLD)
     off += [world] if world and not world.active else []
     layers.reactivate(off)
     return edits if off else None
 
 
-def notes_of(path: Path, stage: str = "") -> tuple[str, ...]:
+def notes_of(path: Path, step: str = "") -> tuple[str, ...]:
     """What was noted when a layer was written.
 
     Args:
         path: The layer.
-        stage: Whose layer it is; empty for the root layer, whose notes are about the whole room.
+        step: Whose layer it is; empty for the root layer, whose notes are about the whole room.
 
     Returns:
         The notes; none where the layer is missing or holds none.
@@ -182,7 +182,7 @@ def notes_of(path: Path, stage: str = "") -> tuple[str, ...]:
         return ()
     if layer is None:
         return ()
-    record = record_of(layer, stage) if stage else layer.customLayerData.get(names.NAMESPACE)
+    record = record_of(layer, step) if step else layer.customLayerData.get(names.NAMESPACE)
     noted = record.get("notes", ()) if isinstance(record, dict) else ()
     return tuple(noted) if isinstance(noted, Vt.StringArray) else ()
 

@@ -58,7 +58,7 @@ def camera_doubts(prim: Usd.Prim) -> Iterator[str]:
             yield f"{factor}{DOUBT}it is in stops, and rooms need about -7"
 
 
-def _said(prim: Usd.Prim, name: str) -> str:
+def _show(prim: Usd.Prim, name: str) -> str:
     return f"{name} {prim.GetAttribute(name).Get(TIME):g}"
 
 
@@ -67,14 +67,14 @@ def _lens(prim: Usd.Prim) -> str:
     metres = meters_per_unit(prim.GetStage())
     factor = _MILLIMETRE / (0.1 * metres)
     return (
-        f"{_said(prim, 'focalLength')} is in tenths of a scene unit of {metres:g} m, and with "
-        f"{_said(prim, 'fStop')} nearly everything is out of focus. For millimetres write "
+        f"{_show(prim, 'focalLength')} is in tenths of a scene unit of {metres:g} m, and with "
+        f"{_show(prim, 'fStop')} nearly everything is out of focus. For millimetres write "
         f"{factor * focal:g} and the apertures times {factor:g}, for sharp pictures fStop 0"
     )
 
 
 def _field(prim: Usd.Prim) -> str:
-    optics = f"{_said(prim, 'focalLength')} and {_said(prim, 'horizontalAperture')}"
+    optics = f"{_show(prim, 'focalLength')} and {_show(prim, 'horizontalAperture')}"
     return f"{optics} are of one unit, or give --field-of-view"
 
 

@@ -62,7 +62,7 @@ def freeze_time(stage: Usd.Stage, time_code: float | None = None) -> dict[str, s
     _expand(stage, held, anything=time_code is not None)
     # By default everything else can still be read at its times, such as the paths of cameras.
     concerned = [p for p in _prims(stage) if time_code is not None or _poses(p)]
-    values = [one for prim in concerned for one in _held(prim, when)]
+    values = [one for prim in concerned for one in _animated_values(prim, when)]
     with Sdf.ChangeBlock():
         for attribute, value in values:
             _write(held, attribute, value)
@@ -143,7 +143,7 @@ def _is_driven(attribute: Usd.Attribute) -> bool:
     return any(attribute.GetPrim().GetAttribute(name).HasValue() for name in names)
 
 
-def _held(prim: Usd.Prim, when: Usd.TimeCode) -> Iterator[tuple[Usd.Attribute, Any]]:
+def _animated_values(prim: Usd.Prim, when: Usd.TimeCode) -> Iterator[tuple[Usd.Attribute, Any]]:
     """(attribute, value) of what moves of a prim."""
     moving = list(_moving(prim))
     driven = {attribute.GetName() for attribute in moving if _is_driven(attribute)}

@@ -159,14 +159,14 @@ def read_category(prims: Iterable[Usd.Prim]) -> str | None:
 
 def _category(said: Said) -> str | None:
     words = _words(said)
-    return _known(words) or next(reversed(words), None)
+    return _most_specific_word(words) or next(reversed(words), None)
 
 
 def _words(said: Said) -> tuple[str, ...]:
     return tuple(word for taxonomy in WORDS for word in said.get(taxonomy, ()))
 
 
-def _known(words: Sequence[str]) -> str | None:
+def _most_specific_word(words: Sequence[str]) -> str | None:
     """The most specific known word for a thing; hierarchies end with it."""
     known = [name for word in words if (name := _spelled(word))]
     special = [name for name in known if name not in BROAD]
@@ -220,7 +220,11 @@ def unread_labels(prim: Usd.Prim) -> Iterator[str]:
             known = ", ".join((*WORDS, *TAXONOMIES))
             whose = taxonomy or "a list without a name"
             yield f"{LABEL} {listed} is left out: {whose} is not one of {known}"
-    if (words := _words(said)) and not _known(words) and TAXONOMIES.keys().isdisjoint(said):
+    if (
+        (words := _words(said))
+        and not _most_specific_word(words)
+        and TAXONOMIES.keys().isdisjoint(said)
+    ):
         yield f"{LABEL} {', '.join(words)} is not a known word: it has no class"
     applied = prim.GetAppliedSchemas()
     for attribute in prim.GetAuthoredPropertiesInNamespace(_LABELS.rstrip(":")):

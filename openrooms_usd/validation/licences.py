@@ -73,7 +73,7 @@ def _below(prim: Usd.Prim, terms: str, known: dict[tuple[Sdf.Path, str], _Counts
         return known[key]
     counts: _Counts = Counter()
     for child in prim.GetFilteredChildren(Usd.TraverseInstanceProxies()):
-        inner = _stated(child) or terms
+        inner = _own_terms(child) or terms
         counts.update(_own(child, inner))
         counts.update(_below(child, inner, known))
     if key:
@@ -84,7 +84,7 @@ def _below(prim: Usd.Prim, terms: str, known: dict[tuple[Sdf.Path, str], _Counts
 def _own(prim: Usd.Prim, terms: str) -> Iterator[tuple[str, _Kind, str]]:
     if _is_asset(prim):
         name = prim.GetAssetInfo().get("name") or prim.GetName()
-        yield _stated(prim) or names.UNKNOWN_LICENCE, "asset", str(name)
+        yield _own_terms(prim) or names.UNKNOWN_LICENCE, "asset", str(name)
     for file in _pictures(prim):
         yield terms or _beside(file) or names.UNKNOWN_LICENCE, "texture", file
 
@@ -93,7 +93,7 @@ def _is_asset(prim: Usd.Prim) -> bool:
     if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.Shader) or _emits_only(prim):
         return False
     info = prim.GetAssetInfo()
-    if "name" in info or "identifier" in info or _stated(prim):
+    if "name" in info or "identifier" in info or _own_terms(prim):
         return True
     return bool(Usd.ModelAPI(prim).IsKind(Kind.Tokens.component) and prim.HasAuthoredReferences())
 
@@ -103,7 +103,7 @@ def _emits_only(prim: Usd.Prim) -> bool:
     return bool(prim.GetAttribute("inputs:texture:file"))
 
 
-def _stated(prim: Usd.Prim) -> str:
+def _own_terms(prim: Usd.Prim) -> str:
     """The terms that a prim states itself; empty where it states none."""
     info = prim.GetAssetInfo()
     return next((str(info[key]) for key in _KEYS if info.get(key)), "")

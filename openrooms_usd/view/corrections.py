@@ -12,7 +12,7 @@ from pxr import Usd
 from openrooms_usd import names
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room
-from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.description.furniture import ScanFurniture
 from openrooms_usd.edits.arranging import Standing, beside, resized, settled, standing
 from openrooms_usd.edits.editing import History
 from openrooms_usd.edits.snapping import PlanPoint
@@ -67,7 +67,7 @@ class Corrections:
 
         Args:
             change: What is done.
-            bares: Whether stages may have left something out because of prims that no longer exist.
+            bares: Whether steps may have left something out because of prims that no longer exist.
         """
         with quiet(), self.history.step():
             found = change()
@@ -76,7 +76,7 @@ class Corrections:
         return {**found, **self.told()}
 
     def _follow(self) -> None:
-        """Stages leave out what edits say: without the edit it must be made again."""
+        """Steps leave out what edits say: without the edit it must be made again."""
         if self._composed and self.description is not None:
             self.compose()
 
@@ -137,7 +137,7 @@ def corrections(
         from openrooms_usd.view.describing import Described
         from openrooms_usd.view.fields import Fields
 
-        is_scan = isinstance(load_room(room).alignment, ScanAlignment)
+        is_scan = isinstance(load_room(room).furniture, ScanFurniture)
         described = Described(room, (out or room.parent / "composed") / names.SCENE)
         with quiet():
             described.compose()
@@ -191,7 +191,7 @@ class Hints(Fields):
             "size": [round(side, _DIGITS) for side in thing.size],
         }
         self.described.change(
-            "alignment", lambda section: {"further": [*(section.get("further") or ()), row]}
+            "furniture", lambda section: {"further": [*(section.get("further") or ()), row]}
         )
         return self._standing(copy)
 
@@ -262,11 +262,11 @@ class Hints(Fields):
             held = section.get("objects")
             return {"objects": change(self._all(stage) if held is None else list(held))}
 
-        self.described.change("alignment", listed)
+        self.described.change("furniture", listed)
 
     def _all(self, stage: Usd.Stage) -> list[Row]:
         """What is there of the scan, as hints."""
-        told = self._told(stage)
+        told = self._labelled_instances(stage)
         if told:
             return [{"instance": number} for number in told]
         found = []
@@ -277,7 +277,7 @@ class Hints(Fields):
                 found.append({"instance": number, "category": word, "box": box})
         return found
 
-    def _told(self, stage: Usd.Stage) -> list[int]:
+    def _labelled_instances(self, stage: Usd.Stage) -> list[int]:
         """The things that the scan itself tells apart; also those that found no place."""
         scan = found_in(stage)
         known = () if scan is None or scan.captured else instances_of(scan.cloud) or ()

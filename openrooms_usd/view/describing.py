@@ -11,13 +11,14 @@ from typing import Any, Final
 
 from openrooms_usd import atomic, untrusted
 from openrooms_usd.composing import ComposeSummary, compose_room
-from openrooms_usd.description.alignment import object_names
 from openrooms_usd.description.files import parse_room
+from openrooms_usd.description.former import name_in
+from openrooms_usd.description.furniture import object_names
 from openrooms_usd.description.reading import read_yaml
 from openrooms_usd.description.rewriting import rewritten
 from openrooms_usd.errors import InputError
 
-# Which key of the alignment lists objects, by where it comes from; elsewhere it is ``objects``.
+# Which key of the furniture lists objects, by where it comes from; elsewhere it is ``objects``.
 _LISTS: Final = {"scan": "further"}
 
 Change = Callable[[dict[str, Any]], Mapping[str, Any]]
@@ -46,7 +47,7 @@ class Described:
     def section(self, name: str) -> dict[str, Any]:
         """A section as plain data, as it is written."""
         data, _ = read_yaml(self._text(), self.file.name)
-        held = data.get(name)
+        held = data.get(name_in(data, name))
         return dict(held) if isinstance(held, Mapping) else {}
 
     def change(self, section: str, change: Change) -> ComposeSummary:
@@ -84,7 +85,7 @@ class Described:
             change(found)
             return {key: found.pinned()}
 
-        return self.change("alignment", listed)
+        return self.change("furniture", listed)
 
     def _text(self) -> str:
         return untrusted.read_bytes(self.file, "description").decode("utf-8")

@@ -141,7 +141,9 @@ class Fields:
     def _dressed(self, path: str, scope: Scope, look: Said | None) -> Assigned:
         stage = open_stage(self.scene)
         parts = parts_meant(stage, path, scope)
-        self.described.change("materials", partial(_said, stage, parts, path, scope, look))
+        self.described.change(
+            "materials", partial(_change_materials, stage, parts, path, scope, look)
+        )
         return Assigned("", tuple(map(str, parts)))
 
     def _standing(self, name: str) -> Standing:
@@ -162,7 +164,7 @@ def _placed(stage: Usd.Stage, row: Mapping[str, Any], spot: PlanPoint) -> dict[s
     return {"at": [x, y, *row["at"][2:]], "yaw": turned}
 
 
-def _said(
+def _change_materials(
     stage: Usd.Stage,
     parts: list[Sdf.Path],
     path: str,

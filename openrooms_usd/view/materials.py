@@ -91,7 +91,7 @@ def materials_app(held: Corrections) -> App:
         return {
             **room_state(scene),
             **held.told(),
-            "made": _made(open_stage(scene)),
+            "made": _substances(open_stage(scene)),
             "scopes": SCOPES,
             "numbers": NUMBERS_PER_FAMILY,
             "library": {
@@ -114,7 +114,7 @@ def materials_app(held: Corrections) -> App:
     )
 
 
-def _made(stage: Usd.Stage) -> dict[str, dict[str, Any]]:
+def _substances(stage: Usd.Stage) -> dict[str, dict[str, Any]]:
     """What each surface is made of: substance, family and number of its material."""
     found: dict[str, dict[str, Any]] = {}
     for prim in stage.Traverse(Usd.TraverseInstanceProxies()):

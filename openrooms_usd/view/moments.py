@@ -50,7 +50,8 @@ def moments_of(path: Path, folders: Sequence[Path]) -> tuple[Moment, ...]:
         InputError: A folder holds no lightmaps, all are of other stages, or one is of another room.
     """
     moments = tuple(
-        _moment(path, folder, name) for folder, name in zip(folders, _called(folders), strict=True)
+        _moment(path, folder, name)
+        for folder, name in zip(folders, _names_of(folders), strict=True)
     )
     own = next((one for one in moments if one.is_own), None)
     if moments and own is None:
@@ -71,7 +72,7 @@ def moments_of(path: Path, folders: Sequence[Path]) -> tuple[Moment, ...]:
     return moments
 
 
-def _called(folders: Sequence[Path]) -> list[str]:
+def _names_of(folders: Sequence[Path]) -> list[str]:
     """By their own names, or with those of the folders that they are in."""
     short = [folder.resolve().name for folder in folders]
     if len(set(short)) == len(short):

@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import Field
 
 from openrooms_usd import names
-from openrooms_usd.description.alignment import Size
+from openrooms_usd.description.furniture import Size
 from openrooms_usd.description.model import Model
 from openrooms_usd.description.units import Angle, Length
 from openrooms_usd.edits.arranging import Standing, settled, standing

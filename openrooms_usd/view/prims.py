@@ -103,7 +103,7 @@ def _source(prim: Usd.Prim) -> str | None:
 def _layers(prim: Usd.Prim, home: Path) -> dict[str, int]:
     counts: Counter[str] = Counter()
     for spec in prim.GetPrimStack():
-        counts[_called(spec.layer, home)] += len(spec.properties)
+        counts[_layer_name(spec.layer, home)] += len(spec.properties)
     return dict(counts)
 
 
@@ -121,7 +121,7 @@ def opinions_of(stage: Usd.Stage, path: str) -> list[dict[str, Any]]:
     home = Path(stage.GetRootLayer().realPath).parent
     return [
         {
-            "layer": _called(spec.layer, home),
+            "layer": _layer_name(spec.layer, home),
             "properties": [[found.name, _in_words(found)] for found in spec.properties],
         }
         for spec in prim.GetPrimStack()
@@ -138,7 +138,7 @@ def _in_words(spec: Sdf.PropertySpec) -> str:
     return text if len(text) <= _MOST_LETTERS else f"{text[:_MOST_LETTERS]} ..."
 
 
-def _called(layer: Sdf.Layer, home: Path) -> str:
+def _layer_name(layer: Sdf.Layer, home: Path) -> str:
     """A layer by its path from the stage's folder, or its name where it lies elsewhere."""
     if not layer.realPath:
         return "in memory"

@@ -114,11 +114,11 @@ class _Handler(BaseHTTPRequestHandler):
     sys_version = ""
 
     def do_GET(self) -> None:
-        path, name = self._asked()
+        path, name = self._request_target()
         app = self.server.app
         if path == "page" and name in self.server.modules:
             self._send(_KINDS[name[name.rindex(".") :]], self.server.modules[name])
-        elif not self._trusted():
+        elif not self._is_trusted():
             self._refuse(HTTPStatus.FORBIDDEN, "open the whole address that orusd printed")
         elif (path, name) == ("", ""):
             self._index()
@@ -132,10 +132,10 @@ class _Handler(BaseHTTPRequestHandler):
             self._refuse(HTTPStatus.NOT_FOUND, "there is no such resource")
 
     def do_POST(self) -> None:
-        path, name = self._asked()
+        path, name = self._request_target()
         length = self.headers.get("Content-Length", "")
         self.close_connection = True
-        if not self._trusted():
+        if not self._is_trusted():
             self._refuse(HTTPStatus.FORBIDDEN, "open the whole address that orusd printed")
         elif path != "command" or name not in self.server.app.commands:
             self._refuse(HTTPStatus.NOT_FOUND, "there is no such command")
@@ -153,11 +153,11 @@ class _Handler(BaseHTTPRequestHandler):
                 return
             self._answer(lambda: command.run(given))
 
-    def _asked(self) -> tuple[str, str]:
+    def _request_target(self) -> tuple[str, str]:
         first, _, rest = urlsplit(self.path).path.removeprefix("/").partition("/")
         return first, rest
 
-    def _trusted(self) -> bool:
+    def _is_trusted(self) -> bool:
         query = parse_qs(urlsplit(self.path).query).get("token", [""])[0]
         given = self.headers.get(TOKEN_HEADER) or query
         return secrets.compare_digest(given.encode(), self.server.token.encode())

@@ -56,7 +56,7 @@ class Target(Protocol):
         ...
 
     def unassign(self, path: str, scope: Scope) -> assigning.Assigned:
-        """Let parts be made of what the stages give them."""
+        """Let parts be made of what the steps give them."""
         ...
 
 

@@ -52,7 +52,7 @@ def test_what_is_removed_takes_along_what_is_said_of_it() -> None:
     room.set_lamp("ceiling_lamp_0", lumen=400)
     for name in ("ceiling_lamp_0", "chair_0"):
         room.remove(name)
-    assert [thing.name for thing in room.alignment.objects] == ["chair_1"]  # type: ignore[union-attr]
+    assert [thing.name for thing in room.furniture.objects] == ["chair_1"]  # type: ignore[union-attr]
     assert room.lights.lamps == {}
     with pytest.raises(InputError, match="no object is named 'chair_0'"):
         room.remove("chair_0")
@@ -84,10 +84,10 @@ def test_a_mistake_names_its_field_and_changes_nothing(
 
 def test_any_room_can_be_changed() -> None:
     room = ou.generate("closet", 2)
-    before = len(room.alignment.objects)  # type: ignore[union-attr]
+    before = len(room.furniture.objects)  # type: ignore[union-attr]
     name = room.add("trash_bin", at=(0.5, 0.5))
     room.seed = 4
-    assert room.seed == 4 and len(room.alignment.objects) == before + 1  # type: ignore[union-attr]
+    assert room.seed == 4 and len(room.furniture.objects) == before + 1  # type: ignore[union-attr]
     room.remove(name)
     copy = ou.load_room(room)
     copy.style = "rustic"

@@ -17,7 +17,7 @@ ROOM = {
         "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]],
         "openings": [{"kind": "door", "wall": 0}],
     },
-    "alignment": {
+    "furniture": {
         "objects": [
             {"name": "table", "category": "table", "at": [2, 1.5], "size": [1.2, 0.8, 0.7]},
             {"name": "chair", "category": "chair", "at": [1, 0.8], "yaw": 30},

@@ -57,9 +57,9 @@ def test_a_capture_becomes_a_room_that_composes(here: Path) -> None:
 
 def test_mistakes_name_the_place_in_the_data(here: Path) -> None:
     wrong = copy.deepcopy(ROOM)
-    wrong["alignment"]["objects"][0]["colour"] = "red"
+    wrong["furniture"]["objects"][0]["colour"] = "red"
     for refused in (lambda: ou.load_room(wrong), lambda: ou.compose(wrong, "out")):
-        with pytest.raises(DescriptionError, match=r"alignment\.objects\[0\]\.colour: unknown key"):
+        with pytest.raises(DescriptionError, match=r"furniture\.objects\[0\]\.colour: unknown key"):
             refused()
     assert list(here.iterdir()) == []
 
@@ -73,7 +73,7 @@ def test_what_is_no_room_is_refused(wrong: object, here: Path) -> None:
 def test_a_scene_says_what_it_is(scene: ou.Scene) -> None:
     assert list(scene.cameras) == ["left", "right"]
     assert list(scene.objects) == ["chair_0", "ceiling_lamp_0"]
-    assert "6 stages written" in repr(scene)
+    assert "6 steps written" in repr(scene)
     for path in (scene, str(scene.path), scene.folder, str(scene.folder)):
         opened = ou.open_scene(path)
         assert opened.path == scene.path and opened.composed is None

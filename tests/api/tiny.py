@@ -9,7 +9,7 @@ ROOM: dict[str, Any] = {
         "polygon": [[0, 0], [4, 0], [4, 3], [0, 3]],
         "openings": [{"kind": "window", "wall": 0}],
     },
-    "alignment": {
+    "furniture": {
         "objects": [
             {"category": "chair", "at": [1.5, 0.8], "yaw": "180 deg"},
             {"category": "ceiling_lamp", "at": [2, 1.5]},

@@ -141,7 +141,7 @@ def test_the_hall_has_as_many_objects_as_asked_for(tmp_path):
 
     (tmp_path / "room.yaml").write_text(hall(37))
     room = load_room(tmp_path / "room.yaml")
-    places = {item.at for item in room.alignment.objects}
+    places = {item.at for item in room.furniture.objects}
     assert len(places) == 37
 
 

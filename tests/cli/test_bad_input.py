@@ -18,7 +18,7 @@ DESCRIPTION, INPUT, OUTPUT, STAGE, RENDER = 2, 2, 3, 4, 5
 # A square whose corners, and nothing else, are given by the test.
 POLYGON = "layout: {{polygon: {}}}\n"
 SQUARE = "[[0, 0], [4, 0], [4, 3], [0, 3]]"
-OBJECTS = "alignment:\n  objects:\n"
+OBJECTS = "furniture:\n  objects:\n"
 COARSE = "materials: {resolution: 16}\n"
 
 FAULTY: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
@@ -51,7 +51,7 @@ FAULTY: dict[str, tuple[str | bytes, tuple[str, ...]]] = {
     "circle": (
         f"{OBJECTS}    - {{name: a, category: table, at: [1, 1], on: b}}\n"
         "    - {name: b, category: table, at: [1, 1], on: a}\n",
-        ("alignment.objects[0].on", "depends on itself"),
+        ("furniture.objects[0].on", "depends on itself"),
     ),
     "wall": (
         f"layout:\n  polygon: {SQUARE}\n  openings: [{{kind: door, wall: 9}}]\n",
@@ -204,11 +204,11 @@ def test_a_mesh_file(
     refuse_to_compose(orusd, lab, room, INPUT, name, fragment, "; ")
 
 
-def test_stages_alone(orusd: Any, lab: Any, tmp_path: Path) -> None:
+def test_steps_alone(orusd: Any, lab: Any, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    for stage in ("alignment", "materials", "lights", "cameras"):
+    for step in ("furniture", "materials", "lights", "cameras"):
         said = ("which does not exist yet", "compose the whole room once")
-        orusd("compose", lab.room, "-o", out, "--only", stage).refused(STAGE, *said)
+        orusd("compose", lab.room, "-o", out, "--only", step).refused(STAGE, *said)
     orusd("compose", lab.room, "-o", out, "--only", "ligts").refused(2, "--only", "'lights'")
     assert not out.exists()
 

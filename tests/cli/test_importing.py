@@ -48,8 +48,8 @@ def test_import_copies_the_capture_and_describes_the_room(capture: Path, tmp_pat
     copy = tmp_path / "room" / capture.name
     assert copy.read_bytes() == capture.read_bytes()
     room = load_room(tmp_path / "room" / "room.yaml")
-    assert room.layout.file == room.alignment.file == capture.name
-    lamp = room.alignment.objects[0]
+    assert room.layout.file == room.furniture.file == capture.name
+    lamp = room.furniture.objects[0]
     assert lamp.category == "ceiling_lamp"
     assert lamp.at == (2.0, 1.5)
     assert room.cameras.views[0].count == 3
@@ -58,7 +58,7 @@ def test_import_copies_the_capture_and_describes_the_room(capture: Path, tmp_pat
 def test_the_lamp_of_a_concave_room_hangs_inside() -> None:
     floor = np.array([[0, 0], [6, 0], [6, 1], [1, 1], [1, 6], [0, 6]], dtype=float)
     text = describe("roomplan", Capture("a.json", np.eye(4), floor), "a.json")
-    x, y = parse_room(text).alignment.objects[0].at
+    x, y = parse_room(text).furniture.objects[0].at
     assert shapely.Polygon(floor).buffer(-0.3).contains(shapely.Point(x, y))
 
 

@@ -93,7 +93,7 @@ def test_only_what_the_scan_needs_is_copied_and_reads_the_same(scan2cad, tmp_pat
         "scene0001_00.json",
     ]
     assert str(tmp_path) not in "".join(p.read_text() for p in out.rglob("*.*") if p.is_file())
-    section = load_room(out / "room.yaml").alignment
+    section = load_room(out / "room.yaml").furniture
     copied = read_capture(section.reader, out / section.file, section.options, out)
     given = dict(zip(scan2cad[2::2], scan2cad[3::2], strict=True))
     options = {str(name)[2:]: str(value) for name, value in given.items()}

@@ -11,9 +11,9 @@ import pytest
 
 from openrooms_usd.channels import CHANNELS, WRITTEN, markdown_page
 from openrooms_usd.cli import orusd
-from openrooms_usd.cli.composing import _done
+from openrooms_usd.cli.composing import _outcome
 from openrooms_usd.cli.rendering import _losses, _warnings
-from openrooms_usd.composing import ComposeSummary, StageSummary
+from openrooms_usd.composing import ComposeSummary, StepSummary
 from openrooms_usd.rendering import exr
 from tests.commands import output_of, run
 
@@ -245,8 +245,8 @@ def test_init_for_programs(tmp_path):
 
 def test_what_compose_says_it_did(tmp_path):
     def done(state, *files):
-        stages = (StageSummary("layout", state, 0.0),)
-        return _done(ComposeSummary(tmp_path, stages, files))
+        stages = (StepSummary("layout", state, 0.0),)
+        return _outcome(ComposeSummary(tmp_path, stages, files))
 
     assert done("written") == "composed"
     assert done("unchanged") == "nothing to do, everything is up to date"

@@ -64,7 +64,7 @@ channels: [radiance, depth, instance, valid]
 budget: {samples: 1}
 rendering: {renderer: preview}
 """
-BARE_ROOM = SMALL_ROOM.partition("alignment:")[0]
+BARE_ROOM = SMALL_ROOM.partition("furniture:")[0]
 
 # What a command takes that names something to write.
 WRITING = {"out", "export", "report_file", "root", "folder"}

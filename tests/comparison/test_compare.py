@@ -42,7 +42,7 @@ BOXES = {
 ROOM = """\
 name: compared
 layout: {from: boxes, file: boxes.json}
-alignment: {from: boxes, file: boxes.json}
+furniture: {from: boxes, file: boxes.json}
 """
 # Middles, sizes and colours: floor, three walls and what stands before them.
 BLOCKS = {
@@ -172,7 +172,7 @@ layout:
   from: scan
   scan: {source}/textured.obj
   options: {{up: "0,1,0", frames: {source}/frames.json}}
-alignment: {{from: objects}}
+furniture: {{from: objects}}
 lights: {{environment: {{from: constant, illuminance: 10000}}}}
 cameras: {{from: capture, every: 3}}
 """)

@@ -184,7 +184,7 @@ def test_digests_are_the_same_without_and_with_any_cache(
     assert digest(cache) == before
     [kept] = (tmp_path / "cache/code").iterdir()
     with monkeypatch.context() as patch:
-        patch.setattr(sourcetext, "_said", lambda source: pytest.fail("parsed again"))
+        patch.setattr(sourcetext, "_parse", lambda source: pytest.fail("parsed again"))
         assert digest(cache) == before
     kept.write_text(spoilt)
     assert digest(cache) == before
@@ -307,7 +307,7 @@ def test_the_versions_of_what_others_wrote_are_told_apart(
 
 
 def test_every_file_of_data_counts_for_some_module() -> None:
-    # Written out for people by commands; no stage reads them.
+    # Written out for people by commands; no step reads them.
     by_hand = {
         "starter.yaml",
         "room.yaml",

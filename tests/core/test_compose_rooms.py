@@ -7,12 +7,12 @@ import pytest
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room, parse_room
 from openrooms_usd.errors import DescriptionError
-from openrooms_usd.names import STEPS
+from openrooms_usd.names import STEPS, section_of
 
 ROOM = """\
 room: office
 layout: {polygon: [[0, 0], [3, 0], [3, 3], [0, 3]]}
-alignment: {objects: [{name: thing, file: thing.obj, category: box, at: [1, 1]}]}
+furniture: {objects: [{name: thing, file: thing.obj, category: box, at: [1, 1]}]}
 materials: {resolution: 16}
 """
 MESH = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\n" + "".join(
@@ -52,7 +52,7 @@ def test_a_file_that_is_not_there_is_named_where_it_was_looked_for(
 ) -> None:
     with pytest.raises(DescriptionError) as refused:
         compose_room(parse_room(ROOM), tmp_path / "out", base=tmp_path)
-    said = f"3:43: alignment.objects[0].file: {tmp_path / 'thing.obj'}: no such file"
+    said = f"3:43: furniture.objects[0].file: {tmp_path / 'thing.obj'}: no such file"
     assert said in str(refused.value)
 
 
@@ -61,6 +61,6 @@ def test_progress_goes_from_nothing_to_the_whole(described: Path, tmp_path: Path
     compose_room(
         described / "room.yaml", tmp_path, progress=lambda what, part: seen.append((what, part))
     )
-    assert list(dict.fromkeys(what for what, _ in seen)) == list(STEPS)
+    assert list(dict.fromkeys(what for what, _ in seen)) == list(map(section_of, STEPS))
     assert [part for _, part in seen] == sorted(part for _, part in seen)
     assert seen[0][1] == 0.0 and seen[-1][1] == 1.0

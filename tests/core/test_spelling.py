@@ -25,7 +25,7 @@ def test_the_nearest_name_is_found(word: str, meant: str) -> None:
 
 
 def of_a_room(**row: object) -> Callable[[], object]:
-    return lambda: ou.load_room({"alignment": {"objects": [{"at": [1, 1], **row}]}})
+    return lambda: ou.load_room({"furniture": {"objects": [{"at": [1, 1], **row}]}})
 
 
 @pytest.mark.parametrize(

@@ -1,17 +1,20 @@
 """The plan follows from the file, and variants change what is said to be other."""
 
 from collections import Counter
+from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 
 import pytest
 
-from openrooms_usd.dataset.plan import Job, jobs_of, lines, plan_jobs
+from openrooms_usd.dataset import plan
+from openrooms_usd.dataset.plan import Job, code_of, jobs_of, lines, plan_jobs
 from openrooms_usd.dataset.variants import described, realised, with_other_lights
 from openrooms_usd.description import Room, load_dataset, room_of
 from openrooms_usd.errors import DescriptionError, InputError
 from openrooms_usd.furniture import CATEGORIES
 from openrooms_usd.library.surroundings.sunlight import sun_position
+from openrooms_usd.names import STEPS
 
 GENERATED = """\
 seed: 7
@@ -214,7 +217,7 @@ def test_other_lights_come_by_day_and_some_lamp_is_on(rooms: dict[str, Room]) ->
 def test_every_environment_has_another(environment: dict[str, object]) -> None:
     lights = {"environment": environment, "lamps": {"a": {"radiance": [1, 2, 3]}}}
     objects = [{"category": "floor_lamp", "name": "a", "at": [1, 1]}]
-    room = room_of({"lights": lights, "alignment": {"objects": objects}})
+    room = room_of({"lights": lights, "furniture": {"objects": objects}})
     found = [with_other_lights(room, seed).lights for seed in (1, 2)]
     assert found[0].environment != found[1].environment != room.lights.environment
     assert all(lights.lamps["a"].on for lights in found)
@@ -226,7 +229,7 @@ def test_every_environment_has_another(environment: dict[str, object]) -> None:
 
 def test_lamps_of_which_nobody_says_how_bright_they_are_are_other_too() -> None:
     objects = [{"category": "floor_lamp", "name": "a", "at": [1, 1]}]
-    room = room_of({"alignment": {"objects": objects}})
+    room = room_of({"furniture": {"objects": objects}})
     usual = CATEGORIES["floor_lamp"].lumen
     found = [with_other_lights(room, seed).lights.lamps["a"].lumen for seed in range(20)]
     assert len(set(found)) == 20 and 0.5 * usual <= min(found) < usual < max(found) <= 1.6 * usual
@@ -248,3 +251,12 @@ def test_what_a_person_said_of_materials_stays(tmp_path: Path, source: Path) -> 
     found = realised(job, dataset.views, dataset.folder).materials
     said = described(job, dataset.folder).materials.floor
     assert (found.look, found.looks, found.floor) == (1, 2, said)
+
+
+def test_the_code_of_every_step_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(plan, "code_digest", lambda *modules: asked.extend(modules))
+    code_of.__wrapped__("preview")
+    steps = [name for name in asked if name.startswith("openrooms_usd.steps.")]
+    assert [name for name in STEPS if f"openrooms_usd.steps.{name}.step" not in steps] == []
+    assert [name for name in steps if find_spec(name) is None] == []

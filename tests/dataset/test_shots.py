@@ -25,7 +25,7 @@ ROOM = """\
 name: small
 room: office
 layout: {polygon: [[0, 0], [4, 0], [4, 3], [0, 3]], height: 2.5}
-alignment:
+furniture:
   objects:
     - {category: chair, at: [2.0, 1.4], yaw: 180 deg}
 materials: {resolution: 16}

@@ -19,7 +19,7 @@ def test_init_writes_a_room_that_loads_and_its_schema(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert sorted(path.name for path in folder.iterdir()) == ["room.schema.json", "room.yaml"]
     room = load_room(folder / "room.yaml")
-    assert {thing.category for thing in room.alignment.objects} == {
+    assert {thing.category for thing in room.furniture.objects} == {
         *("chair", "table", "sofa", "cabinet", "floor_lamp", "table_lamp", "ceiling_lamp")
     }
     first = (folder / "room.yaml").read_text().splitlines()[0]

@@ -13,7 +13,7 @@ from openrooms_usd.errors import DescriptionError
 DATA: dict[str, Any] = {
     "room": "office",
     "layout": {"polygon": [[0, 0], ["420 cm", 0], [4.2, 3], [0, 3]]},
-    "alignment": {"objects": [{"category": "chair", "at": [1, 2], "yaw": "90 deg"}]},
+    "furniture": {"objects": [{"category": "chair", "at": [1, 2], "yaw": "90 deg"}]},
 }
 
 
@@ -34,13 +34,13 @@ def test_data_makes_the_room_of_the_file() -> None:
 def test_what_a_room_says_of_itself_makes_it_again() -> None:
     room = room_of(DATA)
     assert room_of(room.as_dict()) == room
-    assert "90" in str(room.as_dict()["alignment"]["objects"][0]["yaw"])
+    assert "90" in str(room.as_dict()["furniture"]["objects"][0]["yaw"])
 
 
 def test_tuples_and_numpy_are_lists_and_numbers() -> None:
     corners = np.array([[0, 0], [4.2, 0], [4.2, 3], [0, 3]])
     chair = {"category": "chair", "at": (np.float32(1), np.int64(2)), "yaw": "90 deg"}
-    data = {"room": "office", "layout": {"polygon": corners}, "alignment": {"objects": (chair,)}}
+    data = {"room": "office", "layout": {"polygon": corners}, "furniture": {"objects": (chair,)}}
     assert room_of(data) == room_of(DATA)
 
 
@@ -51,8 +51,8 @@ def test_tuples_and_numpy_are_lists_and_numbers() -> None:
         (("room",), "offic"),
         (("layout", "polygon"), [[0, 0], [1, 0]]),
         (("layout", "polygon", 1), [1, 2, 3]),
-        (("alignment", "objects", 0, "colour"), "red"),
-        (("alignment", "objects", 0, "at"), "here"),
+        (("furniture", "objects", 0, "colour"), "red"),
+        (("furniture", "objects", 0, "at"), "here"),
         (("lights",), {"lamps": {"ceiling": {"lumen": 1}}}),
         (("seed",), -1),
         (("cameras",), {"from": "nowhere"}),
@@ -77,7 +77,7 @@ def test_a_mistake_in_data_is_said_in_the_words_of_a_file(
 def test_mistakes_come_in_the_order_of_the_data() -> None:
     rows = [{"category": "chair", "at": [1, 2], "size": "big"} for _ in range(12)]
     with pytest.raises(DescriptionError) as refused:
-        room_of({**DATA, "alignment": {"objects": rows}, "seed": -1})
+        room_of({**DATA, "furniture": {"objects": rows}, "seed": -1})
     lines = refused.value.message.splitlines()[1:]
     assert [line.split("[")[1].split("]")[0] for line in lines[:12]] == [str(i) for i in range(12)]
     assert lines[12].strip().startswith("seed: ")

@@ -52,7 +52,7 @@ def test_ten_thousand_mistakes_make_a_short_message() -> None:
         for i in range(10_000)
     )
     with pytest.raises(DescriptionError) as caught:
-        parse_room(f"alignment:\n  objects:\n{objects}\n")
+        parse_room(f"furniture:\n  objects:\n{objects}\n")
     lines = str(caught.value).splitlines()
     assert lines[0] == "room.yaml: 10,000 mistakes"
     assert lines[-1] == "  and 9,950 more"

@@ -171,7 +171,7 @@ def test_no_bytes_break_the_reader(data: bytes) -> None:
         assert str(error)
 
 
-WORDS = "layout polygon from objects alignment views cameras lamps at 0 1.5 .nan true null select"
+WORDS = "layout polygon from objects furniture views cameras lamps at 0 1.5 .nan true null select"
 PIECES = (
     *"{}[]:,-?&*!|>%@`#'\"\\\n\t ",
     ": ",
@@ -196,7 +196,7 @@ def test_no_text_breaks_the_reader(text: str) -> None:
         assert str(error)
 
 
-SECTIONS = "name room seed layout alignment materials lights cameras"
+SECTIONS = "name room seed layout furniture materials lights cameras"
 FIELDS = (
     "from polygon openings objects views environment lamps overrides file kind wall at size on "
     "name category eye target world_from_camera height floor color scale illuminance fov family"

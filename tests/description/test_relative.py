@@ -10,26 +10,26 @@ from openrooms_usd.errors import DescriptionError
 
 def text(*objects: str) -> str:
     rows = "\n".join(f"    - {{{row}, category: table, at: [1, 1]}}" for row in objects)
-    return f"alignment:\n  objects:\n{rows}\n"
+    return f"furniture:\n  objects:\n{rows}\n"
 
 
 def mistakes(*objects: str) -> list[str]:
     with pytest.raises(DescriptionError) as caught:
         parse_room(text(*objects), "room.yaml")
-    return [line.strip() for line in str(caught.value).splitlines() if "alignment" in line]
+    return [line.strip() for line in str(caught.value).splitlines() if "furniture" in line]
 
 
 def test_any_object_may_be_the_frame_of_others() -> None:
     room = parse_room(text("name: a, relative_to: table_2, on: wall", "name: b, on: a", "yaw: 3"))
-    objects: Any = room.alignment.objects
+    objects: Any = room.furniture.objects
     assert objects[0].relative_to == "table_2"
 
 
 def test_unknown_names_have_a_place_and_a_hint() -> None:
     assert mistakes("name: sofa", "relative_to: soffa", "relative_to: floor") == [
-        "room.yaml:4:21: alignment.objects[1].relative_to: no object is named 'soffa' "
+        "room.yaml:4:21: furniture.objects[1].relative_to: no object is named 'soffa' "
         "(did you mean 'sofa'?); allowed: the name of another object",
-        "room.yaml:5:21: alignment.objects[2].relative_to: no object is named 'floor'; "
+        "room.yaml:5:21: furniture.objects[2].relative_to: no object is named 'floor'; "
         "allowed: the name of another object",
     ]
 
@@ -48,10 +48,10 @@ def test_circles_may_go_over_both_keys() -> None:
         "name: f",
     )
     assert [row.split(": ", 2)[1:] for row in found] == [
-        ["alignment.objects[0].on", f"'a' on 'b' {CIRCLE}"],
-        ["alignment.objects[1].relative_to", f"'b' relative to 'c' {CIRCLE}"],
-        ["alignment.objects[2].on", f"'c' on 'a' {CIRCLE}"],
-        ["alignment.objects[3].relative_to", "'d' cannot be relative to itself"],
+        ["furniture.objects[0].on", f"'a' on 'b' {CIRCLE}"],
+        ["furniture.objects[1].relative_to", f"'b' relative to 'c' {CIRCLE}"],
+        ["furniture.objects[2].on", f"'c' on 'a' {CIRCLE}"],
+        ["furniture.objects[3].relative_to", "'d' cannot be relative to itself"],
     ]
 
 
@@ -61,4 +61,4 @@ CIRCLE = "depends on itself; one object must stand on the floor"
 def test_ten_thousand_links_are_checked_in_one_walk() -> None:
     rows = [f"name: o{i}, on: o{i + 1}, relative_to: o{i + 2}" for i in range(3000)]
     room = parse_room(text(*rows, "name: o3000", "name: o3001"))
-    assert len(room.alignment.objects) == 3002
+    assert len(room.furniture.objects) == 3002

@@ -16,7 +16,7 @@ layout:
   height: 240 cm  # high
 
   # the end of it
-alignment: {from: scan}
+furniture: {from: scan}
 """
 WANTED = {"height": 2.5, "openings": [{"kind": "door", "wall": 0}], "partitions": None}
 
@@ -70,6 +70,6 @@ def test_text_stays_text(word: str) -> None:
 
 
 def test_what_an_alias_stands_for_is_not_torn_out() -> None:
-    text = "layout:\n  height: &h 3\nalignment:\n  other: *h\n"
+    text = "layout:\n  height: &h 3\nfurniture:\n  other: *h\n"
     with pytest.raises(DescriptionError, match="does not let parts of it be changed"):
         rewritten(text, "layout", {"height": 2.5})

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from openrooms_usd.description import Room, dump_room, named_objects, named_openings, parse_room
-from openrooms_usd.description.alignment import FileObject, LibraryCategory, LibraryObject
 from openrooms_usd.description.cameras import LookAtCamera, PoseCamera, SelectedCameras
+from openrooms_usd.description.furniture import FileObject, LibraryCategory, LibraryObject
 from openrooms_usd.description.layout import Opening, PolygonLayout
 from openrooms_usd.description.lights import ConstantEnvironment, FileEnvironment
 from openrooms_usd.description.materials import MaterialChoice
@@ -32,8 +32,8 @@ def test_the_shortest_description_is_one_line() -> None:
     ],
 )
 def test_an_object_needs_no_from(text: str, kind: type) -> None:
-    room = parse_room(f"alignment: {{objects: [{text}]}}")
-    assert type(room.alignment.objects[0]) is kind
+    room = parse_room(f"furniture: {{objects: [{text}]}}")
+    assert type(room.furniture.objects[0]) is kind
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_the_models_check_what_python_gives_them() -> None:
 
 def test_captured_names_are_not_known_yet() -> None:
     parse_room(
-        "alignment:\n  from: roomplan\n  file: a.json\n"
+        "furniture:\n  from: roomplan\n  file: a.json\n"
         "  objects: [{category: chair, at: [0, 0], on: captured}]\n"
         "lights: {lamps: {y: {on: false}}}"
     )
@@ -143,8 +143,8 @@ def thing(category: str, name: str | None = None) -> dict[str, Any]:
 
 
 def names_of(*things: dict[str, Any]) -> list[str]:
-    room = Room.model_validate({"alignment": {"objects": things}})
-    return [name for name, _ in named_objects(room.alignment.objects)]
+    room = Room.model_validate({"furniture": {"objects": things}})
+    return [name for name, _ in named_objects(room.furniture.objects)]
 
 
 def test_default_names_count_within_a_category() -> None:
@@ -199,8 +199,8 @@ def test_openings_are_named_by_their_kind() -> None:
 @pytest.mark.slow
 def test_ten_thousand_objects_load() -> None:
     row = "    - {category: chair, at: [1.5, 2.5], yaw: 30 deg, size: [50 cm, 50 cm, 0.9]}\n"
-    room = parse_room("alignment:\n  objects:\n" + row * 10_000)
-    assert named_objects(room.alignment.objects)[-1][0] == "chair_9999"
+    room = parse_room("furniture:\n  objects:\n" + row * 10_000)
+    assert named_objects(room.furniture.objects)[-1][0] == "chair_9999"
 
 
 def test_reading_descriptions_imports_nothing_heavy() -> None:
@@ -238,7 +238,7 @@ rooms = st.fixed_dictionaries(
     optional={
         "name": names,
         "seed": st.integers(0, 2**63 - 1),
-        "alignment": st.fixed_dictionaries({"objects": st.lists(objects, max_size=4)}),
+        "furniture": st.fixed_dictionaries({"objects": st.lists(objects, max_size=4)}),
         "lights": st.fixed_dictionaries(
             {"environment": st.fixed_dictionaries({"file": texts, "scale": st.floats(1e-6, 1e9)})}
         ),

@@ -32,9 +32,9 @@ def test_an_angle_is_the_same_in_every_unit(turns: float, unit: str, space: str)
 @given(lengths)
 def test_a_length_survives_the_file(length: float) -> None:
     room = parse_room(
-        f"alignment: {{objects: [{{category: chair, at: [{length!r}, '{length!r}']}}]}}"
+        f"furniture: {{objects: [{{category: chair, at: [{length!r}, '{length!r}']}}]}}"
     )
-    assert room.alignment.objects[0].at == (length, length)
+    assert room.furniture.objects[0].at == (length, length)
 
 
 @given(st.integers(-100_000, 100_000))

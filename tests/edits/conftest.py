@@ -13,7 +13,7 @@ from openrooms_usd.composing import ComposeSummary, compose_room
 ROOM = """\
 layout:
   openings: [{name: door, kind: door, wall: 0, open: 60}]
-alignment:
+furniture:
   objects:
     - {name: sofa, category: sofa, at: [2, 3], yaw: 20}
     - {name: table, category: table, at: [2, 1.5]}

@@ -13,7 +13,7 @@ from tests.commands import run
 
 ROOM = """\
 layout: {polygon: [[0, 0], [3, 0], [3, 3], [0, 3]]}
-alignment: {objects: []}
+furniture: {objects: []}
 materials: {resolution: 16}
 cameras: {resolution: [8, 6], views: [{name: eye, eye: [1, 1, 1.5], target: [2, 2, 1]}]}
 """

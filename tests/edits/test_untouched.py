@@ -35,7 +35,7 @@ def test_bytes_and_time_stay_over_all_commands(place: Any) -> None:
     for words in (
         compose,
         (*compose, "--flatten", "--usdz"),
-        (*compose, "--only", "alignment"),
+        (*compose, "--only", "furniture"),
         ("validate", place.scene),
         ("edit", "orphans", place.out),
         ("edit", "fix-units", place.out),

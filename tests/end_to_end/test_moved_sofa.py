@@ -12,7 +12,7 @@ from openrooms_usd.composing import compose_room
 ROOM = """\
 seed: 5
 layout: {polygon: [[0, 0], [6, 0], [6, 5], [0, 5]]}
-alignment:
+furniture:
   objects:
     - {name: sofa, category: sofa, at: [1.8, 3.1]}
     - {name: side, category: table, size: [0.5, 0.5, 0.5], at: [1.4, 0], relative_to: sofa}

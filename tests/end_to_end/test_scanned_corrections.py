@@ -75,7 +75,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "cad" / "index.json").write_text(json.dumps(index))
     (folder / "room.yaml").write_text(
         "layout: {from: scan, scan: scan.npz, unit: mm}\n"
-        "alignment:\n  from: scan\n  cad: ./cad\n  objects:\n"
+        "furniture:\n  from: scan\n  cad: ./cad\n  objects:\n"
         "    - {instance: 1, category: table, cad: desk_b, support: floor}\n"
         "    - {instance: 2, category: box, cad: crate, support: 1}\n"
     )

@@ -109,7 +109,7 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     (folder / "room.yaml").write_text(
         "layout: {from: scan, scan: scan.npz}\n"
-        "alignment:\n  from: scan\n  cad: ./cad\n"
+        "furniture:\n  from: scan\n  cad: ./cad\n"
         "  objects: [{instance: 1, category: table}]\n"
         "  further: [{category: ceiling_lamp, at: [0, 0]}]\n"
     )
@@ -212,8 +212,8 @@ def test_a_cad_that_says_nothing_of_its_vertical_is_put_upright(tmp_path: Path, 
     box = {"center": center.tolist(), "size": [0.72, 1.15, 0.76]}
     box["rotation_wxyz"] = turn.as_quat(scalar_first=True).tolist()
     hint = {"instance": 1, "category": "table", "cad": "desk_b", "box": box}
-    alignment = {"from": "scan", "cad": "cad", "objects": [hint]}
-    room = {"layout": {"from": "scan", "scan": "scan.npz"}, "alignment": alignment}
+    furniture = {"from": "scan", "cad": "cad", "objects": [hint]}
+    room = {"layout": {"from": "scan", "scan": "scan.npz"}, "furniture": furniture}
     (tmp_path / "room.yaml").write_text(json.dumps(room))
     call = ["compose", str(tmp_path / "room.yaml"), "-o", str(tmp_path / "out")]
     output_of(*call)
@@ -240,8 +240,8 @@ def test_a_scan_in_millimetres_and_far_away_is_reported_where_it_lies(tmp_path: 
     pose["rotation_wxyz"] = turn.as_quat(scalar_first=True).tolist()
     hint = {"instance": 1, "category": "Round table", "cad": "desk_b", "pose": pose}
     layout = {"from": "scan", "scan": "scan.npz", "unit": "mm", "up": [0.05, 0.03, 1.0]}
-    alignment = {"from": "scan", "cad": "cad", "objects": [hint]}
-    (tmp_path / "room.yaml").write_text(json.dumps({"layout": layout, "alignment": alignment}))
+    furniture = {"from": "scan", "cad": "cad", "objects": [hint]}
+    (tmp_path / "room.yaml").write_text(json.dumps({"layout": layout, "furniture": furniture}))
     call = ["compose", str(tmp_path / "room.yaml"), "-o", str(tmp_path / "out")]
     output_of(*call)
     report = json.loads((tmp_path / "out/report.json").read_text())

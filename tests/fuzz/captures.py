@@ -40,7 +40,7 @@ def _roomplan(folder: Path) -> None:
     scanner = Scanner(folder)
     scanner.write(full_room(scanner))
     sections = "layout: {from: roomplan, file: Room.json}\n"
-    sections += "alignment: {from: roomplan, file: Room.json}\n"
+    sections += "furniture: {from: roomplan, file: Room.json}\n"
     (folder / "room.yaml").write_text(COMPOSED.format(sections))
 
 

@@ -149,7 +149,7 @@ def _whole(folder: Path) -> None:
     _ply(folder)
     write_frames(folder / "frames.json")
     np.savez(folder / "room.npz", points=_room())
-    sections = "layout: {from: scan, scan: room.npz}\nalignment: {from: scan}\n"
+    sections = "layout: {from: scan, scan: room.npz}\nfurniture: {from: scan}\n"
     (folder / "room.yaml").write_text(COMPOSED.format(sections))
 
 

@@ -90,7 +90,7 @@ def _plant_panorama(folder: Path) -> None:
 _FLOOR = TINY + ", floor: {file: %s, size: 1}}\n"
 _SKY = TINY + "}\nlights: {environment: {from: file, file: %s, illuminance: 5000}}\n"
 _USED = f"""\
-alignment:
+furniture:
   objects:
     - {{category: chair, at: [1, 1], file: a.obj, size: [0.5, 0.5, 0.9]}}
 {TINY}, floor: {{file: Wood, size: 1}}, annotations: {{chair: ann.txt}}}}
@@ -141,7 +141,7 @@ KINDS = (
     Kind(
         "room.files",
         planting_out(_plant_used, _USED),
-        tuple((1, f"{AGAIN}{stage}") for stage in ("alignment", "materials", "lights")),
+        tuple((1, f"{AGAIN}{step}") for step in ("furniture", "materials", "lights")),
         ("in/room.yaml",),
         share=3,
     ),

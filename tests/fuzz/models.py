@@ -307,7 +307,7 @@ def _cads(folder: Path) -> object:
 
 
 _OBJECT = (
-    "alignment:\n  from: objects\n  objects:\n    - {category: chair, at: [1, 1], from: file, "
+    "furniture:\n  from: objects\n  objects:\n    - {category: chair, at: [1, 1], from: file, "
     "file: %s, size: [0.5, 0.5, 0.9]}\n" + TINY + "}\n"
 )
 KINDS = (
@@ -315,7 +315,7 @@ KINDS = (
     Kind(
         "model.obj-composed",
         planting_out(_plant_obj, _OBJECT % "a.obj"),
-        ((1, f"{AGAIN}alignment"),),
+        ((1, f"{AGAIN}furniture"),),
         ("in/a.*", "in/*.png"),
         share=1,
     ),
@@ -341,7 +341,7 @@ KINDS = (
     Kind(
         "model.usd-composed",
         planting_out(_plant_usd, _OBJECT % "a.usda"),
-        ((1, f"{AGAIN}alignment"),),
+        ((1, f"{AGAIN}furniture"),),
         ("in/*.usda", "in/*.png"),
         share=1,
     ),

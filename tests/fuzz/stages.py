@@ -27,7 +27,7 @@ _GENERATED = """\
 name: g
 room: office
 layout: {from: generate}
-alignment: {from: generate}
+furniture: {from: generate}
 materials: {resolution: 16}
 """
 _EDITS = """\

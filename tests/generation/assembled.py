@@ -1,6 +1,6 @@
 """The scene of a generated room without assets: what compose writes, put together in memory.
 
-The layout is composed; furniture stands where the alignment stage's own rules put it, in the forms
+The layout is composed; furniture stands where the alignment step's own rules put it, in the forms
 that the generator built. A test asks that this is what is composed.
 """
 
@@ -11,7 +11,7 @@ from pxr import Usd
 
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import Room, parse_room
-from openrooms_usd.description.alignment import LibraryObject, ObjectList, named_objects
+from openrooms_usd.description.furniture import LibraryObject, ObjectList, named_objects
 from openrooms_usd.furniture import FitOptions, category
 from openrooms_usd.generation.rooms import Generated, named
 from openrooms_usd.generation.shapes import BuiltForm, Shapes
@@ -34,7 +34,7 @@ def assembled(text: str, shapes: Shapes, folder: Path) -> Scene:
     composed = compose_room(folder / "room.yaml", folder / "out", only="layout").scene
     scene = read(composed)
     room = parse_room(text)
-    assert isinstance(room.alignment, ObjectList)
+    assert isinstance(room.furniture, ObjectList)
     known: dict[BuiltForm, Form] = {}
     placements = _placements(room, shapes)
     stands = Supports(placements, surroundings(Usd.Stage.Open(str(composed))), []).resolve()
@@ -63,7 +63,7 @@ def arranged(room: Generated, shapes: Shapes) -> tuple[Scene, dict[str, str]]:
 
 
 def _shapes(room: Room, shapes: Shapes) -> list[BuiltForm]:
-    return [_shape(item, shapes) for _, item in named_objects(room.alignment.objects)]
+    return [_shape(item, shapes) for _, item in named_objects(room.furniture.objects)]
 
 
 def _shape(item: LibraryObject, shapes: Shapes) -> BuiltForm:
@@ -73,7 +73,7 @@ def _shape(item: LibraryObject, shapes: Shapes) -> BuiltForm:
 
 def _placements(room: Room, shapes: Shapes) -> dict[str, Placement]:
     placements = {}
-    for name, item in named_objects(room.alignment.objects):
+    for name, item in named_objects(room.furniture.objects):
         parts = {str(i): mesh for i, mesh in enumerate(_shape(item, shapes).meshes)}
         model = Model(parts)
         x, y, *z = item.at

@@ -97,7 +97,7 @@ room: bathroom
 clutter: 3
 seed: {seed}
 layout: {{polygon: [[0, 0], [3.2, 0], [3.2, 1.6], [0, 1.6]], openings: [{{kind: door, wall: 1}}]}}
-alignment:
+furniture:
   objects:
     - {{name: shower, category: shower, at: [0.6, 0.8], size: [1.2, 1.6, 2.05], style: walk_in}}
 """
@@ -108,7 +108,7 @@ def test_nothing_hangs_in_a_shower_of_a_description() -> None:
     hung = [
         row
         for seed in range(4)
-        for row in expanded(parse_room(DESCRIBED.format(seed=seed))).alignment.objects
+        for row in expanded(parse_room(DESCRIBED.format(seed=seed))).furniture.objects
         if row.category in ("picture", "clock")
     ]
     assert hung and all(row.at[0] - 0.5 * row.size[0] > 1.2 for row in hung)

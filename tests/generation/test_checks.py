@@ -28,7 +28,7 @@ class Room:
         shapes = Shapes(3)
         self.text = write(generate("kitchen", 3, clutter=1, shapes=shapes))
         self.scene = assembled(self.text, shapes, folder)
-        rows = parse_room(self.text).alignment.objects
+        rows = parse_room(self.text).furniture.objects
         self.supports = checks.described_supports(rows, lambda name: category(name).support)
         self.hanging = checks.described_hanging(rows, lambda name: category(name).placements)
 
@@ -161,8 +161,8 @@ def test_what_is_planted_in_a_room_is_found(room: Room, name: str) -> None:
 def test_what_is_assembled_is_what_is_composed(room: Room, tmp_path: Path) -> None:
     path = tmp_path / "room.yaml"
     path.write_text(room.text)
-    for stage in ("layout", "alignment"):
-        composed = compose_room(path, tmp_path / "out", only=stage).scene
+    for step in ("layout", "alignment"):
+        composed = compose_room(path, tmp_path / "out", only=step).scene
     scene = read(composed)
     assert [(body.name, body.category) for body in scene.objects] == [
         (body.name, body.category) for body in room.scene.objects

@@ -33,7 +33,7 @@ def test_several_rooms_as_data(tmp_path: Path) -> None:
     for row in rows:
         room = load_room(Path(row["room"]))
         assert Path(row["room"]).parent.name == f"closet_{row['seed']}"
-        assert len(room.alignment.objects) == row["objects"]
+        assert len(room.furniture.objects) == row["objects"]
         assert abs(row["area"] - 4.0) < 0.1
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import dump_room, load_room, parse_room
-from openrooms_usd.description.alignment import ObjectList
+from openrooms_usd.description.furniture import ObjectList
 from openrooms_usd.description.layout import PolygonLayout
 from openrooms_usd.generation import expanded, generate, write
 from openrooms_usd.generation.shell import shell_of
@@ -24,21 +24,21 @@ def test_a_generated_layout_brings_furniture() -> None:
     assert isinstance(room.layout, PolygonLayout)
     assert room.layout.polygon == same.layout.polygon
     assert room.layout.openings == same.layout.openings
-    assert room.alignment == same.alignment
+    assert room.furniture == same.furniture
     assert room.lights.lamps == same.lights.lamps
     assert parse_room(dump_room(room)) == room
 
 
-def test_an_alignment_of_ones_own_stays() -> None:
-    text = "room: office\nlayout: {from: generate, area: 14}\nalignment: {objects: []}\n"
+def test_listed_furniture_stays() -> None:
+    text = "room: office\nlayout: {from: generate, area: 14}\nfurniture: {objects: []}\n"
     room = expanded(parse_room(text))
-    assert room.alignment == ObjectList()
+    assert room.furniture == ObjectList()
     assert isinstance(room.layout, PolygonLayout)
     assert shell_of(room.layout).area == pytest.approx(14, rel=0.02)
 
 
 def test_what_is_not_generated_is_not_touched() -> None:
-    room = parse_room("room: office\nalignment:\n  objects:\n    - {category: desk, at: [1, 1]}\n")
+    room = parse_room("room: office\nfurniture:\n  objects:\n    - {category: desk, at: [1, 1]}\n")
     assert expanded(room) is room
 
 
@@ -49,11 +49,11 @@ def test_a_room_of_ones_own_is_furnished(turn: int) -> None:
         parse_room(
             f"room: bedroom\nlayout:\n  polygon: {corners}\n  openings:\n"
             "    - {kind: door, wall: 0, at: 0.8}\n    - {kind: window, wall: 1}\n"
-            "alignment: {from: generate}\nlights: {lamps: {ceiling_lamp: {on: false}}}\n"
+            "furniture: {from: generate}\nlights: {lamps: {ceiling_lamp: {on: false}}}\n"
         )
     )
-    assert isinstance(room.alignment, ObjectList)
-    assert {"bed", "ceiling_lamp"} <= {item.category for item in room.alignment.objects}
+    assert isinstance(room.furniture, ObjectList)
+    assert {"bed", "ceiling_lamp"} <= {item.category for item in room.furniture.objects}
     assert room.lights.lamps["ceiling_lamp"].on is False
     assert [list(corner) for corner in room.layout.polygon] == corners
 
@@ -101,7 +101,7 @@ room: office
 seed: 2
 clutter: 2
 layout: {polygon: [[0, 0], [3, 0], [3, 3], [0, 3]]}
-alignment:
+furniture:
   objects:
     - {category: table, at: [1.5, 2.5], size: [1.6, 0.8, 0.74], style: four_legs}
 """
@@ -109,8 +109,8 @@ alignment:
 
 def test_things_lie_about_in_described_rooms_too() -> None:
     room = expanded(parse_room(DESCRIBED))
-    assert isinstance(room.alignment, ObjectList)
-    table, *others = room.alignment.objects
+    assert isinstance(room.furniture, ObjectList)
+    table, *others = room.furniture.objects
     assert room.clutter == 0 and table.name == "table_0" and others
     assert any(other.on == other.relative_to == "table_0" for other in others)
     assert expanded(room) == room
@@ -120,10 +120,10 @@ def test_things_lie_about_in_described_rooms_too() -> None:
 
 @pytest.mark.parametrize("layout", ["{from: generate, area: 9}", "{from: polygon}"])
 def test_clutter_lies_on_what_a_description_lists(layout: str) -> None:
-    text = f"room: office\nseed: 2\nlayout: {layout}\nalignment: {{objects: [{{category: table, "
+    text = f"room: office\nseed: 2\nlayout: {layout}\nfurniture: {{objects: [{{category: table, "
     text += "at: [2, 1.4], size: [1.6, 0.8, 0.74]}]}\n"
     counts = [
-        len(expanded(parse_room(f"clutter: {level}\n{text}")).alignment.objects) for level in (0, 3)
+        len(expanded(parse_room(f"clutter: {level}\n{text}")).furniture.objects) for level in (0, 3)
     ]
     assert counts[0] == 1 < counts[1]
 
@@ -133,7 +133,7 @@ def test_composing_lays_clutter_or_says_that_it_cannot(tmp_path: Path) -> None:
     for level, out in ((3, "full"), (1, "bare"), (1, "bare")):
         room = parse_room(f"room: office\nseed: 2\nclutter: {level}\n")
         compose_room(room, tmp_path / out, only="layout")
-        told.append(compose_room(room, tmp_path / out, only="alignment").notes)
+        told.append(compose_room(room, tmp_path / out, only="furniture").notes)
     full, bare = (tmp_path / out / "layers/alignment.usda" for out in ("full", "bare"))
     assert full.read_text().count("references = @") > bare.read_text().count("references = @") == 0
     assert not any(note.startswith("clutter") for note in told[0])

@@ -63,7 +63,7 @@ def test_a_room_has_what_it_is_for(room_type: str) -> None:
     assert ESSENTIAL[room_type] | {"ceiling_lamp"} <= {item.category for item in items}
     described = parse_room(write(room))
     assert described.room == room_type
-    assert len(described.alignment.objects) == len(items)
+    assert len(described.furniture.objects) == len(items)
     for item in items:
         spec = CATEGORIES[item.category]
         least, most = 0.999 * np.array(spec.min_size), 1.001 * np.array(spec.max_size)

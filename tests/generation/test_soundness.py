@@ -20,7 +20,7 @@ layout:
   openings:
     - {{kind: door, wall: 1, at: 2, hinge: {hinge}, open: {open}}}
     - {{kind: door, wall: 3, at: 2}}
-alignment:
+furniture:
   objects:
     - {{name: sofa, category: sofa, at: [{sofa}], size: [2, 0.9, 0.8], style: modern}}
     - {{name: table, category: table, at: [{table}], size: [1, 0.8, 0.74], style: four_legs}}
@@ -53,13 +53,13 @@ PLANTED = {
 
 def found(text: str, folder: Path) -> list[str]:
     (folder / "room.yaml").write_text(text)
-    for stage in ("layout", "alignment"):
-        scene = compose_room(folder / "room.yaml", folder / "out", only=stage).scene
+    for step in ("layout", "alignment"):
+        scene = compose_room(folder / "room.yaml", folder / "out", only=step).scene
     return wrong(text, scenes.read(scene))
 
 
 def wrong(text: str, scene: scenes.Scene) -> list[str]:
-    rows = parse_room(text).alignment.objects
+    rows = parse_room(text).furniture.objects
     supports = checks.described_supports(rows, lambda name: category(name).support)
     hanging = checks.described_hanging(rows, lambda name: category(name).placements)
     return checks.violations(scene, supports, hanging)

@@ -46,7 +46,7 @@ def test_the_gram_matrix_gives_the_loss_of_what_is_left() -> None:
 
 def wanted(left: np.ndarray, point: int) -> int:
     """Of the set, the lobe that alone leaves least with its best colour."""
-    known, weights = lobe_pursuit._known(), WEIGHTS[point]
+    known, weights = lobe_pursuit._all_lobes(), WEIGHTS[point]
     over = []
     for shape in shapes_of(known.axes, known.sharpness):
         color = np.maximum(weights * shape @ left[point], 0.0) / (weights * shape**2).sum()
@@ -55,7 +55,7 @@ def wanted(left: np.ndarray, point: int) -> int:
 
 
 def test_the_lobe_that_is_most_wanted_takes_most() -> None:
-    known = lobe_pursuit._known()
+    known = lobe_pursuit._all_lobes()
     left = LIGHT**3 - 0.07
     axes, sharpness = most_wanted(left * WEIGHTS[..., None], WEIGHTS)
     best = [wanted(left, point) for point in range(POINTS)]
@@ -64,7 +64,7 @@ def test_the_lobe_that_is_most_wanted_takes_most() -> None:
 
 
 def test_lobes_of_the_set_are_chosen_again() -> None:
-    known = lobe_pursuit._known()
+    known = lobe_pursuit._all_lobes()
     cells = [5, 70, 200, 450]
     light = known.shapes[cells] * 3.0
     axes, sharpness = pursue(light, WEIGHTS, 2)
@@ -90,7 +90,7 @@ def test_the_lobe_that_is_missed_least_gives_way() -> None:
         (number,) = np.flatnonzero((changed[point] != axes[point]).any(axis=1))
         assert number == int(np.argmin(without))
         left = light - shapes_of(axes, sharpness).swapaxes(1, 2) @ lobes.colors
-        best = lobe_pursuit._known().axes[wanted(left, point)]
+        best = lobe_pursuit._all_lobes().axes[wanted(left, point)]
         np.testing.assert_array_equal(changed[point, number], best)
         assert not colors[point, number].any()
 

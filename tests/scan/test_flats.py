@@ -12,7 +12,7 @@ from pxr import Usd
 
 from openrooms_usd import names
 from openrooms_usd.description import parse_room
-from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.description.furniture import ScanFurniture
 from openrooms_usd.description.layout import ScanLayout
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
@@ -150,13 +150,13 @@ def test_what_stands_in_a_joined_room_is_not_elsewhere(
 ) -> None:
     file = two_rooms(tmp_path, boxes=True)
     room = parse_room(
-        f"layout: {{from: scan, scan: {file.name}, room: {wanted}}}\nalignment: {{from: scan}}"
+        f"layout: {{from: scan, scan: {file.name}, room: {wanted}}}\nfurniture: {{from: scan}}"
     )
     context = StepContext(room, file.parent, Usd.Stage.CreateInMemory(), tmp_path / "alignment")
     assert isinstance(room.layout, ScanLayout)
-    assert isinstance(room.alignment, ScanAlignment)
+    assert isinstance(room.furniture, ScanFurniture)
     found = scanned(room.layout, file, file.parent).found()
-    scan = segmented(context, room.alignment, found)
+    scan = segmented(context, room.furniture, found)
     assert len(scan.composed) == count
     cloud = scan.cloud
     assert cloud.instance is not None

@@ -281,7 +281,7 @@ def test_both_formats_give_the_same_prims(scanner, tmp_path: Path) -> None:
     stages = []
     for path in (scanner.write(data), pack(tmp_path / "Room.usdz", layers_of(data))):
         section = f"{{from: roomplan, file: {path.name}}}"
-        room = parse_room(f"layout: {section}\nalignment: {section}")
+        room = parse_room(f"layout: {section}\nfurniture: {section}")
         stage = Usd.Stage.CreateInMemory()
         context = StepContext(room, path.parent, stage, tmp_path / path.suffix[1:])
         LayoutStep().author(context)

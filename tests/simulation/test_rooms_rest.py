@@ -78,7 +78,7 @@ def composed(kind: str, seed: int, folder: Path) -> Composed:
     world = read_world(open_stage(scene))
     categories = {body.name: body.category for body in world.bodies}
     limits = {name: EXCUSED.get(kind, (*USUAL, ""))[:2] for name, kind in categories.items()}
-    for thing in load_room(path).alignment.objects or ():
+    for thing in load_room(path).furniture.objects or ():
         carrier = categories.get(str(getattr(thing, "on", None)))
         if carrier in UPHOLSTERY and thing.category not in EXCUSED:
             limits[str(getattr(thing, "name", None))] = ON_UPHOLSTERY

@@ -17,8 +17,8 @@ def compose(folder: Path, described: Room) -> Usd.Stage:
     """The room's layout, objects and materials, without lights and physics."""
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep()):
-            runner.run(stage, described, folder, draft, "fingerprint", 1)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep()):
+            runner.run(step, described, folder, draft, "fingerprint", 1)
         runner.write_scene(draft)
     stage = Usd.Stage.Open(str(folder / names.SCENE))
     stage.Reload()

@@ -1,4 +1,4 @@
-"""The alignment stage: objects where they were asked for, repeats as instances, equal bytes."""
+"""The alignment step: objects where they were asked for, repeats as instances, equal bytes."""
 
 import hashlib
 import json
@@ -42,7 +42,7 @@ def _compose(
     folder: Path, objects: list[dict[str, Any]], *, seed: int = 0, workers: int = 1, **section: Any
 ) -> tuple[Usd.Stage, list[str]]:
     room = Room.model_validate(
-        {"seed": seed, "layout": {"height": HEIGHT}, "alignment": {"objects": objects, **section}}
+        {"seed": seed, "layout": {"height": HEIGHT}, "furniture": {"objects": objects, **section}}
     )
     layers = folder / "layers"
     with drafting(folder) as draft:
@@ -117,7 +117,7 @@ def test_the_scene_contract(tmp_path: Path) -> None:
         assert Usd.ModelAPI(prim).GetKind() == "component"
         assert read_label(prim, names.CATEGORY) == category
     assert chair.IsInstance()
-    # The lights stage writes over the bulb.
+    # The lights step writes over the bulb.
     assert not lamp.IsInstance()
     assert stage.OverridePrim(f"{lamp.GetPath()}/Geometry/{names.LIGHT_BULB}")
     layer = Sdf.Layer.FindOrOpen(str(tmp_path / "layers" / "alignment.usda"))
@@ -350,13 +350,13 @@ def test_a_change_in_what_a_model_refers_to_is_noticed(tmp_path: Path) -> None:
     (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 0 0\nmap_Kd a.png\n")
     (tmp_path / "a.png").write_bytes(b"")
     room = Room.model_validate(
-        {"alignment": {"objects": [_own("whole.usda"), _own("a.obj"), _own("missing.usd")]}}
+        {"furniture": {"objects": [_own("whole.usda"), _own("a.obj"), _own("missing.usd")]}}
     )
-    stage = AlignmentStep()
-    found = list(stage.inputs(room, tmp_path))
+    step = AlignmentStep()
+    found = list(step.inputs(room, tmp_path))
     assert found == ["whole.usda", "a.obj", "missing.usd", "a.mtl", "a.png", "part.usda"]
     # What is missing refers to nothing; it is named when it is read.
-    assert list(stage.inputs(room, tmp_path / "absent")) == found[:3]
+    assert list(step.inputs(room, tmp_path / "absent")) == found[:3]
 
 
 def test_the_geometry_of_referenced_files_is_part_of_the_key(tmp_path: Path) -> None:

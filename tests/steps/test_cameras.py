@@ -1,4 +1,4 @@
-"""The cameras stage on small rooms made by hand."""
+"""The cameras step on small rooms made by hand."""
 
 from pathlib import Path
 from typing import Any

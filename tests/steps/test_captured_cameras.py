@@ -63,7 +63,7 @@ def capture(folder: Path, **more: object) -> Path:
 def compose(folder: Path, cameras: str) -> Usd.Stage:
     (folder / "room.yaml").write_text(
         "layout: {from: boxes, file: boxes.json}\n"
-        "alignment: {from: boxes, file: boxes.json}\n"
+        "furniture: {from: boxes, file: boxes.json}\n"
         f"cameras: {cameras}\n"
     )
     compose_room(folder / "room.yaml", folder / "out", flatten=False)
@@ -126,7 +126,7 @@ def test_a_room_from_no_capture_has_no_photographs(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_changed_pose_runs_the_stage_again(tmp_path: Path) -> None:
+def test_a_changed_pose_runs_the_step_again(tmp_path: Path) -> None:
     capture(tmp_path)
     eyes = []
     for shift in (0.0, 50.0):

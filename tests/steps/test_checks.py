@@ -1,4 +1,4 @@
-"""What cannot be made is told at once, with the line, before any stage runs or within one."""
+"""What cannot be made is told at once, with the line, before any step runs or within one."""
 
 from pathlib import Path
 
@@ -16,7 +16,7 @@ layout:
     - {kind: door, wall: 0, at: 4.9}
     - {kind: window, wall: 1, width: 3}
     - {kind: window, wall: 1}
-alignment:
+furniture:
   objects:
     - {category: bed, at: [2, 2], size: [140, 205, 95]}
     - {category: chair, at: [2, 2], style: slats}
@@ -34,11 +34,11 @@ SAID = """\
 2:23: layout.partitions[0].line: partition_0 does not lie inside the room
 4:7: layout.openings[0]: door_0 in wall 0 reaches beyond the left end of the wall
 6:7: layout.openings[2]: window_0 and window_1 in wall 1 overlap
-9:41: alignment.objects[0].size: a bed of 140 x 205 x 95 m cannot be built
-10:44: alignment.objects[1].style: no chair has the style 'slats' (did you mean 'slat'?)
-11:54: alignment.objects[2].file: {folder}/bed.obj: no such file
-12:45: alignment.objects[3].fronts: a chair of the style slat has no fronts to choose
-13:18: alignment.objects[4].category: found 'chiar' (did you mean 'chair'?)
+9:41: furniture.objects[0].size: a bed of 140 x 205 x 95 m cannot be built
+10:44: furniture.objects[1].style: no chair has the style 'slats' (did you mean 'slat'?)
+11:54: furniture.objects[2].file: {folder}/bed.obj: no such file
+12:45: furniture.objects[3].fronts: a chair of the style slat has no fronts to choose
+13:18: furniture.objects[4].category: found 'chiar' (did you mean 'chair'?)
 15:23: lights.environment.file: {folder}/sky.hdr: no such file
 16:26: lights.lamps.own.profile: {folder}/my.ies: no such file
 18:17: materials.floor.file: {folder}/tiles: no such file
@@ -68,9 +68,9 @@ def test_beside_what_is_no_valid_description_too(tmp_path: Path) -> None:
 
 
 def test_from_python_the_path_alone_is_told(tmp_path: Path) -> None:
-    room = ou.load_room({"alignment": {"objects": [{"category": "bed", "at": [1, 1]}]}})
-    room.update(alignment={"objects": [{"category": "bed", "at": [1, 1], "size": [1, 30, 1]}]})
-    with pytest.raises(DescriptionError, match=r"\n  alignment.objects\[0\].size: a bed of 1 x 30"):
+    room = ou.load_room({"furniture": {"objects": [{"category": "bed", "at": [1, 1]}]}})
+    room.update(furniture={"objects": [{"category": "bed", "at": [1, 1], "size": [1, 30, 1]}]})
+    with pytest.raises(DescriptionError, match=r"\n  furniture.objects\[0\].size: a bed of 1 x 30"):
         checked(room, tmp_path)
 
 
@@ -86,8 +86,8 @@ def test_from_python_the_path_alone_is_told(tmp_path: Path) -> None:
         ("physics: {}\nlights: {screens: {chair_0: {}, stool_0: {}}}\n", ["chair_0", "stool_0"]),
     ],
 )
-def test_what_a_stage_finds_has_its_line(section: str, rows: list[str], tmp_path: Path) -> None:
-    text = "alignment:\n  objects: [{category: chair, at: [1, 1]}, {category: stool, at: [3, 1]}]\n"
+def test_what_a_step_finds_has_its_line(section: str, rows: list[str], tmp_path: Path) -> None:
+    text = "furniture:\n  objects: [{category: chair, at: [1, 1]}, {category: stool, at: [3, 1]}]\n"
     small = "materials: {resolution: 16}\n" if "materials" not in section else ""
     found = mistakes(text + small + section, tmp_path)
     assert len(found) == len(rows)

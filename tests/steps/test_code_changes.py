@@ -64,8 +64,8 @@ def plant(monkeypatch: pytest.MonkeyPatch) -> Iterator[Plant]:
 
 def fingerprints(room: Room, folder: Path) -> dict[str, str]:
     return {
-        stage.name: base.fingerprint(stage, room, folder, lambda name: folder / name)
-        for stage in runner.steps()
+        step.name: base.fingerprint(step, room, folder, lambda name: folder / name)
+        for step in runner.steps()
     }
 
 
@@ -115,11 +115,11 @@ def written(room: Room, out: Path) -> set[str]:
 def furnished(*categories: str) -> Room:
     things = [{"category": name, "at": [1 + i, 1]} for i, name in enumerate(categories)]
     return Room.model_validate(
-        {"alignment": {"objects": things}, "materials": {"resolution": 16}, "physics": {}}
+        {"furniture": {"objects": things}, "materials": {"resolution": 16}, "physics": {}}
     )
 
 
-def test_stages_run_again_when_code_that_they_used_is_another(plant: Plant, tmp_path: Path) -> None:
+def test_steps_run_again_when_code_that_they_used_is_another(plant: Plant, tmp_path: Path) -> None:
     """Comments and docstrings are no code, and a category counts where somebody asked for it."""
     toasts, sits = tmp_path / "toasts", tmp_path / "sits"
     rooms = {toasts: furnished("toaster"), sits: furnished("chair")}
@@ -269,7 +269,7 @@ def test_the_names_of_materials_stay(swatch: Swatch, said: str) -> None:
 DESCRIPTION = """
 room: living_room
 seed: 4
-alignment:
+furniture:
   objects:
     - {name: sofa, category: sofa, at: [2, 3.4]}
     - {name: chair, category: chair, at: [1, 1], style: slat}
@@ -363,7 +363,7 @@ def test_edits_stay_and_meshes_change_when_a_builder_is_rewritten(tmp_path: Path
     }
 
 
-# Says of every stage which functions of the project ran while it wrote its layer.
+# Says of every step which functions of the project ran while it wrote its layer.
 TRACE = """
 import json, sys, threading
 from pathlib import Path
@@ -372,8 +372,8 @@ from openrooms_usd.steps import runner
 home = Path(sys.argv[3])
 ours = str(home / 'openrooms_usd')
 ran = {}
-def watched(stage):
-    author, files = stage.author, ran.setdefault(stage.name, set())
+def watched(step):
+    author, files = step.author, ran.setdefault(step.name, set())
     def note(frame, event, argument):
         code = frame.f_code
         if event == "call" and code.co_filename.startswith(ours) and code.co_name != "<module>":
@@ -384,10 +384,10 @@ def watched(stage):
         author(context)
         sys.setprofile(None)
         threading.setprofile(None)
-    stage.author = traced
-    return stage
-made = runner.stages
-runner.stages = lambda: [watched(stage) for stage in made()]
+    step.author = traced
+    return step
+made = runner.steps
+runner.steps = lambda: [watched(step) for step in made()]
 compose_room(Path(sys.argv[1]), Path(sys.argv[2]), workers=2)
 print(json.dumps({name: sorted(
     ".".join(Path(file).relative_to(home).with_suffix("").parts).removesuffix(".__init__")
@@ -398,7 +398,7 @@ RICH = """
 room: bedroom
 layout:
   openings: [{kind: window, wall: 0}, {kind: door, wall: 1}]
-alignment:
+furniture:
   objects:
     - {category: dresser, name: dresser, at: [1, 1]}
     - {category: table_lamp, on: dresser, at: [1, 1]}
@@ -410,42 +410,42 @@ physics: {shapes: hull}
 
 
 @pytest.mark.slow
-def test_what_runs_in_a_stage_is_in_its_graph(tmp_path: Path) -> None:
+def test_what_runs_in_a_step_is_in_its_graph(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text(RICH)
     out = tmp_path / "out"
     ran = json.loads(python(TRACE, tmp_path / "room.yaml", out, ROOT, ORUSD_CACHE="off"))
     assert set(ran) == ALL
-    for stage in runner.steps():
-        layer = Sdf.Layer.FindOrOpen(str(out / f"layers/{stage.name}.usda"))
-        known = set(modules(*base.code_of(stage), *base.record_of(layer, stage.name)["counted"]))
-        assert len(ran[stage.name]) >= 5, stage.name
-        assert set(ran[stage.name]) <= known, stage.name
+    for step in runner.steps():
+        layer = Sdf.Layer.FindOrOpen(str(out / f"layers/{step.name}.usda"))
+        known = set(modules(*base.code_of(step), *base.record_of(layer, step.name)["counted"]))
+        assert len(ran[step.name]) >= 5, step.name
+        assert set(ran[step.name]) <= known, step.name
     assert "openrooms_usd.library.surroundings.sky" in ran["lights"]
     assert "openrooms_usd.physics.decomposition" in ran["physics"]
 
 
-def test_no_stage_imports_modules_by_names_that_it_works_out() -> None:
+def test_no_step_imports_modules_by_names_that_it_works_out() -> None:
     known = {
         # The public names of the package, which nothing inside it uses.
         "openrooms_usd",
-        # The stages themselves: each is the root of its own digest.
+        # The steps themselves: each is the root of its own digest.
         "openrooms_usd.steps.runner",
         # The records of categories, which say that they were asked for.
         "openrooms_usd.furniture.registry",
     }
-    for stage in runner.steps():
-        for name in modules(*base.code_of(stage)):
+    for step in runner.steps():
+        for name in modules(*base.code_of(step)):
             source = (codedigest._read(codedigest._path(name) or "") or b"").decode()
             works_out = "import_module(" in source or "__import__(" in source
-            assert not works_out or name in known, f"{stage.name}: {name}"
+            assert not works_out or name in known, f"{step.name}: {name}"
 
 
 def test_the_public_names_of_the_package_are_not_used_inside() -> None:
     import openrooms_usd
 
     homes = {f"openrooms_usd.{name}" for name in openrooms_usd._HOME}
-    for stage in runner.steps():
-        for name in modules(*base.code_of(stage)):
+    for step in runner.steps():
+        for name in modules(*base.code_of(step)):
             module = codedigest._module(name)
             assert module is not None
             source = (codedigest._read(codedigest._path(name) or "") or b"").decode()

@@ -15,7 +15,7 @@ layout:
   openings:
     - {{name: door, kind: door, wall: 0, open: {open}}}
     - {{name: window, kind: window, wall: 1}}
-alignment:
+furniture:
   objects:
     - {{name: sofa, category: sofa, at: [2, 3], yaw: 20}}
     - {{name: lamp, category: floor_lamp, at: [1, 1]}}
@@ -114,7 +114,7 @@ def test_what_is_hidden_stays_so(tmp_path: Path, path: str) -> None:
 
 
 @pytest.mark.slow
-def test_other_stages_do_not_see_it_and_say_so(tmp_path: Path) -> None:
+def test_other_steps_do_not_see_it_and_say_so(tmp_path: Path) -> None:
     compose(tmp_path, 1)
     edit(tmp_path, f"{names.FURNITURE}/lamp/Geometry/lamp_shade")
     notes = {row.stage: " ".join(row.notes) for row in compose(tmp_path, 1).stages}
@@ -183,7 +183,7 @@ def test_people_s_own_files_stay_when_the_edits_are_reset(tmp_path: Path) -> Non
 
 
 @pytest.mark.slow
-def test_relative_paths_of_the_edits_hold_while_a_stage_runs(tmp_path: Path) -> None:
+def test_relative_paths_of_the_edits_hold_while_a_step_runs(tmp_path: Path) -> None:
     compose(tmp_path, 1)
     edit(tmp_path, f"{names.FURNITURE}/sofa")
     below = Sdf.Layer.CreateNew(str(tmp_path / "layers" / "edits_too.usda"))

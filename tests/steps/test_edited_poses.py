@@ -1,4 +1,4 @@
-"""People move things in the edits layer; every stage runs again over that without a word."""
+"""People move things in the edits layer; every step runs again over that without a word."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ seed: {seed}
 layout:
   openings:
     - {{name: door, kind: door, wall: 0, open: 60}}
-alignment:
+furniture:
   objects:
     - {{name: sofa, category: sofa, at: [2, 3], yaw: 20}}
 cameras:

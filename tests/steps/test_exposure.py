@@ -22,7 +22,7 @@ layout:
   polygon: [[0, 0], [4, 0], [4, 3], [0, 3]]
   height: 2.5
   openings: [{name: way, kind: window, wall: 0, at: 2, width: 1.5, height: 1}]
-alignment: {objects: [%s]}
+furniture: {objects: [%s]}
 materials: {resolution: 16}
 lights: {environment: {illuminance: %g}, lamps: {%s}}
 cameras: {resolution: [16, 12], views: [{name: eye, eye: [1, 1, 1.5], target: [3, 2, 1]}, %s]}

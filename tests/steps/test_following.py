@@ -13,7 +13,7 @@ from openrooms_usd.composing import compose_room
 
 ROOM = """\
 layout: {polygon: [[0, 0], [6, 0], [6, 5], [0, 5]]}
-alignment:
+furniture:
   objects:
     - {name: sofa, category: sofa, at: [2.5, 3.2], yaw: 20}
     - {name: side, category: table, size: [0.5, 0.5, 0.5], at: [1.4, 0.1], yaw: 5,

@@ -31,7 +31,7 @@ def room(looks: int = 1, **materials: Any) -> Room:
     lamps["dark"]["on"] = False  # type: ignore[assignment]
     return Room.model_validate(
         {
-            "alignment": {"objects": objects},
+            "furniture": {"objects": objects},
             "materials": {"resolution": 16, "looks": looks, **materials},
             "lights": {"lamps": lamps},
         }
@@ -45,8 +45,8 @@ def compose(folder: Path, described: Room, edits: str = "") -> tuple[Usd.Stage, 
     path.write_text(path.read_text() + edits)
     notes: list[str] = []
     with drafting(folder) as draft:
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep(), LightsStep()):
-            notes = list(runner.run(stage, described, folder, draft, "fingerprint", 1))
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep(), LightsStep()):
+            notes = list(runner.run(step, described, folder, draft, "fingerprint", 1))
         runner.write_scene(draft)
     stage = Usd.Stage.Open(str(folder / names.SCENE))
     stage.Reload()

@@ -40,7 +40,7 @@ BASE: Final[Data] = {
         "ceiling": {"kind": "beams"},
         "cladding": [{"name": "tiles", "walls": [2], "span": [1, 2], "top": 2.0}],
     },
-    "alignment": {
+    "furniture": {
         "objects": [
             {"name": "desk", "category": "desk", "at": [1, 3], "style": "framed"},
             {"name": "lamp", "category": "table_lamp", "at": [1, 3], "on": "desk"},
@@ -80,7 +80,7 @@ SELECT: Final[Data] = {"from": "select", "count": 4}
 Patch = tuple[str, Any]
 W, A, M, E, C, P = (
     "layout.openings.",
-    "alignment.objects.",
+    "furniture.objects.",
     "materials.",
     "lights.environment.",
     "cameras.views.0.",
@@ -88,7 +88,7 @@ W, A, M, E, C, P = (
 )
 T, L = "layout.trim.", "lights.lamps.lamp."
 
-# By stage: what the room has besides, and other values by where they stand.
+# By step: what the room has besides, and other values by where they stand.
 CHANGES: Final[list[tuple[str, list[Patch], list[Patch]]]] = [
     ("layout", [], [
         ("layout.polygon", [[0, 0], [5, 0], [5, 4.5], [0, 4]]), ("layout.height", 2.9),
@@ -116,7 +116,7 @@ CHANGES: Final[list[tuple[str, list[Patch], list[Patch]]]] = [
         ("layout.cladding.0.span", [1, 2.5]), ("layout.cladding.0.bottom", 0.3),
         ("layout.cladding.0.top", 1.5), ("layout.cladding.0.depth", 0.02),
     ]),
-    ("alignment", [], [
+    ("furniture", [], [
         ("seed", 2), (A + "0.name", "other"), (A + "0.category", "table"), (A + "0.at", [1.1, 3]),
         (A + "0.yaw", 20), (A + "0.tilt", [5, 0]), (A + "0.size", [1.5, 0.8, 0.74]),
         (A + "0.style", "writing"), (A + "1.relative_to", "desk"), (A + "1.on", "floor"),
@@ -125,7 +125,7 @@ CHANGES: Final[list[tuple[str, list[Patch], list[Patch]]]] = [
         (A + "3.size", [1, 1, 1]), (A + "3.up", "Z"), (A + "3.front", "+X"), (A + "3.unit", 0.5),
         (A + "3.file", "other.obj"), (A + "4.fronts", "shaker"), (A + "4.cutouts", [[0, 0, 1, 1]]),
     ]),
-    ("alignment", [(A + "0.on", "wall")], [(A + "0.yaw", 30), (A + "0.tilt", [5, 0])]),
+    ("furniture", [(A + "0.on", "wall")], [(A + "0.yaw", 30), (A + "0.tilt", [5, 0])]),
     ("materials", [], [
         ("style", "rustic"), (M + "floor", None), (M + "walls", None), (M + "ceiling", None),
         (M + "floor.family", "oak_parquet"), (M + "floor.number", 2),
@@ -198,55 +198,53 @@ def put(data: Data, path: str, value: Any) -> None:
     inner[int(last) if isinstance(inner, list) else last] = value
 
 
-def written(out: Path, stage: str) -> tuple[str, set[str]]:
-    """What a stage wrote, but for what it was written from."""
-    layer = Sdf.Layer.OpenAsAnonymous(str(out / "layers" / f"{stage}.usda"))
+def written(out: Path, step: str) -> tuple[str, set[str]]:
+    """What a step wrote, but for what it was written from."""
+    layer = Sdf.Layer.OpenAsAnonymous(str(out / "layers" / f"{step}.usda"))
     layer.customLayerData = {}
     text = re.sub(r'"fingerprint", "[0-9a-f]+", "seed", "\d+"', "", layer.ExportToString())
-    return text, {path.name for path in (out / "layers" / stage).rglob("*") if path.is_file()}
+    return text, {path.name for path in (out / "layers" / step).rglob("*") if path.is_file()}
 
 
 @cache
-def below(text: str, stage: str, source: Path) -> Path:
-    """A folder with all layers below a stage of a room."""
+def below(text: str, step: str, source: Path) -> Path:
+    """A folder with all layers below a step of a room."""
     out = Path(mkdtemp(dir=source))
-    for name in names.STEPS[: names.STEPS.index(stage)]:
+    for name in names.STEPS[: names.STEPS.index(step)]:
         compose_room(room_of(json.loads(text)), out, only=name, base=source)
     return out
 
 
-def composed(data: Data, stage: str, source: Path) -> tuple[tuple[str, set[str]], list[str]]:
-    """What one stage writes for a room, and what it notes."""
-    weaker = names.STEPS[: names.STEPS.index(stage)]
+def composed(data: Data, step: str, source: Path) -> tuple[tuple[str, set[str]], list[str]]:
+    """What one step writes for a room, and what it notes."""
+    weaker = names.STEPS[: names.STEPS.index(step)]
     kept = {key: data[key] for key in ("room", "seed", "style", *weaker) if key in data}
     out = Path(mkdtemp(dir=source)) / "out"
     room = room_of(data)
-    shutil.copytree(below(json.dumps(kept), stage, source), out)
-    made = compose_room(room, out, only=stage, base=source)
-    return written(out, stage), [note for row in made.stages for note in row.notes]
+    shutil.copytree(below(json.dumps(kept), step, source), out)
+    made = compose_room(room, out, only=step, base=source)
+    return written(out, step), [note for row in made.stages for note in row.notes]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("stage", "besides", "changes"),
-    CHANGES,
-    ids=[f"{s}-{i}" for i, (s, _, _) in enumerate(CHANGES)],
+    ("step", "besides", "changes"), CHANGES, ids=[f"{s}-{i}" for i, (s, _, _) in enumerate(CHANGES)]
 )
 def test_what_a_field_says_is_heeded_or_answered(
-    stage: str, besides: list[Patch], changes: list[Patch], tmp_path: Path
+    step: str, besides: list[Patch], changes: list[Patch], tmp_path: Path
 ) -> None:
     for name in ("own.obj", "other.obj"):
         (tmp_path / name).write_text(OBJ.replace("0.5 0.5 3", f"0.5 0.5 {len(name)}"))
     base = copy.deepcopy(BASE)
     for path, value in besides:
         put(base, path, value)
-    usual, said = composed(base, stage, tmp_path)
+    usual, said = composed(base, step, tmp_path)
     silent = []
     for path, value in changes:
         data = copy.deepcopy(base)
         put(data, path, value)
         try:
-            found, notes = composed(data, stage, tmp_path)
+            found, notes = composed(data, step, tmp_path)
         except DescriptionError:
             continue  # refused: that is an answer
         if found == usual and notes == said:

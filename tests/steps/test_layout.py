@@ -227,6 +227,6 @@ def test_a_polygon_without_room_for_walls_is_refused() -> None:
 def test_a_missing_capture_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         author("layout: {from: roomplan, file: none.json}", tmp_path)
-    stage = LayoutStep()
-    assert stage.inputs(parse_room("layout: {from: roomplan, file: a.json}"), Path()) == ["a.json"]
-    assert list(stage.inputs(parse_room("name: a"), Path())) == []
+    step = LayoutStep()
+    assert step.inputs(parse_room("layout: {from: roomplan, file: a.json}"), Path()) == ["a.json"]
+    assert list(step.inputs(parse_room("name: a"), Path())) == []

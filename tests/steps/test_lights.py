@@ -1,4 +1,4 @@
-"""The lights stage: lux and lumen that were asked for arrive, and lamps are found or missed."""
+"""The lights step: lux and lumen that were asked for arrive, and lamps are found or missed."""
 
 import math
 from pathlib import Path
@@ -36,15 +36,15 @@ OBJECTS = [
 
 
 def room(objects: list[dict[str, Any]] = OBJECTS, **lights: object) -> Room:
-    return Room.model_validate({"seed": 5, "alignment": {"objects": objects}, "lights": lights})
+    return Room.model_validate({"seed": 5, "furniture": {"objects": objects}, "lights": lights})
 
 
 def compose(folder: Path, described: Room) -> tuple[Usd.Stage, list[str]]:
     notes: list[str] = []
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), LightsStep()):
-            notes = list(runner.run(stage, described, folder, draft, "fingerprint", 1))
+        for step in (LayoutStep(), AlignmentStep(), LightsStep()):
+            notes = list(runner.run(step, described, folder, draft, "fingerprint", 1))
         runner.write_scene(draft)
     stage = Usd.Stage.Open(str(folder / names.SCENE))
     stage.Reload()

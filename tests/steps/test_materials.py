@@ -1,4 +1,4 @@
-"""The materials stage: everything is bound, repeats share, overrides hold, bytes never depend."""
+"""The materials step: everything is bound, repeats share, overrides hold, bytes never depend."""
 
 import hashlib
 from collections.abc import Callable
@@ -44,7 +44,7 @@ def room(**materials: object) -> Room:
         {
             "seed": 11,
             "layout": {"polygon": [[0, 0], [6, 0], [6, 4], [0, 4]], "openings": OPENINGS},
-            "alignment": {"objects": OBJECTS},
+            "furniture": {"objects": OBJECTS},
             "materials": {"resolution": 16, "floor": "oak_planks", **materials},
         }
     )
@@ -53,8 +53,8 @@ def room(**materials: object) -> Room:
 def compose(folder: Path, described: Room, *, workers: int = 1) -> Usd.Stage:
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep()):
-            runner.run(stage, described, folder, draft, "fingerprint", workers)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep()):
+            runner.run(step, described, folder, draft, "fingerprint", workers)
         runner.write_scene(draft)
     stage = Usd.Stage.Open(str(folder / names.SCENE))
     # USD caches layers by name, also those that were written again since then.
@@ -191,7 +191,7 @@ def test_given_colors_and_families_are_used(tmp_path: Path) -> None:
 
 def test_more_objects_change_nothing_of_the_others(tmp_path: Path, plain: Usd.Stage) -> None:
     more = room().model_dump(by_alias=True)
-    more["alignment"]["objects"] = [
+    more["furniture"]["objects"] = [
         {"name": "bed", "category": "cabinet", "at": [1, 1], "style": "shelves"},
         *OBJECTS,
     ]
@@ -283,7 +283,7 @@ def painted_box(tmp_path: Path) -> Path:
 
 def boxed(**materials: object) -> Room:
     described = room(**materials).model_dump(by_alias=True)
-    described["alignment"]["objects"] = [
+    described["furniture"]["objects"] = [
         {"from": "file", "name": "lamp", "category": "gadget", "file": "box.usda", "at": [1, 1]}
     ]
     return Room.model_validate(described)

@@ -28,7 +28,7 @@ def room(source: str = "", **materials: object) -> Room:
     return Room.model_validate(
         {
             "room": "bathroom",
-            "alignment": {"objects": [thing | more]},
+            "furniture": {"objects": [thing | more]},
             "materials": {"resolution": 16, **materials},
         }
     )

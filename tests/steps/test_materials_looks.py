@@ -20,7 +20,7 @@ def room(**materials: object) -> Room:
             "room": "living_room",
             "seed": 4,
             "layout": {"openings": [{"kind": "door", "name": "door", "wall": 0}]},
-            "alignment": {
+            "furniture": {
                 "objects": [
                     {"name": "sofa", "category": "sofa", "at": [2, 3.4]},
                     {"name": "lamp", "category": "floor_lamp", "at": [0.5, 3.4]},
@@ -119,7 +119,7 @@ def test_a_choice_in_the_edits_survives_and_changes_what_is_seen(tmp_path: Path)
     for path in (names.ROOM, CHAIRS[0]):
         Sdf.CreatePrimInLayer(edits, path).variantSelections["look"] = "look_1"
     edits.Save()
-    # Something else changes, so that the stage writes its layer again above these edits.
+    # Something else changes, so that the step writes its layer again above these edits.
     for described in (room(), room(overrides={"sofa": {"all": "leather"}})):
         stage = compose(tmp_path, described)
         after = seen(stage)

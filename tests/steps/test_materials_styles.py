@@ -24,7 +24,7 @@ def room(style: str | None, seed: int) -> Room:
     shell = {"polygon": [[0, 0], [8, 0], [8, 5], [0, 5]]}
     materials = {"resolution": 16}
     return Room.model_validate(
-        {"seed": seed, "layout": shell, "alignment": {"objects": objects}, "materials": materials}
+        {"seed": seed, "layout": shell, "furniture": {"objects": objects}, "materials": materials}
         | ({"style": style} if style else {})
     )
 
@@ -67,7 +67,7 @@ def chairs(style: str, seed: int) -> Room:
             "seed": seed,
             "style": style,
             "layout": {"polygon": [[0, 0], [8, 0], [8, 5], [0, 5]]},
-            "alignment": {"objects": objects},
+            "furniture": {"objects": objects},
             "materials": {"resolution": 16},
         }
     )

@@ -1,4 +1,4 @@
-"""Free-standing walls as the stages author and read them."""
+"""Free-standing walls as the steps author and read them."""
 
 from pathlib import Path
 
@@ -27,7 +27,7 @@ layout:
   openings:
     - {kind: window, wall: 3}
     - {kind: door, partition: partition_0, at: 1.0, open: 45}
-alignment:
+furniture:
   objects: [{category: picture, at: [3.3, 2.2], on: wall}, {category: chair, at: [5, 3]}]
 physics: {}
 cameras: {resolution: [40, 30], views: [{eye: [5.8, 3.8, 1.6], target: [3, 1.5, 1]}]}
@@ -123,13 +123,13 @@ layout:
   partitions: [{line: [[3.5, 0], [3.5, 4]]}]
   openings: [{kind: door, wall: 0, at: 1}, {kind: window, wall: 3},
              {kind: opening, partition: partition_0, at: 2}]
-alignment: {from: generate}
+furniture: {from: generate}
 """
     room = expanded(parse_room(text))
     kept = shapely.box(3.45, 0, 3.55, 4).union(shapely.box(2.7, 1.6, 4.3, 2.4))
     standing = [
         o
-        for o in room.alignment.objects
+        for o in room.furniture.objects
         if (o.on or category(o.category).support) == "floor" and o.size
     ]
     assert len(standing) >= 3

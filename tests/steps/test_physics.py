@@ -1,4 +1,4 @@
-"""The physics stage: what is authored is what USD's own parser reads, and what the meshes say."""
+"""The physics step: what is authored is what USD's own parser reads, and what the meshes say."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -37,7 +37,7 @@ ROOM = {
             {"kind": "window", "name": "window", "wall": 1},
         ]
     },
-    "alignment": {
+    "furniture": {
         "objects": [
             {"name": "board", "category": "cabinet", "at": [2, 3.5], "style": "sideboard"},
             {"name": "picture", "category": "picture", "at": [4.9, 2]},
@@ -55,8 +55,8 @@ def compose(folder: Path, workers: int = 1, **sections: object) -> tuple[Usd.Sta
     room = Room.model_validate(ROOM | sections)
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep(), PhysicsStep()):
-            notes = runner.run(stage, room, folder, draft, "fingerprint", workers)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep(), PhysicsStep()):
+            notes = runner.run(step, room, folder, draft, "fingerprint", workers)
         runner.write_scene(draft)
     stage = Usd.Stage.Open(str(folder / names.SCENE))
     stage.Reload()

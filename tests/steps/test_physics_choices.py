@@ -32,7 +32,7 @@ def described(
     objects = [{**CHAIR, "name": name, "at": [i + 1, 1]} for i, name in enumerate(NAMES)]
     objects += [{**CHAIR, "name": f"more_{i}", "at": [1, 2]} for i in range(repeats)]
     return {
-        "alignment": {"objects": objects},
+        "furniture": {"objects": objects},
         "materials": {"resolution": 16, **(materials or {})},
         "physics": {"shapes": "hull", **section},
     }
@@ -42,8 +42,8 @@ def compose(folder: Path, room: dict[str, Any], workers: int = 1) -> tuple[Usd.S
     found = Room.model_validate(room)
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep(), PhysicsStep()):
-            notes = runner.run(stage, found, folder, draft, "fingerprint", workers)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep(), PhysicsStep()):
+            notes = runner.run(step, found, folder, draft, "fingerprint", workers)
         runner.write_scene(draft)
     made = Usd.Stage.Open(str(folder / names.SCENE))
     made.Reload()
@@ -86,7 +86,7 @@ def test_boxes_are_boxes(tmp_path: Path) -> None:
 
 def test_names_that_are_not_there_are_refused(tmp_path: Path) -> None:
     room = described()
-    room["alignment"] = {"objects": []}
+    room["furniture"] = {"objects": []}
     room["physics"] = {"objects": {}}
     found = Room.model_validate(room)
     wrong = found.model_copy(
@@ -94,8 +94,8 @@ def test_names_that_are_not_there_are_refused(tmp_path: Path) -> None:
     )
     with drafting(tmp_path) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), AlignmentStep(), MaterialsStep()):
-            runner.run(stage, found, tmp_path, draft, "fingerprint", 1)
+        for step in (LayoutStep(), AlignmentStep(), MaterialsStep()):
+            runner.run(step, found, tmp_path, draft, "fingerprint", 1)
         with pytest.raises(DescriptionError, match="there is no object 'one'"):
             runner.run(PhysicsStep(), wrong, tmp_path, draft, "fingerprint", 1)
 
@@ -198,7 +198,7 @@ def test_repeats_are_worked_out_once_and_the_workers_change_no_byte(tmp_path: Pa
 @pytest.mark.slow
 def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) -> None:
     source = tmp_path / "room.yaml"
-    source.write_text("alignment: {objects: []}\nphysics: {shapes: hull}\n")
+    source.write_text("furniture: {objects: []}\nphysics: {shapes: hull}\n")
     out = tmp_path / "out"
     first = compose_room(source, out, workers=1)
     assert not [note for note in first.notes if "settled" in note]
@@ -218,7 +218,7 @@ def test_poses_of_a_simulation_are_stacked_and_said_to_be_old(tmp_path: Path) ->
     ]
     said = [note for note in second.notes if note not in first.notes]
     assert len(said) == 1 and "1 opinions without effect" in said[0]
-    source.write_text("alignment: {objects: []}\nphysics: {gravity: 1.6}\n")
+    source.write_text("furniture: {objects: []}\nphysics: {gravity: 1.6}\n")
     third = compose_room(source, out, workers=1)
     assert "older than the physics" in third.notes[0]
     assert (out / "layers" / "settled.usda").read_bytes() == held

@@ -91,7 +91,7 @@ def test_notes_are_there_after_a_compose_that_did_nothing(place: Path) -> None:
     assert first.notes == again.notes == ou.open_scene(first.path).notes == ("a guess by one",)
 
 
-def test_what_a_stage_reads_runs_it_again_and_old_files_go(place: Path) -> None:
+def test_what_a_step_reads_runs_it_again_and_old_files_go(place: Path) -> None:
     compose(place)
     (place / "input.txt").write_text("three")
     assert states(compose(place)) == ["written", "written"]
@@ -101,7 +101,7 @@ def test_what_a_stage_reads_runs_it_again_and_old_files_go(place: Path) -> None:
     assert names[1] == "file-three.txt"
 
 
-def test_what_people_put_among_the_files_of_a_stage_stays_and_is_named(place: Path) -> None:
+def test_what_people_put_among_the_files_of_a_step_stays_and_is_named(place: Path) -> None:
     compose(place)
     layout = place / "out" / "layers" / "layout"
     (layout / "wood.png").write_text("mine")
@@ -175,7 +175,7 @@ def test_the_seed_changes_the_draws_and_equal_seeds_give_equal_bytes(place: Path
     assert tree(place / "out") == first
 
 
-def test_a_failing_stage_leaves_the_layers_as_they_were(
+def test_a_failing_step_leaves_the_layers_as_they_were(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     compose(place)
@@ -188,7 +188,7 @@ def test_a_failing_stage_leaves_the_layers_as_they_were(
     assert {name: after[name] for name in before} == before
 
 
-def test_edits_are_made_once_read_by_stages_and_never_written_again(place: Path) -> None:
+def test_edits_are_made_once_read_by_steps_and_never_written_again(place: Path) -> None:
     compose(place)
     edits = place / "out" / "layers" / "edits.usda"
     layer = Sdf.Layer.FindOrOpen(str(edits))
@@ -203,15 +203,15 @@ def test_edits_are_made_once_read_by_stages_and_never_written_again(place: Path)
     assert stage.GetPrimAtPath("/World/Furniture").GetAttribute("seen").Get() == 7
 
 
-def test_only_runs_one_stage(place: Path) -> None:
+def test_only_runs_one_step(place: Path) -> None:
     compose(place)
     (place / "input.txt").write_text("two")
-    summary = compose_room(place / "room.yaml", place / "out", only="alignment")
+    summary = compose_room(place / "room.yaml", place / "out", only="furniture")
     assert [(row.stage, row.state) for row in summary.stages] == [("alignment", "unchanged")]
 
 
-def test_an_unknown_stage_is_refused(place: Path) -> None:
-    with pytest.raises(InputError, match="no stage is named 'layuot'"):
+def test_an_unknown_step_is_refused(place: Path) -> None:
+    with pytest.raises(InputError, match="no step is named 'layuot'"):
         compose_room(place / "room.yaml", place / "out", only="layuot")
 
 

@@ -49,7 +49,7 @@ def test_a_room_that_is_not_there_says_which_are() -> None:
     assert "0 (25.0 m2), 1 (9.0 m2)" in caught.value.remedy
 
 
-# Composes one stage, and counts what is found and what of a scan is read meanwhile.
+# Composes one step, and counts what is found and what of a scan is read meanwhile.
 COUNTING = """
 import sys
 from pathlib import Path
@@ -75,7 +75,7 @@ print(*(row.stage for row in done.stages if row.state == "written"), *sorted(cou
 def test_what_the_layout_finds_is_not_found_again_by_another_process(tmp_path: Path) -> None:
     np.savez(tmp_path / "hall.npz", points=RoomScan(HALL).cloud().points)
     (tmp_path / "room.yaml").write_text(
-        "layout: {from: scan, scan: hall.npz}\nalignment: {from: scan, unlabelled: leave_out}\n"
+        "layout: {from: scan, scan: hall.npz}\nfurniture: {from: scan, unlabelled: leave_out}\n"
     )
 
     def run(only: str, out: str = "out") -> list[str]:
@@ -97,6 +97,6 @@ def test_what_the_layout_finds_is_not_found_again_by_another_process(tmp_path: P
     (layers[0] / found).write_bytes((layers[0] / found).read_bytes()[:-7])
     (layers[0] / "alignment.usda").unlink()
     with pytest.raises(InputError, match=str(found)):
-        compose_room(tmp_path / "room.yaml", tmp_path / "out", only="alignment")
+        compose_room(tmp_path / "room.yaml", tmp_path / "out", only="furniture")
     (layers[0] / found).unlink()
     assert run("layout") == ["layout", "find_rooms", "read_capture"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from openrooms_usd import adapters
-from openrooms_usd.description.alignment import ScanAlignment
+from openrooms_usd.description.furniture import ScanFurniture
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.placement.settling import Unresolved
@@ -27,8 +27,8 @@ def scan_of(cloud: Cloud, **known: Any) -> FoundScan:
     return FoundScan("scan.ply", cloud, (room,), (0,), np.eye(4), **known)
 
 
-def asked(**keys: Any) -> ScanAlignment:
-    return ScanAlignment(**{"from": "scan", **keys})
+def asked(**keys: Any) -> ScanFurniture:
+    return ScanFurniture(**{"from": "scan", **keys})
 
 
 def carton() -> Cloud:
@@ -42,9 +42,9 @@ def carton() -> Cloud:
     )
 
 
-def run(cloud: Cloud, alignment: ScanAlignment, **known: Any) -> tuple[Cloud, list[str]]:
+def run(cloud: Cloud, furniture: ScanFurniture, **known: Any) -> tuple[Cloud, list[str]]:
     context = SimpleNamespace(notes=[])
-    found = segmented(context, alignment, scan_of(cloud, **known))  # type: ignore[arg-type]
+    found = segmented(context, furniture, scan_of(cloud, **known))  # type: ignore[arg-type]
     return found.cloud, context.notes
 
 

@@ -1,4 +1,4 @@
-"""The sky of the lights stage: what is stored, what it is named by, and what replaces what."""
+"""The sky of the lights step: what is stored, what it is named by, and what replaces what."""
 
 import math
 from pathlib import Path
@@ -26,8 +26,8 @@ def stored(folder: Path, **changes: object) -> np.ndarray:
     room = Room.model_validate({"lights": {"environment": {**MOMENT, **changes}}})
     with drafting(folder) as draft:
         runner.create_edits(draft)
-        for stage in (LayoutStep(), LightsStep()):
-            list(runner.run(stage, room, folder, draft, "fingerprint", 1))
+        for step in (LayoutStep(), LightsStep()):
+            list(runner.run(step, room, folder, draft, "fingerprint", 1))
         runner.write_scene(draft)
     composed = Usd.Stage.Open(str(folder / names.SCENE))
     composed.Reload()

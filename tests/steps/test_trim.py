@@ -1,4 +1,4 @@
-"""What the layout stage fixes along walls and below the ceiling."""
+"""What the layout step fixes along walls and below the ceiling."""
 
 from pathlib import Path
 

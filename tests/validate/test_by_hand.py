@@ -12,7 +12,7 @@ from openrooms_usd.validation.model import Finding
 
 ROOM = """\
 layout: {}
-alignment:
+furniture:
   objects:
     - {name: chair_a, category: chair, at: [1, 1]}
     - {name: chair_b, category: chair, at: [2, 1]}

@@ -17,7 +17,7 @@ layout:
   polygon: [[0, 0], [6, 0], [6, 3], [3, 3], [3, 5], [0, 5]]
   partitions: [{name: screen, line: [[4.5, 0.3], [4.5, 1.5]]}]
 {openings}
-alignment:
+furniture:
   objects:
     - {name: table, category: table, at: [1.5, 1.5], size: [1.4, 0.9, 0.75]}
     - {name: chair, category: chair, at: [1.5, 0.95], yaw: 180}
@@ -134,7 +134,7 @@ def test_strict_makes_errors_of_them(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["bedroom", "kitchen", "office"])
 def test_generated_rooms_break_none(tmp_path: Path, kind: str) -> None:
-    room = parse_room(f"layout: {{from: generate}}\nalignment: {{from: generate}}\nroom: {kind}\n")
+    room = parse_room(f"layout: {{from: generate}}\nfurniture: {{from: generate}}\nroom: {kind}\n")
     assert compose_room(room, tmp_path).notes == ()
 
 

@@ -206,7 +206,7 @@ def test_a_room_yaml_is_corrected_and_composed(scene: Path, shown: Shown) -> Non
     assert box(scene, "chair_1") - before == pytest.approx(
         np.tile([0.05, 0.0, 0.0], (2, 1)), abs=1e-4
     )
-    chair = load_room(file).as_dict()["alignment"]["objects"][2]
+    chair = load_room(file).as_dict()["furniture"]["objects"][2]
     assert chair["at"] == pytest.approx([2.65, 1.5])
     page.click_on("#undo")
     idle(page)

@@ -36,7 +36,7 @@ def test_an_object_is_moved_and_all_else_stays(fields: Fields) -> None:
     text = fields.file.read_text()
     assert text.startswith(COMMENT) and text.split("objects:")[0] == before.split("objects:")[0]
     changed = load_room(fields.file).as_dict()
-    chair = changed["alignment"]["objects"][2]
+    chair = changed["furniture"]["objects"][2]
     assert (chair["at"], chair["yaw"]) == ([3.0, 2.2], 45.0)
     chair |= {"at": [2.6, 1.5], "yaw": 90.0}
     fields.file.write_text(before)
@@ -63,7 +63,7 @@ def test_names_stay_when_others_come_and_go(fields: Fields) -> None:
     meshes = is_a(fields.scene, copy)[1]
     fields.remake(copy, "shell", None, keep_size=True)
     assert is_a(fields.scene, copy)[1] != meshes
-    assert load_room(fields.file).as_dict()["alignment"]["objects"][-1]["style"] == "shell"
+    assert load_room(fields.file).as_dict()["furniture"]["objects"][-1]["style"] == "shell"
 
 
 @pytest.mark.one_in(6)
@@ -130,5 +130,5 @@ def test_relative_places_stay_relative(fields: Fields) -> None:
     fields.described.compose()
     fields.place("chair_1", PlanPoint(2.5, 0.9, 30.0), size=None, snap=False)
     assert box(fields.scene, "chair_1").mean(axis=0)[:2] == pytest.approx((2.5, 0.9), abs=1e-3)
-    row = load_room(fields.file).as_dict()["alignment"]["objects"][2]
+    row = load_room(fields.file).as_dict()["furniture"]["objects"][2]
     assert row["relative_to"] == "desk" and row["at"] == pytest.approx([1.0, -0.6])

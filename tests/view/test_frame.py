@@ -16,7 +16,7 @@ pytestmark = [pytest.mark.slow, needs_chromium]
 
 DESCRIPTION = """
 layout: {polygon: [[0, 0], [4, 0], [4, 3], [0, 3]], height: 2.5}
-alignment:
+furniture:
   objects:
     - {category: picture, at: [2.0, 3.0]}
     - {name: chair, category: chair, at: [1.2, 1.2]}

@@ -26,7 +26,7 @@ def hints(tmp_path: Path) -> Hints:
     file = tmp_path / "room.yaml"
     file.write_text(
         "layout: {from: scan, scan: scan.npz}\n"
-        "# all that the scan shows\nalignment: {from: scan}\nmaterials: {floor: oak_planks}\n"
+        "# all that the scan shows\nfurniture: {from: scan}\nmaterials: {floor: oak_planks}\n"
     )
     target = corrections(file).target
     assert isinstance(target, Hints) and target.scene == tmp_path / "composed/scene.usda"
@@ -34,7 +34,7 @@ def hints(tmp_path: Path) -> Hints:
 
 
 def listed(hints: Hints) -> list[dict[str, Any]]:
-    found: list[dict[str, Any]] = load_room(hints.file).as_dict()["alignment"]["objects"]
+    found: list[dict[str, Any]] = load_room(hints.file).as_dict()["furniture"]["objects"]
     return found
 
 

@@ -69,7 +69,7 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays | None:
         built: The same as a Mitsuba scene.
         seed: Of random numbers.
     """
-    lit = _lit(scene, built, seed)
+    lit = _rays_onto_lit_points(scene, built, seed)
     if lit is None:
         return None
     sampler = mi.load_dict({"type": "independent"})
@@ -106,7 +106,7 @@ def _one_a_place(scene: Scene, rays: Rays) -> Rays:
     return rays.rows(np.sort(which))
 
 
-def _lit(scene: Scene, built: Any, seed: int) -> Rays | None:
+def _rays_onto_lit_points(scene: Scene, built: Any, seed: int) -> Rays | None:
     """Rays onto points of either side that some light shines at, of candidates even by area.
 
     What stands outside is far larger than the room, and is met by the walk as far as it counts.

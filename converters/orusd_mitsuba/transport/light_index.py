@@ -79,12 +79,12 @@ class LightIndex:
         """What of a light counts on a shape: 0 where light linking leaves it out."""
         if not self.is_linked:
             return mi.Float(1.0)
-        table, shapes = self._lit
+        table, shapes = self._numbers_of_shapes
         number: Any = dr.reinterpret_array(mi.UInt32, shape)
         return dr.gather(mi.Float, table, light * shapes + number, active)
 
     @cached_property
-    def _lit(self) -> tuple[Any, Any]:
+    def _numbers_of_shapes(self) -> tuple[Any, Any]:
         """Of each light and registered shape, and how many shapes there are."""
         numbers = [int(registered(mi.ShapePtr(shape))[0]) for shape in self._built.shapes()]
         table = np.ones((self.count, max(numbers, default=0) + 1), dtype=np.float32)

@@ -54,7 +54,7 @@ class CadModel:
             lit = is_light(name, radiance)
             for piece in read_obj(file).pieces:
                 _check(piece, file)
-                bsdf = None if lit else self._worn(piece, bsdfs)
+                bsdf = None if lit else self._material_of(piece, bsdfs)
                 titles.append(names.LIGHT_BULB if bsdf is None else _part(bsdf, item))
                 pieces.append(piece)
                 wears.append(bsdf)
@@ -62,7 +62,7 @@ class CadModel:
         self.pieces: dict[str, ModelPart] = dict(zip(prims, pieces, strict=True))
         self.wears: dict[str, Bsdf | None] = dict(zip(prims, wears, strict=True))
 
-    def _worn(self, piece: ModelPart, bsdfs: Mapping[str, Bsdf]) -> Bsdf:
+    def _material_of(self, piece: ModelPart, bsdfs: Mapping[str, Bsdf]) -> Bsdf:
         """The material of a piece; of several that its shape may name the one of that name."""
         refs = self.item.refs
         if piece.material in refs:

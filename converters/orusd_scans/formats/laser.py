@@ -42,7 +42,7 @@ def read_las(path: Path) -> Scanned:
     laspy = _package("laspy")
     if path.suffix.lower() == ".laz":
         _package("lazrs")
-    with opened(path) as stream, _blamed(path, "LAS"):
+    with opened(path) as stream, _blaming_the_file(path, "LAS"):
         _check_las(stream, path)
         with laspy.open(stream, closefd=False) as reader:
             header = reader.header
@@ -121,7 +121,7 @@ def read_e57(path: Path) -> Scanned:
     with opened(path) as stream:
         size = size_of(stream)
         _check_e57(stream, path)
-    with _blamed(path, "E57"):
+    with _blaming_the_file(path, "E57"):
         file = pye57.E57(str(path))
         try:
             points = sum(file.get_header(i).point_count for i in range(file.scan_count))
@@ -179,7 +179,7 @@ def _package(name: str) -> Any:
 
 
 @contextmanager
-def _blamed(path: Path, kind: str) -> Iterator[None]:
+def _blaming_the_file(path: Path, kind: str) -> Iterator[None]:
     """Whatever the libraries stumble over is the file's fault."""
     try:
         yield

@@ -48,7 +48,7 @@ def read_text(path: Path) -> Scanned:
         start = list(islice(lines, _MOST_HEADING))
         if is_ptx(start):
             return read_stations(chain(start, lines), path)
-        layout, first, width = _seen(start, path)
+        layout, first, width = _find_layout(start, path)
         before = start[:first]
         heading = heading_of(before, layout, width, path)
         if heading is not None and heading.more:
@@ -90,7 +90,7 @@ def _is_row(line: str) -> bool:
     return bool(text) and not text.startswith(COMMENTS) and not text.isdecimal()
 
 
-def _seen(start: list[str], path: Path) -> tuple[Layout, int, int]:
+def _find_layout(start: list[str], path: Path) -> tuple[Layout, int, int]:
     """How a file is written, the index of its first row, and how many numbers that has.
 
     Raises:

@@ -69,10 +69,10 @@ def round_(size: Size, rng: np.random.Generator) -> Parts:
     }
     works = _works(r - rim, rng, numerals=bool(rng.integers(2)))
     parts |= {name: mesh.moved((0.0, 0.0, deep)) for name, mesh in works.items()}
-    return _hung(parts, size, 2.0 * r)
+    return _turn_to_front(parts, size, 2.0 * r)
 
 
-def _hung(parts: Parts, size: Size, side: float) -> Parts:
+def _turn_to_front(parts: Parts, size: Size, side: float) -> Parts:
     """Turn what lies on z = 0 to the front, its back to the wall, and widen it to the box."""
     shape = np.diag([size[0] / side, 1.0, size[2] / side])
     at = (0.0, 0.5 * size[1], 0.5 * size[2])
@@ -92,7 +92,7 @@ def square(size: Size, rng: np.random.Generator) -> Parts:
     works = {n: m.moved((0, 0, deep)) for n, m in _works(0.47 * side, rng, numerals=False).items()}
     cap = cylinder(0.02 * side, depth - deep - 0.001, segments=18, base=(0.0, 0.0, deep + 0.001))
     works["hand"] = joined([works["hand"], cap])
-    return _hung({"frame": body, **works}, size, side)
+    return _turn_to_front({"frame": body, **works}, size, side)
 
 
 def sunburst(size: Size, rng: np.random.Generator) -> Parts:
@@ -124,7 +124,7 @@ def sunburst(size: Size, rng: np.random.Generator) -> Parts:
     deep = 0.6 * depth
     works = {n: m.moved((0, 0, deep)) for n, m in _works(0.86 * r, rng, numerals=False).items()}
     face = _dial(0.88 * r, deep).moved((0, 0, deep))
-    return _hung({"ray": joined(rays), "frame": rim, "face": face, **works}, size, side)
+    return _turn_to_front({"ray": joined(rays), "frame": rim, "face": face, **works}, size, side)
 
 
 def mantel(size: Size, rng: np.random.Generator) -> Parts:

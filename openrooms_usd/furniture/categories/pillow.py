@@ -22,7 +22,7 @@ def _stands(size: Size) -> bool:
     return size[1] < size[2]
 
 
-def _placed(parts: Parts, size: Size, lean: float = 0.0) -> Parts:
+def _stand_up(parts: Parts, size: Size, lean: float = 0.0) -> Parts:
     """Turn lying parts up where the box asks for it, leaning back, and put them on the floor."""
     shear = np.eye(3)
     if _stands(size):
@@ -55,7 +55,7 @@ def square(size: Size, rng: np.random.Generator) -> Parts:
     if corded:
         rim = _rim(width - 2 * cord, depth - 2 * cord)
         parts["trim"] = tube(rim, cord, segments=6, closed=True)
-    return _placed(parts, size, lean)
+    return _stand_up(parts, size, lean)
 
 
 def _rim(width: float, depth: float) -> np.ndarray:
@@ -113,7 +113,7 @@ def round_(size: Size, rng: np.random.Generator) -> Parts:
     case, _ = metric(lathe(profile, segments=44, crease=70.0).transformed(scale))
     button = sphere(0.016, segments=12, squash=0.4, center=(0.0, 0.0, 0.24 * thick))
     other = sphere(0.016, segments=12, squash=0.4, center=(0.0, 0.0, -0.24 * thick))
-    return _placed({"pillow": case, "button_0": button, "button_1": other}, size)
+    return _stand_up({"pillow": case, "button_0": button, "button_1": other}, size)
 
 
 def _rolled(size: Size) -> bool:

@@ -100,10 +100,10 @@ def flowers(size: Size, rng: np.random.Generator) -> Parts:
         "petal": joined(heads),
         "leaf": joined(leaves),
     }
-    return _spread(whole, size)
+    return _stretch_plant(whole, size)
 
 
-def _spread(parts: Parts, size: Size) -> Parts:
+def _stretch_plant(parts: Parts, size: Size) -> Parts:
     """What grows out of the vase, stretched over the box; the vase as it is."""
     grown = joined([mesh for name, mesh in parts.items() if name != "vase"])
     low, high = grown.extent
@@ -133,7 +133,7 @@ def grasses(size: Size, rng: np.random.Generator) -> Parts:
         "stalk": joined(stems),
         "plume": joined(heads),
     }
-    return _spread(whole, size)
+    return _stretch_plant(whole, size)
 
 
 CATEGORY: Final = BuiltCategory(

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.description.alignment import FileObject, LibraryObject, named_objects
+from openrooms_usd.description.furniture import FileObject, LibraryObject, named_objects
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import CATEGORIES, Size, category, styles
 from openrooms_usd.furniture.joinery.pieces import NOTHING_ORDERED
@@ -49,7 +49,7 @@ def lying_in(
 
 
 class _Described:
-    """Finds where described objects stand, as the alignment stage will."""
+    """Finds where described objects stand, as the alignment step will."""
 
     def __init__(
         self, objects: Sequence[AnyObject], shell: Shell, shapes: Shapes, folder: Path

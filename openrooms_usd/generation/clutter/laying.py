@@ -175,7 +175,7 @@ def places_on(
     local, turns = local[good], turns[good]
     if not len(local):
         return None
-    poses = _posed(spot.pose, local, turns)
+    poses = _poses_in_room(spot.pose, local, turns)
     if len(taken):
         row = box(0.0, 0.0, size[0], size[1], spot.z + 0.001, spot.z + size[2])[None]
         clash = overlap(posed(row, poses)[:, 0], taken, _GAP_M).any(axis=1)
@@ -205,7 +205,7 @@ def fits(
     return np.asarray((spot.level.within(x, y) >= size[2] + _GAP_M).all(axis=1), dtype=np.bool_)
 
 
-def _posed(pose: Pose, local: Array, turns: Array) -> Array:
+def _poses_in_room(pose: Pose, local: Array, turns: Array) -> Array:
     """(N, 3) places and turns of a frame in the room."""
     c, s = np.cos(np.radians(pose[2])), np.sin(np.radians(pose[2]))
     x = pose[0] + c * local[:, 0] - s * local[:, 1]

@@ -102,17 +102,17 @@ def levels_of(shape: BuiltForm) -> tuple[Level, ...]:
         clear[where[(foot < height + _LEVEL_M) & (head > height + _LEVEL_M)]] = 0.0
         level = clear.reshape(rows, columns)
         if (level > _LEAST_HEADROOM_M).sum() * CELL_M**2 >= _LEAST_AREA_M2:
-            found.append(_shown(height, level, low, shape))
+            found.append(_visible_level(height, level, low, shape))
     return tuple(found)
 
 
-def _shown(height: float, clear: Array, low: Array, shape: BuiltForm) -> Level:
+def _visible_level(height: float, clear: Array, low: Array, shape: BuiltForm) -> Level:
     """A level, seen from the front or through panes there."""
-    level = _seen(height, clear.copy(), low, shape.corners)
+    level = _reachable_level(height, clear.copy(), low, shape.corners)
     deep = int((clear > 0.0).any(axis=1).sum()) * CELL_M
     if level.open or deep < _DEEP_M or shape.opaque is shape.corners:
         return level
-    return replace(_seen(height, clear, low, shape.opaque, _ABOVE_FRAMES_M), glazed=True)
+    return replace(_reachable_level(height, clear, low, shape.opaque, _ABOVE_FRAMES_M), glazed=True)
 
 
 def crossings(
@@ -213,7 +213,7 @@ def along_edges(corners: Array, step: float = CELL_M) -> Array:
     return np.asarray(starts[t] + (k / np.maximum(steps[t] - 1, 1))[:, None] * (ends - starts)[t])
 
 
-def _seen(
+def _reachable_level(
     height: float, clear: Array, low: Array, corners: Array, heights: Sequence[float] = _LOOKS_M
 ) -> Level:
     """A level: of a board that is open to the front only what can be seen, and reached, counts."""

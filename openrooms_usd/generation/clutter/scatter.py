@@ -213,7 +213,7 @@ class Scatter:
                 )
                 if other is not None:
                     thing = posed_object(self.surfaces, name, other, thing.tilt)
-                item = self._put(number, spot, thing, placement)
+                item = self._place_one(number, spot, thing, placement)
                 laid += [item] if item is not None else []
         if laid:
             self._used[name, placement] = self._used.get((name, placement), 0) + 1
@@ -224,7 +224,7 @@ class Scatter:
         high = float(spot.level.clear[spot.level.clear > 0.0].max())
         return x1 - x0, y1 - y0, min(high, 1.2) - 0.005
 
-    def _put(
+    def _place_one(
         self, number: int, spot: SupportSurface, thing: PosedObject, placement: SurfacePlacement
     ) -> Item | None:
         """One thing somewhere on a surface."""

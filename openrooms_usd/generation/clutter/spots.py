@@ -94,11 +94,11 @@ def spots(
         for item in items:
             if not offered_surfaces(item.category):
                 continue
-            carries = _meant(item, items, everything, room_type)
+            carries = _places_by_group(item, items, everything, room_type)
             yield from spots_of(item, number, carries, surfaces)
 
 
-def _meant(
+def _places_by_group(
     item: Item, group: Sequence[Item], everything: Sequence[Item], room_type: str
 ) -> tuple[Place, ...]:
     """What the surfaces of an item are used for, by what stands with it."""

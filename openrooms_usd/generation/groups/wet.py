@@ -45,7 +45,9 @@ def fixture(kit: Kit, name: str, before: float = 0.6, beside: float = 0.15) -> G
     items = [item]
     if name == "toilet":
         side = 1 if kit.chance(0.5) else -1
-        items.append(_hung(kit, "toilet_paper_holder", side * (0.5 * width + 0.16), item, 0.66))
+        items.append(
+            _hang_above(kit, "toilet_paper_holder", side * (0.5 * width + 0.16), item, 0.66)
+        )
         items.append(_brush(kit, -side, item))
     clear = [zone(0.0, -0.5 * depth - 0.5 * before, width, before)]
     if beside:
@@ -63,7 +65,7 @@ def _brush(kit: Kit, side: int, toilet: Item) -> Item:
                     optional=True)  # fmt: skip
 
 
-def _hung(
+def _hang_above(
     kit: Kit, name: str, x: float, below: Item, z: float, size: Size | None = None,
     style: str | None = None,
 ) -> Item:  # fmt: skip
@@ -88,15 +90,15 @@ def washstand(kit: Kit) -> Group:
     size = {"framed": (across, 0.03, min(tall, 0.8)),
             "oval": (min(across, 0.7), 0.03, min(across, 0.7, tall)),
             "cabinet": (across, 0.14, min(tall, 0.68))}[made]  # fmt: skip
-    items = [basin, _hung(kit, "mirror", 0.0, basin, low, size, made)]
+    items = [basin, _hang_above(kit, "mirror", 0.0, basin, low, size, made)]
     if kit.chance(0.6):
         side = 1 if kit.chance(0.5) else -1
         rail = kit.size("towel_rail", width=kit.between(0.4, 0.6), style="bar")
         x = side * (0.5 * (width + rail[0]) + 0.08)
-        items.append(_hung(kit, "towel_rail", x, basin, 1.1, rail, "bar"))
+        items.append(_hang_above(kit, "towel_rail", x, basin, 1.1, rail, "bar"))
     if made != "cabinet" and low - height > 0.16:
         shelf = (round(min(across, 0.6), 2), 0.12, 0.036)
-        items.append(_hung(kit, "wall_shelf", 0.0, basin, low - 0.05, shelf, "glass"))
+        items.append(_hang_above(kit, "wall_shelf", 0.0, basin, low - 0.05, shelf, "glass"))
     clear = [zone(0.0, -0.5 * depth - 0.3, width, 0.6),
              zone(0.0, 0.0, width + 0.16, depth - 0.02)]  # fmt: skip
     return Group("washing", tuple(items), zones(clear), ((0.0, -0.5 * depth - 0.35),),
@@ -127,7 +129,7 @@ def shower(kit: Kit) -> Group:
 def _caddy(kit: Kit, stall: Item, side: str) -> Item:
     """Trays for bottles on the wall of a shower, away from its fittings."""
     x = (-0.27 if side == "right" else 0.27) * stall.size[0]
-    return _hung(kit, "shower_caddy", x, stall, 1.12)
+    return _hang_above(kit, "shower_caddy", x, stall, 1.12)
 
 
 def _mat(kit: Kit, depth: float) -> Item:

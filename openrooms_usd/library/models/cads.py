@@ -71,7 +71,7 @@ def cad_files(folder: Path, suffixes: Collection[str]) -> tuple[CadFile, ...]:
     """
     untrusted.check_path(folder)
     if not folder.is_dir():
-        raise InputError("no such folder of CADs", place=folder, remedy="check alignment.cad")
+        raise InputError("no such folder of CADs", place=folder, remedy="check furniture.cad")
     index = _read_index(folder / INDEX)
     return tuple(
         _described(folder, path, name, _entry(index, folder, path, name))

@@ -157,10 +157,10 @@ def _without_repeats(mesh: Mesh) -> Mesh:
     _, first = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     once = np.zeros(len(triangles), dtype=np.bool_)
     once[first] = True
-    return _kept(mesh, distinct & once)
+    return _submesh(mesh, distinct & once)
 
 
-def _kept(mesh: Mesh, faces: NDArray[np.bool_]) -> Mesh:
+def _submesh(mesh: Mesh, faces: NDArray[np.bool_]) -> Mesh:
     """The chosen triangles and the points that they use."""
     corners = np.repeat(faces, 3)
     used, indices = np.unique(mesh.indices[corners], return_inverse=True)

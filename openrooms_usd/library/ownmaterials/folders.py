@@ -209,10 +209,10 @@ def _maps_of(folder: Path, losses: list[str]) -> dict[Map, Path]:
             losses.append(f"{path.name}: left out; its name says no map")
         else:
             candidates.setdefault(named.map, []).append((named.subject, path))
-    return {kind: _chosen(folder, kind, found, losses) for kind, found in candidates.items()}
+    return {kind: _choose_map(folder, kind, found, losses) for kind, found in candidates.items()}
 
 
-def _chosen(folder: Path, kind: Map, found: list[tuple[str, Path]], losses: list[str]) -> Path:
+def _choose_map(folder: Path, kind: Map, found: list[tuple[str, Path]], losses: list[str]) -> Path:
     if len({subject for subject, _ in found}) > 1:
         raise InputError(
             f"two pictures for the map {kind}: {', '.join(path.name for _, path in found)}",

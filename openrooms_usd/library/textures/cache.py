@@ -93,7 +93,7 @@ def cached(material: Material, folder: Path, stem: str) -> list[Path]:
     files = [map_file(folder, stem, item) for item in maps]
     place = cache_folder(_FOLDER)
     entry = place / material.entry if place else None
-    if entry and _taken(entry, maps, files):
+    if entry and _copy_entry(entry, maps, files):
         return files
     made = make(**asdict(material))
     write_set(made, folder, stem, maps)
@@ -103,7 +103,7 @@ def cached(material: Material, folder: Path, stem: str) -> list[Path]:
     return files
 
 
-def _taken(entry: Path, maps: tuple[str, ...], files: list[Path]) -> bool:
+def _copy_entry(entry: Path, maps: tuple[str, ...], files: list[Path]) -> bool:
     """Copy a whole entry; whether there was one."""
     try:
         sums = json.loads((entry / _SUMS).read_text(encoding="utf-8"))

@@ -210,7 +210,7 @@ def make(
     metres = family.size if size is None else size
     order = TextureParams(generator(number, "textures", name), resolution, metres, color, roughness)
     over = replace(order, rng=generator(number, "textures", name, "over"))
-    count = _laid(family, order)
+    count = _repeats_per_side(family, order)
     if count > 1:
         small = replace(order, resolution=resolution // count, size=metres / count)
         maps = laid(family.make(small), over, count)
@@ -219,7 +219,7 @@ def make(
     return encoded(worn(maps, over, substance_of(name)), metres)
 
 
-def _laid(family: Family, order: TextureParams) -> int:
+def _repeats_per_side(family: Family, order: TextureParams) -> int:
     """How often a family's picture is laid along a side: a power of two that divides it."""
     count = 1
     while (

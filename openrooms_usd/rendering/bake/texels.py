@@ -50,7 +50,7 @@ class Texels:
 def find_texels(atlases: Atlases) -> Texels:
     """The texels that show a surface, in the order of atlas, row and column."""
     places, pages, corners, normals = _triangles(atlases)
-    found = [*_met(places)]
+    found = [*_texels_of(places)]
     triangle = np.concatenate([np.zeros(0, np.int64), *(rows for rows, _, _ in found)])
     cell = np.concatenate([np.zeros((0, 2), np.int64), *(cells for _, cells, _ in found)])
     weights = np.concatenate([np.zeros((0, 2)), *(inner for _, _, inner in found)])
@@ -94,7 +94,7 @@ def _triangles(atlases: Atlases) -> tuple[Array, Ints, Array, Array]:
     )
 
 
-def _met(places: Array) -> Iterator[tuple[Ints, Ints, Array]]:
+def _texels_of(places: Array) -> Iterator[tuple[Ints, Ints, Array]]:
     """(triangles, (P, 2) texels, (P, 2) barycentric coordinates) of places on triangles."""
     fine = places * _PLACES_A_SIDE
     low = np.ceil(fine.min(axis=1) - 0.5).astype(np.int64)

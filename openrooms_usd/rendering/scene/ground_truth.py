@@ -80,7 +80,7 @@ class GroundTruth:
         return np.where(self._hits.front & (radiance.max(axis=1) > 0), 1.0, 0.0)
 
     @cached_property
-    def _met(self) -> Triangles:
+    def _hit_triangles(self) -> Triangles:
         """The triangle of each hit."""
         return self._scene.triangles.rows(self._hits.rows)
 
@@ -88,13 +88,13 @@ class GroundTruth:
     def _labels(self) -> Array:
         pieces = [astuple(piece) for piece in self._scene.pieces]
         table = np.array(pieces, dtype=np.float64).reshape(-1, len(_LABELS))
-        return table[self._met.pieces]
+        return table[self._hit_triangles.pieces]
 
     @cached_property
     def _shading(self) -> Array:
         """(R, 3) unit normals with the normal map, on the camera's side."""
         hits = self._hits
-        corners = self._met.normals.astype(np.float64)
+        corners = self._hit_triangles.normals.astype(np.float64)
         smooth = unit(np.einsum("ri,rij->rj", hits.weights, corners))
         outward = np.where(hits.front, 1.0, -1.0)[:, None]
         normals = outward * smooth
@@ -110,7 +110,7 @@ class GroundTruth:
 
     def _tangents(self, here: NDArray[np.bool_], normals: Array) -> Array:
         """(R, 3, 3) rows: along u, across it, the normal; what normal maps are in."""
-        met = self._met.rows(here)
+        met = self._hit_triangles.rows(here)
         a, b, c = np.moveaxis(met.corners, 1, 0)
         at, bt, ct = np.moveaxis(met.st.astype(np.float64), 1, 0)
         (u1, v1), (u2, v2) = (bt - at).T, (ct - at).T

@@ -13,7 +13,7 @@ from openrooms_usd.usd.semantics import TAXONOMIES, is_labelled, read_category, 
 
 
 class Labels:
-    """Numbers whatever is seen, from 1, in the order in which it is met.
+    """Numbers what is seen, from 1, in order of appearance.
 
     Args:
         stage: The composed stage.

@@ -95,7 +95,7 @@ Shaped = RectLight | DiskLight | SphereLight | CylinderLight
 
 
 def nothing(light: Shaped) -> str:
-    """Why a light has no surface that could send anything; empty where it has one."""
+    """Why a light has no emitting surface; empty if it has one."""
     M = light.world_from_light[:3, :3]
     if not np.isfinite(M).all() or abs(np.linalg.det(M)) <= _SINGULAR * np.prod(
         np.linalg.norm(M, axis=0)

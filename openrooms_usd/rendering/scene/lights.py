@@ -92,7 +92,7 @@ def plain(value: Any) -> Any:
 
 
 def is_linked(patches: "Iterable[Patch]") -> bool:
-    """Whether there is a lamp that counts more on some surfaces than on others."""
+    """Whether any lamp lights only some surfaces, or some more than others."""
     return any(patch.unlit_by or patch.response != (1.0, 1.0) for patch in patches)
 
 

@@ -21,7 +21,7 @@ _MOST_TRIANGLES: Final = 2048**2
 
 @dataclass(frozen=True, eq=False)
 class Paint:
-    """Numbers of a mesh, or a picture of them and where its triangles lie in it.
+    """Values of a mesh, or a picture of them with the texture coordinates of its triangles.
 
     Attributes:
         mean: (C,) of all of it: three of a colour, one of an opacity.
@@ -116,7 +116,7 @@ def _blocks(colors: NDArray[np.float64]) -> tuple[Picture, NDArray[np.float32]]:
 def paint_over(
     surface: Surface, preview: PreviewSurface, found: Mapping[str, Paint], losses: list[str]
 ) -> tuple[dict[str, Value], NDArray[np.float32] | None]:
-    """What fields of a surface become by what a mesh has painted.
+    """The fields of a surface with the paint of a mesh applied.
 
     Args:
         surface: The surface.

@@ -64,7 +64,7 @@ class Picture:
 
     @property
     def ways(self) -> tuple[str, str]:
-        """How it goes on in u and in v."""
+        """Its wrap modes in u and in v."""
         across, _, up = self.wrap.partition(" ")
         return across, up or across
 
@@ -235,7 +235,7 @@ def are_directions(channels: int, limits: Limits) -> bool:
 
 
 def placed(where: Array, uv: Array) -> Array:
-    """One after the other; exactly the second where the first does nothing."""
+    """The product ``where @ uv``; exactly ``uv`` if ``where`` is the identity."""
     return uv if np.array_equal(where, np.eye(3)) else where @ uv
 
 

@@ -325,7 +325,7 @@ def _transmission(wanted: float, base_color: Value) -> tuple[float, list[str]]:
 
 
 def mean_luminance(color: Value) -> float:
-    """Of a colour, or of a picture's pixels in the mean."""
+    """The luminance of a colour, or the mean luminance of a picture."""
     pixels = color.pixels if isinstance(color, Picture) else np.array(color)
     return float(luminance(pixels.reshape(-1, pixels.shape[-1]).astype(np.float64).mean(axis=0)))
 

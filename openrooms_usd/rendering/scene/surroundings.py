@@ -43,7 +43,7 @@ def surroundings(scene: Scene) -> Surroundings:
 
 
 def summed(one: Environment, other: Environment) -> Environment:
-    """Two environments at once, by the pixels of the finer one."""
+    """The sum of two environments, in the resolution of the finer one."""
     fine, coarse = (one, other) if one.pixels.size >= other.pixels.size else (other, one)
     if coarse.pixels.shape[:2] == (1, 1):
         return Environment(fine.pixels + coarse.pixels, fine.world_from_light)

@@ -79,7 +79,7 @@ class Triangles:
         )
 
     def split(self, sizes: Sequence[int]) -> list["Triangles"]:
-        """Views of as many triangles each, one after the other."""
+        """Slices of the given numbers of triangles, one after the other."""
         ends = np.cumsum([0, *sizes]).tolist()
         return [self.rows(slice(*some)) for some in pairwise(ends)]
 

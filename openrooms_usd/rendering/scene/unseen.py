@@ -45,7 +45,7 @@ def is_aside(reason: str) -> bool:
 
 
 def is_alarming(sentence: str) -> bool:
-    """Whether what was lost is likely a mistake, which people want to hear of at once."""
+    """Whether a loss is likely a mistake, to be reported at once."""
     return any(mark in sentence for mark in _ALARMING)
 
 

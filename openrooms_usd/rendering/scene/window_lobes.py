@@ -70,7 +70,7 @@ class Lobes:
 
 
 def fitted(lit: Lit, count: int) -> Lobes:
-    """So many lobes, 2 or 3, that leave least; the light is not black."""
+    """Two lobes that fit best, three if asked for and needed; the light is not black."""
     best = _best(_improved(lit, *start) for start in _pairs(lit))
     if count > len(best.logs) and best.error > _ENOUGH:
         best = _best(_improved(lit, *start) for start in _with_another(lit, best))

@@ -15,7 +15,7 @@ from openrooms_usd.usd.shading.surfaces import Texture
 def framed(
     texels: NDArray[Any], texture: Texture, black: NDArray[Any] | None
 ) -> tuple[NDArray[Any], str, NDArray[np.float64], tuple[str, ...]]:
-    """A picture that goes on as its texture says.
+    """A picture, extended by its texture's wrap mode.
 
     Args:
         texels: (H, W, C), the first row at the bottom.

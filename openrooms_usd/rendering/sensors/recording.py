@@ -40,7 +40,7 @@ def needed(sensor: Sensor) -> tuple[str, ...]:
 
 
 def check_sensor(sensor: Sensor, channels: Sequence[str]) -> None:
-    """See that views have what a sensor works with.
+    """Check that views have the channels that a sensor needs.
 
     Raises:
         InputError: A channel is not asked for.

@@ -114,13 +114,15 @@ def measured(
     noisy = np.where(there, depth + camera.noise * sigma * draws[2], 0.0)
     found = in_steps(noisy) if camera.steps else noisy
     if camera.missing:
-        lost = _lost(channels, truth, angle, camera) | _in_shadow(truth, K, camera.baseline)
+        lost = _lacks_pattern(channels, truth, angle, camera) | _in_shadow(
+            truth, K, camera.baseline
+        )
         found = np.where(lost[row, column], 0.0, found)
     inside = (found >= camera.range[0]) & (found <= camera.range[1])
     return np.where(inside, found, 0.0)[..., None].astype(np.float32)
 
 
-def _lost(
+def _lacks_pattern(
     channels: Mapping[str, Pixels], depth: Array, angle: Array, camera: DepthCamera
 ) -> NDArray[np.bool_]:
     """Where nothing of the pattern comes back."""

@@ -137,7 +137,7 @@ def _settled(
 ) -> tuple[Arrangement, list[settling.Unresolved]]:
     """Objects by the least motion, and what is wrong with them after it."""
     state = arranged(objects, models, rooms)
-    state.given = _given(state)
+    state.given = _given_supports(state)
     settling.set_upright(state)
     settling.find_supports(state)
     settling.lay_along_walls(state)
@@ -239,7 +239,7 @@ def moved_by(found: FoundObject) -> dict[str, float]:
     return {"metres": float(away), "degrees": float(np.degrees(turn))}
 
 
-def _given(state: Arrangement) -> dict[int, Support]:
+def _given_supports(state: Arrangement) -> dict[int, Support]:
     """Given supports by rows, without missing instances and circles."""
     numbers = {str(found.instance): row for row, found in enumerate(state.objects)}
     known = {kind: Support(kind) for kind in (FLOOR, WALL, CEILING)}

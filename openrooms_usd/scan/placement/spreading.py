@@ -165,7 +165,7 @@ class Spread:
                 best, least = place, left
             if left == 0.0:
                 break
-            self._pairs |= {pair: self._parted(pair, pairs[pair], place) for pair in pairs}
+            self._pairs |= {pair: self._separation(pair, pairs[pair], place) for pair in pairs}
             place = self._moved(place, walls)
         return best
 
@@ -239,7 +239,7 @@ class Spread:
                 found[pair] = Condition({i: towards, j: -towards}, 0.0, _CONTACT_SOFTNESS)
         return found
 
-    def _parted(self, pair: Pair, found: Penetration, place: Array) -> Condition:
+    def _separation(self, pair: Pair, found: Penetration, place: Array) -> Condition:
         """The separating constraint of the least motion from the measured poses."""
         i, j = pair
         apart = place[i] - place[j]

@@ -135,7 +135,7 @@ def fuse(frames: Iterable[DepthFrame], options: FusionOptions = DEFAULTS) -> Fus
         _check(frame, number)
         sensor_origins.append(frame.world_from_camera[:3, 3])
         sums.add(_samples(frame, options))
-    notes = list(_lost(lost, len(sensor_origins)))
+    notes = list(_note_poseless(lost, len(sensor_origins)))
     if sums.voxel > options.voxel:
         notes.append(
             f"voxels were enlarged to {100 * sums.voxel:g} cm to stay within "
@@ -150,7 +150,7 @@ def fuse(frames: Iterable[DepthFrame], options: FusionOptions = DEFAULTS) -> Fus
     )
 
 
-def _lost(lost: int, used: int) -> Iterator[str]:
+def _note_poseless(lost: int, used: int) -> Iterator[str]:
     if lost:
         yield f"{lost} of {lost + used} frames have no pose: they were left out"
 

@@ -59,7 +59,7 @@ def checked(segments: Segments, count: int, name: str) -> Segments:
         raise InputError(
             f"the segmenter {name!r} gave an array of shape {instance.shape} and type "
             f"{instance.dtype} for {count} points",
-            place="alignment.segmenter",
+            place="furniture.segmenter",
             remedy="it must give one whole number for each point",
         )
     whole = np.where(instance > 0, instance, 0).astype(np.int32)

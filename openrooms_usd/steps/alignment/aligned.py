@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, UsdGeom, Vt
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
 from openrooms_usd.capture import Capture, CapturedBox, CapturedModel
-from openrooms_usd.description.alignment import FileObject
+from openrooms_usd.description.furniture import FileObject
 from openrooms_usd.furniture import Size, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation
 from openrooms_usd.geometry.rotations import pose as rigid
@@ -68,7 +68,7 @@ def placed_model(
     """A CAD as an asset at its own size, at the pose that was captured: tilt and scales are kept.
 
     Args:
-        context: The stage's.
+        context: The step's.
         catalogue: Makes the asset, one for all that share it.
         model: The CAD; its file is there.
         thing: The same as a box, with its name and its label.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.capture import Capture, CapturedBox
-from openrooms_usd.description.alignment import PlacedObject, named_objects
+from openrooms_usd.description.furniture import PlacedObject, named_objects
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.furniture import MAX_SIDE, MIN_SIDE, Size, category
 from openrooms_usd.furniture.registry import BUILT

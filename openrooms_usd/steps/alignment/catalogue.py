@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from openrooms_usd.description.alignment import FileObject, LibraryObject
+from openrooms_usd.description.furniture import FileObject, LibraryObject
 from openrooms_usd.furniture import (
     CATEGORIES,
     NOTHING_ORDERED,
@@ -42,7 +42,7 @@ class Catalogue:
     """Makes each distinct asset once.
 
     Attributes:
-        context: The stage's context: its seed draws styles and details.
+        context: The step's context: its seed draws styles and details.
     """
 
     context: StepContext

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Final
 
 from openrooms_usd import adapters
-from openrooms_usd.description.alignment import ScanAlignment, named_objects
+from openrooms_usd.description.furniture import ScanFurniture, named_objects
 from openrooms_usd.description.naming import captured_names
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.words import category_of, plain
@@ -37,12 +37,12 @@ _COUNTED_MOTION_M: Final = 0.01
 _BY_SHAPE: Final = "shapes"
 _REMEDY: Final = (
     "For better results give labels (`orusd import scan --segments FILE`), your own segmenter "
-    "(`alignment: {segmenter: NAME}`) or `objects`; `unlabelled: leave_out` leaves them out"
+    "(`furniture: {segmenter: NAME}`) or `objects`; `unlabelled: leave_out` leaves them out"
 )
 
 
 def furnish(
-    context: StepContext, alignment: ScanAlignment, catalogue: Catalogue
+    context: StepContext, furniture: ScanFurniture, catalogue: Catalogue
 ) -> Iterator[Placement]:
     """The objects of a scan, each with its asset; a report of them is kept beside the layer.
 
@@ -53,18 +53,18 @@ def furnish(
     if found_scan is None:
         raise InputError(
             "furniture is found in the layout's scan, but the layout is not from a scan",
-            place="alignment",
+            place="furniture",
             remedy="give `layout: {from: scan, scan: FILE}` too",
         )
-    scan = segmented(context, alignment, found_scan)
-    shelf = CadCandidates(context, alignment, scan)
+    scan = segmented(context, furniture, found_scan)
+    shelf = CadCandidates(context, furniture, scan)
     found = find_furniture(
         scan.cloud,
         scan.composed,
         shelf.models,
         shelf.hints,
         shelf.categories,
-        alignment.unresolved,
+        furniture.unresolved,
         context.workers,
         context.progress,
     )
@@ -80,7 +80,7 @@ def furnish(
         (plain(thing.word or thing.category or "object"), str(thing.instance))
         for thing in found.objects
     ]
-    taken = {name for name, _ in named_objects(alignment.further)}
+    taken = {name for name, _ in named_objects(furniture.further)}
     names = captured_names(labels, taken)
     by_instance = {str(o.instance): name for o, name in zip(found.objects, names, strict=True)}
     for name, thing in zip(names, found.objects, strict=True):
@@ -134,7 +134,7 @@ def _furniture_notes(found: FoundFurniture, left_out: int) -> Iterator[str]:
         each = "; ".join(
             f"{one.word} (instance {one.instance}): {one.reason}" for one in found.left_out
         )
-        yield f"left out, where `alignment.unresolved: keep` keeps them: {each}"
+        yield f"left out, where `furniture.unresolved: keep` keeps them: {each}"
     hung = {thing.instance for thing in found.objects if thing.support == WALL}
     yield from (_told_unresolved(one, words, hung) for one in found.unresolved)
 
@@ -148,7 +148,7 @@ def _told_unresolved(wrong: Unresolved, words: Mapping[int, str], hung: Collecti
     return f"not resolved: the {what} is {wrong.depth:.2f} m {where}"
 
 
-def segmented(context: StepContext, alignment: ScanAlignment, scan: FoundScan) -> FoundScan:
+def segmented(context: StepContext, furniture: ScanFurniture, scan: FoundScan) -> FoundScan:
     """The room with the things of its scan told apart, where the scan itself does not do so.
 
     Raises:
@@ -156,19 +156,19 @@ def segmented(context: StepContext, alignment: ScanAlignment, scan: FoundScan) -
         MissingPackageError: The segmenter needs a package that is not installed.
     """
     cloud = scan.cloud
-    if alignment.segmenter is None:
+    if furniture.segmenter is None:
         told = cloud.instance is not None and bool(cloud.instance.any())
-        if alignment.objects is not None or scan.captured or told:
+        if furniture.objects is not None or scan.captured or told:
             return scan
-        if alignment.unlabelled == "leave_out":
+        if furniture.unlabelled == "leave_out":
             context.notes.append(
                 "the scan has no labels, and `unlabelled: leave_out` turns the search for "
                 "furniture off"
             )
             return scan
-    found, how = _segments(cloud, scan.composed, alignment)
+    found, how = _segments(cloud, scan.composed, furniture)
     words = found.words
-    if alignment.unlabelled == "boxes":
+    if furniture.unlabelled == "boxes":
         words = dict.fromkeys(words, UNNAMED)
     context.notes.append(_told_segments(words, how))
     marked = replace(
@@ -180,14 +180,14 @@ def segmented(context: StepContext, alignment: ScanAlignment, scan: FoundScan) -
 
 
 def _segments(
-    cloud: Cloud, rooms: Sequence[FoundRoom], alignment: ScanAlignment
+    cloud: Cloud, rooms: Sequence[FoundRoom], furniture: ScanFurniture
 ) -> tuple[Segments, str]:
     """The things of a scan, and how they were found."""
-    if alignment.segmenter not in (None, _BY_SHAPE):
-        name = str(alignment.segmenter)
+    if furniture.segmenter not in (None, _BY_SHAPE):
+        name = str(furniture.segmenter)
         segmenter: Segmenter = adapters.load(adapters.SEGMENTERS, name)
         return checked(segmenter.segment(cloud, rooms), len(cloud), name), f"by {name!r}"
-    if alignment.segmenter is None and cloud.label is not None and cloud.label.any():
+    if furniture.segmenter is None and cloud.label is not None and cloud.label.any():
         return _labelled(cloud), "as connected points of one label"
     return ShapeSegmenter().segment(cloud, rooms), "by their shape"
 

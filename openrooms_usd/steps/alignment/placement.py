@@ -18,7 +18,7 @@ from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.steps.alignment.surroundings import RoomGeometry
 
-_OBJECTS: Final = ("alignment", "objects")
+_OBJECTS: Final = ("furniture", "objects")
 
 Tilt: TypeAlias = tuple[float, float]
 
@@ -271,10 +271,10 @@ class Supports:
                 frame = found[item.relative_to]
                 x, y = frame.to_room(item.x, item.y)
                 item = replace(item, x=x, y=y, yaw=item.yaw + frame.yaw)
-            found[name] = self._hung(item) if item.on == WALL else item
+            found[name] = self._hang_on_wall(item) if item.on == WALL else item
         return {name: found[name] for name in self.placements}
 
-    def _hung(self, item: Placement) -> Placement:
+    def _hang_on_wall(self, item: Placement) -> Placement:
         """The object with its back flush to the nearest wall."""
         if not len(self.room.walls):
             raise StageError(

@@ -1,4 +1,4 @@
-"""Poses on furniture prims: what the stage writes, and what the edits make of it."""
+"""Poses on furniture prims: what the step writes, and what the edits make of it."""
 
 from typing import Final, TypeAlias
 
@@ -75,7 +75,7 @@ def _set(
 
 
 def moved_by_hand(stage: Usd.Stage) -> frozenset[str]:
-    """The names of objects that a composed layer transforms before the stage has placed them."""
+    """The names of objects that a composed layer transforms before the step has placed them."""
     furniture = stage.GetPrimAtPath(names.FURNITURE)
     children = furniture.GetAllChildren() if furniture else ()
     return frozenset(

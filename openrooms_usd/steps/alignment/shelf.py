@@ -9,7 +9,7 @@ import numpy as np
 
 from openrooms_usd.arrays import Array
 from openrooms_usd.codedigest import remembered
-from openrooms_usd.description.alignment import FileObject, ScanAlignment
+from openrooms_usd.description.furniture import FileObject, ScanFurniture
 from openrooms_usd.description.scanned import ScannedObject
 from openrooms_usd.furniture import CATEGORIES, MAX_SIDE, MIN_SIDE, category
 from openrooms_usd.furniture.record import UNLABELED
@@ -37,14 +37,14 @@ class CadCandidates:
     """The CADs that may be taken."""
 
     context: StepContext
-    alignment: ScanAlignment
+    furniture: ScanFurniture
     scan: FoundScan
 
     @cached_property
     def cads(self) -> dict[str, Cad]:
         """People's own, and what the library builds for what they lack."""
-        built = furniture_cads(tuple(sorted(self._wanted())))
-        own = folder_cads(self.context.source / self.alignment.cad) if self.alignment.cad else []
+        built = furniture_cads(tuple(sorted(self._library_categories())))
+        own = folder_cads(self.context.source / self.furniture.cad) if self.furniture.cad else []
         return {cad.id: cad for cad in (*built, *own)}
 
     @cached_property
@@ -56,7 +56,7 @@ class CadCandidates:
     def models(self) -> list[CadModel]:
         """In the CADs' own frames: those of their files."""
         made = []
-        folder = self.context.source / (self.alignment.cad or "")
+        folder = self.context.source / (self.furniture.cad or "")
         for name, cad in self.cads.items():
             vertices, faces = merged(self.built[name], self.built[name].file_from_object)
             model = CadModel(name, _kind(cad, folder), vertices, faces, cad.symmetry, _up(cad))
@@ -76,7 +76,7 @@ class CadCandidates:
             if name not in (UNLABELED, *SHELL)
         }
 
-    def _wanted(self) -> set[str]:
+    def _library_categories(self) -> set[str]:
         """Those of the library's categories that may stand for something, and the box."""
         hints = self.hints or ()
         named = {(hint.cad or "").partition(".")[0] for hint in hints}
@@ -86,7 +86,7 @@ class CadCandidates:
     @cached_property
     def instances(self) -> list[Instance]:
         """The instances of the scan, where it is they that become objects."""
-        given = self.alignment.objects is not None or captured_hints(self.scan) is not None
+        given = self.furniture.objects is not None or captured_hints(self.scan) is not None
         return [] if given else self._in_scan
 
     @cached_property
@@ -96,12 +96,12 @@ class CadCandidates:
     @cached_property
     def hints(self) -> list[Hint] | None:
         """What is known of the objects, in the level frame."""
-        if self.alignment.objects is not None:
+        if self.furniture.objects is not None:
             level_from_scan: Array = np.linalg.inv(self.scan.scan_from_level).astype(np.float64)
             known = {instance.number: instance for instance in self._in_scan}
             return [
                 _hint(thing, level_from_scan, known.get(thing.instance))
-                for thing in self.alignment.objects
+                for thing in self.furniture.objects
             ]
         things = [
             replace(one.hint, box=self.scan.boxes.get(one.number))

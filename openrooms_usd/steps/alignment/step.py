@@ -1,4 +1,4 @@
-"""The alignment stage: furniture as references to published assets, each at its place.
+"""The alignment step: furniture as references to published assets, each at its place.
 
 Objects that stand on another one, or are described relative to it, depend on it. Where an edit
 moves an object from its described pose M to the pose M', its dependents move by M' M^-1. Objects on
@@ -20,16 +20,16 @@ from pxr import Kind, Sdf, Usd, Vt
 
 from openrooms_usd import names
 from openrooms_usd.arrays import Array
-from openrooms_usd.description.alignment import (
+from openrooms_usd.description.furniture import (
     AlignedObject,
-    CapturedAlignment,
+    CapturedFurniture,
     FileObject,
     LibraryObject,
     ObjectList,
-    ScanAlignment,
+    ScanFurniture,
     named_objects,
 )
-from openrooms_usd.description.generate import GeneratedAlignment
+from openrooms_usd.description.generate import GeneratedFurniture
 from openrooms_usd.description.mistakes import FieldsError, Steps
 from openrooms_usd.description.room import Room
 from openrooms_usd.errors import InputError
@@ -167,13 +167,13 @@ class AlignmentStep:
 
     def inputs(self, room: Room, source: Path) -> Iterable[str]:
         """The capture, the user's mesh files and all files that these refer to."""
-        alignment = _explicit(room)
+        furniture = _explicit(room)
         captured: list[str] = []
-        if isinstance(alignment, ScanAlignment):
-            captured = _cad_files(alignment, source)
-        elif isinstance(alignment, CapturedAlignment):
-            captured = capture_inputs(alignment, source)
-        files = [item.file for item in _described(alignment) if isinstance(item, FileObject)]
+        if isinstance(furniture, ScanFurniture):
+            captured = _cad_files(furniture, source)
+        elif isinstance(furniture, CapturedFurniture):
+            captured = capture_inputs(furniture, source)
+        files = [item.file for item in _described(furniture) if isinstance(item, FileObject)]
         return [
             *dict.fromkeys([*captured, *files]),
             *sorted(
@@ -202,38 +202,38 @@ class AlignmentStep:
         EditPropagation(context.stage, room, placements, stands, context.notes).propagate(by_hand)
 
 
-def _explicit(room: Room) -> ObjectList | CapturedAlignment | ScanAlignment:
-    assert not isinstance(room.alignment, GeneratedAlignment), "it is expanded before"
-    return room.alignment
+def _explicit(room: Room) -> ObjectList | CapturedFurniture | ScanFurniture:
+    assert not isinstance(room.furniture, GeneratedFurniture), "it is expanded before"
+    return room.furniture
 
 
 def _described(
-    alignment: ObjectList | CapturedAlignment | ScanAlignment,
+    furniture: ObjectList | CapturedFurniture | ScanFurniture,
 ) -> tuple[AlignedObject, ...]:
     """The objects that the description lists one by one."""
-    return alignment.further if isinstance(alignment, ScanAlignment) else alignment.objects
+    return furniture.further if isinstance(furniture, ScanFurniture) else furniture.objects
 
 
-def _cad_files(alignment: ScanAlignment, source: Path) -> list[str]:
+def _cad_files(furniture: ScanFurniture, source: Path) -> list[str]:
     """All files of all CADs; what was found in the scan is a file of the layout's."""
-    if alignment.cad is None:
+    if furniture.cad is None:
         return []
-    check_path(source / alignment.cad)
-    files = [path for path in (source / alignment.cad).rglob("*") if path.is_file()]
+    check_path(source / furniture.cad)
+    files = [path for path in (source / furniture.cad).rglob("*") if path.is_file()]
     return sorted(os.path.relpath(path, source) for path in files)
 
 
 def _placements(context: StepContext, room: RoomGeometry) -> Iterator[placement.Placement]:
     """Captured objects, then those of the description, each with its asset."""
-    alignment, catalogue = _explicit(context.room), Catalogue(context)
-    if isinstance(alignment, ScanAlignment):
+    furniture, catalogue = _explicit(context.room), Catalogue(context)
+    if isinstance(furniture, ScanFurniture):
         from openrooms_usd.steps.alignment.furnished import furnish
 
-        yield from furnish(context, alignment, catalogue)
-    elif isinstance(alignment, CapturedAlignment):
-        capture = aligned.with_boxes(capture_of(context, alignment))
+        yield from furnish(context, furniture, catalogue)
+    elif isinstance(furniture, CapturedFurniture):
+        capture = aligned.with_boxes(capture_of(context, furniture))
         models = {model.id: model for model in capture.models if model.file}
-        captured = captured_objects(capture, room.floor, alignment.objects, context.notes)
+        captured = captured_objects(capture, room.floor, furniture.objects, context.notes)
         placed = [
             aligned.placed_model(context, catalogue, models[thing.box.id], thing, capture.source)
             if thing.box.id in models
@@ -241,15 +241,15 @@ def _placements(context: StepContext, room: RoomGeometry) -> Iterator[placement.
             for thing in captured
         ]
         yield from moved_apart(placed, room, context.notes)
-    key = "further" if isinstance(alignment, ScanAlignment) else "objects"
+    key = "further" if isinstance(furniture, ScanFurniture) else "objects"
     wrong: list[tuple[Steps, str]] = []
-    for index, (name, item) in enumerate(named_objects(_described(alignment))):
+    for index, (name, item) in enumerate(named_objects(_described(furniture))):
         try:
             yield placement_of(catalogue, name, item)
         except InputError as error:
             place = f"{error.place}: " if error.place else ""
             remedy = f"; {error.remedy}" if error.remedy else ""
-            wrong.append((("alignment", key, index), f"{name}: {place}{error.message}{remedy}"))
+            wrong.append((("furniture", key, index), f"{name}: {place}{error.message}{remedy}"))
     if wrong:
         raise FieldsError(*wrong)
 
@@ -328,7 +328,7 @@ def _author_furniture(
             prim.SetInfo("kind", Kind.Tokens.component)
             path = context.asset(f"{ASSETS}/{item.asset.file}")
             prim.referenceList.Prepend(Sdf.Reference(path))
-            # The lights stage writes over the bulb, which it could not inside an instance.
+            # The lights step writes over the bulb, which it could not inside an instance.
             prim.instanceable = not item.emits
             stand = stands[name]
             if item.pose is None:

@@ -168,7 +168,7 @@ def _openings(stage: Usd.Stage) -> Array:
 
 
 def _floor_polygon(stage: Usd.Stage) -> Array | None:
-    """(P, 2) as the layout stage left it; None where there is no usable one."""
+    """(P, 2) as the layout step left it; None where there is no usable one."""
     room = stage.GetPrimAtPath(names.ROOM)
     attribute = room.GetAttribute(names.ROOM_FLOOR) if room else None
     corners = np.array(attribute.Get() if attribute and attribute.HasValue() else [])

@@ -1,4 +1,4 @@
-"""The cameras stage: given views, and the best of many (`selection`); and the render settings.
+"""The cameras step: given views, and the best of many (`selection`); and the render settings.
 
 The room is taken for an integrating sphere: what lamps give and what comes in through openings,
 the flux F in lumen, spreads evenly over all that bounds it, the area A. At a reflectance r what

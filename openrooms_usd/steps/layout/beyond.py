@@ -97,7 +97,7 @@ def author_beyond(context: StepContext, corners: Array, cuts: Sequence[Cut]) -> 
     """Build a hallway behind each opening that leads to one and can be looked through.
 
     Args:
-        context: Of the layout stage; its notes receive a sentence for each that has no space.
+        context: Of the layout step; its notes receive a sentence for each that has no space.
         corners: (N, 2) the room's floor, counter-clockwise, metres.
         cuts: All openings.
     """

@@ -87,7 +87,7 @@ def described_cuts(
     places: dict[str, Steps] = {cut.name: _OPENINGS for cut in before}
     for index, (name, opening) in enumerate(named_openings(openings)):
         places[name] = field = (*_OPENINGS, index)
-        wall = _wanted(opening, walls)
+        wall = _wall_of(opening, walls)
         if isinstance(wall, str):
             mistakes.append((field, wall))
             continue
@@ -105,7 +105,7 @@ def described_cuts(
     return cuts
 
 
-def _wanted(opening: Opening, walls: Sequence[Wall]) -> Wall | str:
+def _wall_of(opening: Opening, walls: Sequence[Wall]) -> Wall | str:
     """The wall that an opening names, or why there is none."""
     standing = {wall.partition: wall for wall in walls if wall.partition}
     outline = walls[: len(walls) - len(standing)]

@@ -155,7 +155,7 @@ def taken(layout: ScanLayout, path: Path, found: FoundLayout, capture: Capture) 
 
 
 def keep_found(context: StepContext, found: FoundScan) -> None:
-    """Keep what was found beside the layer, for the stages above it.
+    """Keep what was found beside the layer, for the steps above it.
 
     Raises:
         OutputError: It cannot be written.

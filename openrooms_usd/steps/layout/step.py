@@ -1,4 +1,4 @@
-"""The layout stage: floor, ceiling, walls with real holes, and what fills these holes."""
+"""The layout step: floor, ceiling, walls with real holes, and what fills these holes."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -105,7 +105,7 @@ class LayoutStep:
 
 def described_plan(layout: PolygonLayout, notes: list[str]) -> Plan:
     """The plan of a room that is drawn by hand."""
-    return _drawn(layout, layout.polygon, layout.height, notes)
+    return _drawn_plan(layout, layout.polygon, layout.height, notes)
 
 
 def captured_plan(layout: CapturedLayout, context: StepContext) -> Plan:
@@ -135,7 +135,7 @@ def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[
     if layout.polygon is not None:
         if capture.roof is not None and layout.height is None:
             notes.append(f"the walls are drawn: their ceiling is level, at {height:.2f} m")
-        return replace(_drawn(layout, layout.polygon, height, notes), capture=capture)
+        return replace(_drawn_plan(layout, layout.polygon, height, notes), capture=capture)
     place = folder / layout.file
     if capture.floor is None:
         raise InputError(
@@ -168,7 +168,7 @@ def plan_of(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[
     )
 
 
-def _drawn(
+def _drawn_plan(
     layout: PolygonLayout | CapturedLayout,
     polygon: Sequence[tuple[float, float]],
     height: float,

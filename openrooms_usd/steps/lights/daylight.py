@@ -1,4 +1,4 @@
-"""Daylight of the lights stage: sky and land of a moment, and the portals where it comes in."""
+"""Daylight of the lights step: sky and land of a moment, and the portals where it comes in."""
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -213,7 +213,7 @@ def site_of(context: StepContext, environment: OutsideEnvironment, ways: Sequenc
     """Where the room stands in its scene; without an outline where nothing shall be near.
 
     Args:
-        context: Of the lights stage.
+        context: Of the lights step.
         environment: What lies outside.
         ways: The outer faces of what the room is looked out of.
     """
@@ -234,7 +234,7 @@ def author_nearby(context: StepContext, site: Site, windows: Mapping[str, Portal
     """Write what is near, but for a site without an outline.
 
     Args:
-        context: Of the lights stage.
+        context: Of the lights step.
         site: Where the room stands.
         windows: The outer faces of its windows, in the frame of the world, by name.
     """

@@ -1,4 +1,4 @@
-"""The lights stage: one environment, and lamps as their emitting meshes.
+"""The lights step: one environment, and lamps as their emitting meshes.
 
 Our pictures are lit by the mesh light. Blender and other programs ignore it and use the material,
 whose ``emissiveColor`` has the same radiance. A program that supports both counts only the light,
@@ -313,7 +313,7 @@ def _glows(
     stage: Usd.Stage, root: Sdf.Path, bulbs: Sequence[Sdf.Path]
 ) -> tuple[dict[Sdf.Path, Gf.Vec3f], list[Sdf.Path]]:
     """The radiance of each shader that shall emit otherwise; and materials that others wear."""
-    others = _worn(stage.GetPrimAtPath(root), bulbs)
+    others = _other_materials(stage.GetPrimAtPath(root), bulbs)
     glows: dict[Sdf.Path, Gf.Vec3f] = {}
     shared: dict[Sdf.Path, None] = {}
     for bulb in map(stage.GetPrimAtPath, bulbs):
@@ -329,7 +329,7 @@ def _glows(
     return glows, list(shared)
 
 
-def _worn(root: Usd.Prim, bulbs: Iterable[Sdf.Path]) -> set[Sdf.Path]:
+def _other_materials(root: Usd.Prim, bulbs: Iterable[Sdf.Path]) -> set[Sdf.Path]:
     """The materials of a lamp's other parts."""
     lit = set(bulbs)
     parts = [p for p in Usd.PrimRange(root) if p.IsA(UsdGeom.Gprim) or p.IsA(UsdGeom.Subset)]

@@ -194,7 +194,7 @@ class MaterialAssigner:
     """Dresses objects and openings in all looks of a room.
 
     Attributes:
-        context: The stage's context.
+        context: The step's context.
         choosers: One for each look.
         annotations: What people noted, by the name of an object or a category.
     """
@@ -329,7 +329,7 @@ def unknown_names(context: StepContext, roots: Sequence[Usd.Prim]) -> Iterator[t
     """Overrides and annotations of objects that are not there, and of parts that they do not have.
 
     Args:
-        context: The stage's.
+        context: The step's.
         roots: All objects and openings.
 
     Yields:

@@ -110,12 +110,12 @@ def publish_look(context: StepContext, palette: Palette, look: PartMaterials) ->
     """Write a look's layer, unless it is there already.
 
     Args:
-        context: The materials stage's context.
+        context: The materials step's context.
         palette: Its swatches; their textures lie beside the looks.
         look: What is bound.
 
     Returns:
-        The anchored path for the stage's layer.
+        The anchored path for the step's layer.
 
     Raises:
         OutputError: It cannot be written.

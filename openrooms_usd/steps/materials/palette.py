@@ -159,14 +159,14 @@ class Palette:
             if swatch.file is not None:
                 publish(self._own_material(swatch), self._context.keep, TEXTURES)
         sets = {s for swatch in distinct if (s := swatch.textures(self._resolution))}
-        missing = [s for s in sorted(sets, key=_stem) if not self._kept(s)]
+        missing = [s for s in sorted(sets, key=_stem) if not self._keep_files(s)]
         folder = self._context.folder / TEXTURES
         for _ in mapped(
             lambda s: textures.cached(s, folder, _stem(s)), missing, self._context.workers
         ):
             pass
 
-    def _kept(self, wanted: textures.Material) -> bool:
+    def _keep_files(self, wanted: textures.Material) -> bool:
         """Name the files of a set as needed; whether all of them are there."""
         files = [
             textures.map_file(Path(TEXTURES), _stem(wanted), item)

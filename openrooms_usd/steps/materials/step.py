@@ -1,4 +1,4 @@
-"""The materials stage: the room's surfaces by their section, objects by tables and overrides.
+"""The materials step: the room's surfaces by their section, objects by tables and overrides.
 
 With several looks, everything is bound inside the variants of a set ``look``: those of the shell
 and the openings on ``/World/Room``, those of each object in the look layer that its root refers to.

@@ -119,7 +119,7 @@ def _bytes(searches: Sequence[Search]) -> bytes:
     return buffer.getvalue()
 
 
-def _taken(data: bytes) -> list[Search]:
+def _parse_searches(data: bytes) -> list[Search]:
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
         return [
             Search(
@@ -137,7 +137,7 @@ def _taken(data: bytes) -> list[Search]:
 def _serve(queue: int, parent: int) -> None:
     """Search for another process, as long as it lives: its children outlive it if it is killed."""
     threading.Thread(target=_end_without, args=(parent,), daemon=True).start()
-    _search(_taken(sys.stdin.buffer.read()), queue)
+    _search(_parse_searches(sys.stdin.buffer.read()), queue)
 
 
 def _end_without(parent: int) -> None:

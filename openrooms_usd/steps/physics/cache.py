@@ -39,7 +39,7 @@ def cached_shapes(parts: Sequence[Part], method: Method, tolerance: float) -> Sh
     entry = _entry(parts, method, tolerance)
     if entry is None:
         return collision_shapes(parts, method, tolerance)
-    found = _taken(entry, parts)
+    found = _read_entry(entry, parts)
     if found is None:
         found = collision_shapes(parts, method, tolerance)
         with suppress(OSError, OutputError):
@@ -94,7 +94,7 @@ def _bytes(shapes: Shapes, parts: Sequence[Part]) -> bytes:
     return buffer.getvalue()
 
 
-def _taken(entry: Path, parts: Sequence[Part]) -> Shapes | None:
+def _read_entry(entry: Path, parts: Sequence[Part]) -> Shapes | None:
     try:
         with np.load(io.BytesIO(entry.read_bytes()), allow_pickle=False) as stored:
             arrays = dict(stored)

@@ -179,7 +179,9 @@ def search_colliders(
     """
     waiting = list(assets)
     made = {}
-    for asset, searched in zip(waiting, mapped(_tried, waiting, context.workers), strict=True):
+    for asset, searched in zip(
+        waiting, mapped(_try_colliders, waiting, context.workers), strict=True
+    ):
         if isinstance(searched, InputError):
             context.notes.append(f"{asset.root.name} has no physics: {searched.message}")
             continue
@@ -192,7 +194,7 @@ def search_colliders(
     return made
 
 
-def _tried(asset: RigidAsset) -> AssetColliders | InputError:
+def _try_colliders(asset: RigidAsset) -> AssetColliders | InputError:
     try:
         return colliders_of(asset)
     except InputError as error:
@@ -275,9 +277,9 @@ class _Contacts:
             # A layer that is referenced cannot name what is outside of it.
             if not path.IsAbsolutePath() or self.owner is not None:
                 return path.MakeAbsolutePath(self.root)
-        return self._own(made.category or "unknown", self._known(made))
+        return self._own(made.category or "unknown", self._physics_of(made))
 
-    def _known(self, made: Substance) -> MaterialPhysics:
+    def _physics_of(self, made: Substance) -> MaterialPhysics:
         known = made.physics or _usual()
         if self.asset.friction is None:
             return known

@@ -1,4 +1,4 @@
-"""The physics stage: gravity, bodies, collision shapes and joints.
+"""The physics step: gravity, bodies, collision shapes and joints.
 
 The physics of an object is a layer of its own, which its root references above its asset and its
 look, so that repeats go on sharing a prototype; see `objects`. That of the room's shell is
@@ -145,11 +145,11 @@ def _with_floor_friction(context: StepContext, solid: Solid) -> Solid:
     """A floor with the mean of its friction map; any other surface as it is."""
     if Sdf.Path(names.ROOM).AppendPath(solid.path) != Sdf.Path(names.FLOOR):
         return solid
-    made = tuple(_meant(context.stage, substance) for substance in solid.substances)
+    made = tuple(_with_texture_friction(context.stage, substance) for substance in solid.substances)
     return replace(solid, substances=made)
 
 
-def _meant(stage: Usd.Stage, made: Substance) -> Substance:
+def _with_texture_friction(stage: Usd.Stage, made: Substance) -> Substance:
     prim = stage.GetPrimAtPath(made.material) if made.material else None
     if prim is None or made.physics is None or made.category not in SUBSTANCES:
         return made

@@ -85,12 +85,12 @@ def composition_errors(stage: Usd.Stage) -> list[tuple[str, str]]:
     """
     home = f"{Path(stage.GetRootLayer().realPath).absolute().parent}{os.sep}"
     return [
-        (str(error.rootSite.path), _said(error).replace(home, "./"))
+        (str(error.rootSite.path), _message_of(error).replace(home, "./"))
         for error in stage.GetCompositionErrors()
     ]
 
 
-def _said(error: object) -> str:
+def _message_of(error: object) -> str:
     try:
         return plain(error)
     except UnicodeDecodeError as other:

@@ -42,7 +42,7 @@ def locate(attribute: Usd.Attribute, asset: object) -> tuple[str, str]:
 def _beside(layer: Sdf.Layer, stage: Usd.Stage, authored: str) -> str:
     """The file that is meant, within the folder of the stage; empty where there is none."""
     if Ar.IsPackageRelativePath(layer.identifier):
-        said = _said(authored)
+        said = _decode(authored)
         return str(Ar.GetResolver().Resolve(Sdf.ComputeAssetPathRelativeToLayer(layer, said)))
     if not layer.realPath:
         return ""
@@ -58,7 +58,7 @@ def meant(home: Path, name: str, allowed: Sequence[Path]) -> Path | None:
         name: As it is written there, with slashes of either kind, ``%20`` or a drive.
         allowed: Folders in one of which it must lie, links followed.
     """
-    parts = [part for part in _said(name).split("/") if part not in ("", ".")]
+    parts = [part for part in _decode(name).split("/") if part not in ("", ".")]
     down = [part for part in parts if part != ".."]
     places = [(_above(home, parts), down), *((home, down[start:]) for start in range(len(down)))]
     found = (_below(folder, names) for folder, names in places)
@@ -71,7 +71,7 @@ def is_in(path: Path, folders: Sequence[str | Path]) -> bool:
     return any(path.is_relative_to(folder) for folder in folders)
 
 
-def _said(name: str) -> str:
+def _decode(name: str) -> str:
     return unquote(name.removeprefix(_SCHEME)).replace("\\", "/")
 
 

@@ -112,7 +112,7 @@ def read_shaping(prim: Usd.Prim, light: Light) -> tuple[Shaping | None, tuple[st
     if not isinstance(light, _SURFACES):
         authored = {"ies": file, "cone": cone.changes}
         return None, tuple(why for name, why in _AFAR.items() if authored[name])
-    profile, lost = _read_profile(_said(prim, "ies:file"), file)
+    profile, lost = _read_profile(_shaping_input(prim, "ies:file"), file)
     if profile is None and not cone.changes:
         return None, (*losses, *lost)
     normalize = profile is not None and bool(_value(prim, "ies:normalize", False))
@@ -131,7 +131,8 @@ def _read_cone(prim: Usd.Prim, light: Light) -> tuple[Cone, list[str]]:
     """The cone and the focus; an angle that is not authored cuts nothing, unless it is soft."""
     losses: list[str] = []
     angle, softness, focus = (
-        _finite(_said(prim, name), losses) for name in ("cone:angle", "cone:softness", "focus")
+        _finite(_shaping_input(prim, name), losses)
+        for name in ("cone:angle", "cone:softness", "focus")
     )
     softness = min(max(softness or 0.0, 0.0), 1.0)
     if angle is None:
@@ -184,10 +185,10 @@ def define_shaping(prim: Usd.Prim, file: str) -> None:
 
 
 def _value(prim: Usd.Prim, name: str, default: Any) -> Any:
-    attribute = _said(prim, name)
+    attribute = _shaping_input(prim, name)
     value = attribute.Get(_WHEN) if attribute else None
     return default if value is None else value
 
 
-def _said(prim: Usd.Prim, name: str) -> Usd.Attribute:
+def _shaping_input(prim: Usd.Prim, name: str) -> Usd.Attribute:
     return light_input(prim, f"inputs:shaping:{name}")

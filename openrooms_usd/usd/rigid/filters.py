@@ -39,7 +39,7 @@ def read_filters(
             reader.lose(prim.GetPath(), "skipped", _GROUP)
     order = {name: number for number, name in enumerate(called.values())}
     found = set()
-    for here, there in _said(stage):
+    for here, there in _filtered_pairs(stage):
         ends = [_links(path, called, colliders) for path in (here, there)]
         for path, end in zip((here, there), ends, strict=True):
             if not end and not _of_one_body(here, there, called):
@@ -57,7 +57,7 @@ def named_links(bodies: Iterable[Body]) -> dict[Sdf.Path, LinkName]:
     return {Sdf.Path(link.path): (body, link.name) for body, link in every if link.path}
 
 
-def _said(stage: Usd.Stage) -> Iterator[tuple[Sdf.Path, Sdf.Path]]:
+def _filtered_pairs(stage: Usd.Stage) -> Iterator[tuple[Sdf.Path, Sdf.Path]]:
     for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
         if prim.HasAPI(UsdPhysics.FilteredPairsAPI):
             for target in UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets():

@@ -64,7 +64,7 @@ def trees(
     taken: set[Sdf.Path] = set()
     for base in order:
         if base not in taken:
-            tree = _grown(base, beside)
+            tree = _grow_tree(base, beside)
             taken.update(tree.links)
             found[base] = tree
     yield from (found[path] for path in links if path in found)
@@ -133,7 +133,7 @@ def _pins(edge: Edge) -> int:
     return {0: 3, 1: 2, 3: 1}.get(len(edge.freedoms), 0) if not slides else 0
 
 
-def _grown(base: Sdf.Path, beside: Mapping[Sdf.Path, Sequence[Edge]]) -> Tree:
+def _grow_tree(base: Sdf.Path, beside: Mapping[Sdf.Path, Sequence[Edge]]) -> Tree:
     order, joints, waiting = [base], [], [base]
     while waiting:
         parent = waiting.pop(0)

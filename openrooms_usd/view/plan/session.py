@@ -122,9 +122,9 @@ class Session:
         plan = operation.run(self.history.now, given)
         if not given.final:
             return self.told(plan)
-        return self._done(plan)
+        return self._record(plan)
 
-    def _done(self, plan: Drawing) -> dict[str, Any]:
+    def _record(self, plan: Drawing) -> dict[str, Any]:
         if plan != self.history.now:
             self.history.do(plan)
         self.document.keep(plan)
@@ -143,7 +143,7 @@ class Session:
     def _answer(self, given: Answer) -> dict[str, Any]:
         plan, self.draft = self.draft, None
         if given.take and plan is not None:
-            return self._done(plan)
+            return self._record(plan)
         self.document.forget()
         return self.told(self.history.now)
 
@@ -152,7 +152,7 @@ class Session:
         if given.room not in found:
             known = ", ".join(found) or "none"
             raise InputError(f"no room {given.room} was found", remedy=f"found are: {known}")
-        return self._done(replace(found[given.room], thickness=self.history.now.thickness))
+        return self._record(replace(found[given.room], thickness=self.history.now.thickness))
 
     def _points(self) -> bytes:
         under = self.document.under

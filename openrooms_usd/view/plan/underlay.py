@@ -80,7 +80,7 @@ def underlay_of(room: Room, folder: Path) -> Underlay:
         return _of_scan(shown, path, folder)
     capture = read_capture(layout.reader, path, layout.asked, folder)
     notes = list(capture.notes)
-    found = {} if capture.floor is None else {"0": _found(shown, capture, folder, notes)}
+    found = {} if capture.floor is None else {"0": _found_drawing(shown, capture, folder, notes)}
     points = np.empty((0, 3)) if capture.cloud is None else capture.cloud.points
     colors = None if capture.cloud is None else capture.cloud.colors
     return Underlay(capture, points, colors, found, tuple(notes))
@@ -105,7 +105,7 @@ def _of_scan(layout: ScanLayout, path: Path, folder: Path) -> Underlay:
         for wanted in (*range(count), *(["all"] if count > 1 else [])):
             one = taken(layout.model_copy(update={"room": wanted}), path, rooms, capture)
             if wanted != "all" or len(one.chosen) > 1:
-                found[str(wanted)] = _found(layout, one.capture, folder, notes)
+                found[str(wanted)] = _found_drawing(layout, one.capture, folder, notes)
     except SparseScanError as error:
         notes.append(f"{error.message}: draw the room")
         first = _unseen(layout, path, folder)
@@ -121,7 +121,9 @@ def _unseen(layout: ScanLayout, path: Path, folder: Path) -> ScannedRoom:
     return scanned(layout.model_copy(update=update), path, folder)
 
 
-def _found(layout: CapturedLayout, capture: Capture, folder: Path, notes: list[str]) -> Drawing:
+def _found_drawing(
+    layout: CapturedLayout, capture: Capture, folder: Path, notes: list[str]
+) -> Drawing:
     return drawing_of_built(plan_of(layout, capture, folder, notes))
 
 

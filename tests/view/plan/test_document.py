@@ -48,7 +48,7 @@ def drawn(tmp_path: Path) -> Document:
 def boxed(tmp_path: Path) -> Document:
     (tmp_path / "boxes.csv").write_text(BOXES)
     file = tmp_path / "room.yaml"
-    text = "layout: {from: boxes, file: boxes.csv}\nalignment: {from: boxes, file: boxes.csv}\n"
+    text = "layout: {from: boxes, file: boxes.csv}\nfurniture: {from: boxes, file: boxes.csv}\n"
     file.write_text(text)
     return Document(file)
 

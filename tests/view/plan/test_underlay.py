@@ -107,7 +107,7 @@ def test_a_scan_is_drawn_over_and_nothing_is_looked_for_in_it_any_more(tmp_path:
     plan = add_opening(plan, Hole(1.0, 2.0, 0.0, 2.0), wall=0)
     document.save(plan)
     room = load_room(file)
-    assert room.layout.source == "scan" and room.alignment.source == "scan"
+    assert room.layout.source == "scan" and room.furniture.source == "scan"
     ou.compose(file, tmp_path / "out")
     stage = Usd.Stage.Open(str(tmp_path / "out/scene.usda"))
     floor = stage.GetPrimAtPath(names.ROOM).GetAttribute(names.ROOM_FLOOR).Get()

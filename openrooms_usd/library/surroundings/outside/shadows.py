@@ -63,11 +63,11 @@ class Shadows:
         for count in range(1, _MAX_STEPS):
             if count * rise > highest:
                 break
-            moved = self._moved(count * float(flat[0]), count * float(flat[1]))
+            moved = self._heights_shifted(count * float(flat[0]), count * float(flat[1]))
             np.maximum(limit, moved - count * rise, out=limit)
         self._limit = limit
 
-    def _moved(self, right: float, up: float) -> Floats:
+    def _heights_shifted(self, right: float, up: float) -> Floats:
         """Heights so many cells away."""
         pad = np.zeros_like(self._heights)
         columns, rows = round(right), round(up)

@@ -100,10 +100,10 @@ def lines(
     row = start[1][owner] - runs[owner] * share * np.sin(heading)
     # A scratch is deepest in its middle.
     weight = order.rng.uniform(0.2, 1.0, count)[owner] * 4.0 * share * (1.0 - share)
-    return _drawn(order.resolution, row, column, weight)
+    return _splat(order.resolution, row, column, weight)
 
 
-def _drawn(resolution: int, row: Field, column: Field, weight: Field) -> Field:
+def _splat(resolution: int, row: Field, column: Field, weight: Field) -> Field:
     """(N, N) points spread over the four texels around them."""
     top, left = np.floor(row), np.floor(column)
     down, right = row - top, column - left

@@ -1,4 +1,4 @@
-"""The ``alignment`` section: which objects stand where."""
+"""The ``furniture`` section: which objects stand where."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterator, Sequence
@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal, NamedTuple, TypeVar
 from pydantic import Field, Tag
 
 from openrooms_usd.description.categories import LibraryCategory
-from openrooms_usd.description.generate import GeneratedAlignment
+from openrooms_usd.description.generate import GeneratedFurniture
 from openrooms_usd.description.model import (
     CheckedModel,
     FoundMistake,
@@ -153,7 +153,7 @@ class ObjectList(CheckedModel):
         yield from _unsupported(objects)
 
 
-class CapturedAlignment(CapturedSection):
+class CapturedFurniture(CapturedSection):
     """The objects of a captured room: its CAD models, and its boxes filled from the library."""
 
     objects: tuple[AlignedObject, ...] = ()
@@ -165,25 +165,25 @@ class CapturedAlignment(CapturedSection):
         yield from _name_clashes(peek_list(given, "objects"))
 
 
-class RoomPlanAlignment(CapturedAlignment):
+class RoomPlanFurniture(CapturedFurniture):
     """The boxes of an Apple RoomPlan scan, filled from the library."""
 
     source: Literal["roomplan"] = Field(alias="from")
 
 
-class Scan2CadAlignment(CapturedAlignment):
+class Scan2CadFurniture(CapturedFurniture):
     """The CAD models of a Scan2CAD annotation."""
 
     source: Literal["scan2cad"] = Field(alias="from")
 
 
-class BoxesAlignment(CapturedAlignment):
+class BoxesFurniture(CapturedFurniture):
     """A plain list of boxes, filled from the library."""
 
     source: Literal["boxes"] = Field(alias="from")
 
 
-class ScanAlignment(CheckedModel):
+class ScanFurniture(CheckedModel):
     """The furniture of a scan, whose layout is found in it too."""
 
     source: Literal["scan"] = Field(alias="from")
@@ -221,18 +221,18 @@ class ScanAlignment(CheckedModel):
         yield from unsupported(peek_list(given, "objects"))
 
 
-class ImportedAlignment(ImportedSection, CapturedAlignment):
+class ImportedFurniture(ImportedSection, CapturedFurniture):
     """The objects that an installed importer reads."""
 
 
-Alignment = Annotated[
+Furniture = Annotated[
     Annotated[ObjectList, Tag("objects")]
-    | Annotated[GeneratedAlignment, Tag("generate")]
-    | Annotated[RoomPlanAlignment, Tag("roomplan")]
-    | Annotated[Scan2CadAlignment, Tag("scan2cad")]
-    | Annotated[BoxesAlignment, Tag("boxes")]
-    | Annotated[ScanAlignment, Tag("scan")]
-    | Annotated[ImportedAlignment, Tag("capture")],
+    | Annotated[GeneratedFurniture, Tag("generate")]
+    | Annotated[RoomPlanFurniture, Tag("roomplan")]
+    | Annotated[Scan2CadFurniture, Tag("scan2cad")]
+    | Annotated[BoxesFurniture, Tag("boxes")]
+    | Annotated[ScanFurniture, Tag("scan")]
+    | Annotated[ImportedFurniture, Tag("capture")],
     by_source("objects"),
 ]
 
