@@ -62,7 +62,7 @@ def _command(kind: str) -> click.Command:
         for line in _shown(imported):
             echo(line)
         echo_notes(imported.notes)
-        following = command_line("orusd", "compose", imported.file, "-o", "OUT")
+        following = command_line("orusd", "compose", imported.file, "-o", "out")
         is_scan = imported.capture.floor is None
         purpose = ", which finds walls, openings and furniture" if is_scan else ""
         echo(f"wrote {imported.file}; next: {following}{purpose}")
