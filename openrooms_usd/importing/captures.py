@@ -3,7 +3,6 @@
 import filecmp
 import os
 import re
-import shlex
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.errors import InputError, OutputError, writing
 from openrooms_usd.importing.text import describe, describe_scan, unlabelled
+from openrooms_usd.portable import shell_line
 from openrooms_usd.untrusted import check_path, opened
 
 ROOM: Final = "room.yaml"
@@ -86,7 +86,7 @@ def import_capture(
         if unlabelled(capture):
             capture = replace(capture, notes=(*capture.notes, _UNLABELLED))
         packed = _packed(kind, importer, source, asked)
-        _check_names(packed)
+        _check_names(packed, out)
     except OSError as error:
         raise _unreadable(source, error) from error
     text = _described(kind, capture, packed.file, packed.options)
@@ -161,7 +161,7 @@ def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, s
         packed: Packed = pack(source, options)
     else:
         packed = Packed(source.name, {source.name: source}, options)
-    if packed.file.isprintable() and packed.file != ROOM:
+    if packed.file.isprintable() and packed.file.casefold() != ROOM:
         return packed
     name = f"{kind}{Path(packed.file).suffix}"
     # The file itself, or the folder that the files lie in.
@@ -170,11 +170,12 @@ def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, s
     return Packed(name, contents, packed.options)
 
 
-def _check_names(packed: Packed) -> None:
+def _check_names(packed: Packed, folder: Path) -> None:
     """Refuse files that would lie elsewhere, or where the description comes."""
     for name, content in packed.contents.items():
         path = PurePosixPath(name)
-        if path.is_absolute() or ".." in path.parts or path == PurePosixPath(ROOM):
+        is_inner = (folder / name).is_relative_to(folder) and ".." not in path.parts
+        if not is_inner or str(path).casefold() == ROOM:
             raise InputError(
                 f"a file of the capture cannot be copied as {name!r}",
                 place=content if isinstance(content, Path) else None,
@@ -274,7 +275,7 @@ def _folder_reader(kind: str, folder: Path) -> str:
     if not known:
         return ""
     reader = _READERS[known[0].suffix.lower()]
-    return f"what is in it: `orusd import {reader} {shlex.quote(str(known[0]))}`"
+    return f"what is in it: `{shell_line(('orusd', 'import', reader, str(known[0])))}`"
 
 
 def check_scan(capture: Capture, source: Path) -> str:

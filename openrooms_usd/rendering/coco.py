@@ -12,6 +12,7 @@ from openrooms_usd import names
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.record import UNLABELED
+from openrooms_usd.portable import common_folder
 from openrooms_usd.rendering.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.rendering.manifest_schema import AGAIN
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
@@ -118,7 +119,7 @@ def _places(folders: Sequence[Path]) -> list[str]:
     if len(set(whole)) < len(whole):
         twice = next(folder for n, folder in enumerate(folders) if whole[n] in whole[:n])
         raise InputError("this render is given twice", place=twice, remedy="name it once")
-    above = Path(os.path.commonpath(whole))
+    above = common_folder(whole)
     ways = (Path(folder).relative_to(above).as_posix() for folder in whole)
     return ["" if way == "." else f"{way}/" for way in ways]
 

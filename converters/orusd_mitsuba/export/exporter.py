@@ -14,6 +14,7 @@ from pxr import Usd
 from openrooms_usd import atomic, claims, imagefile, ledger
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
+from openrooms_usd.portable import RESERVED
 from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.rendering.scene.cameras import camera_losses
@@ -157,7 +158,7 @@ class _Export:
     objects: dict[str, Description] = field(default_factory=dict)
     _files: dict[int, tuple[PurePosixPath, object]] = field(default_factory=dict)
     _bsdfs: dict[int, str] = field(default_factory=dict)
-    _taken: set[str] = field(default_factory=set)
+    _taken: set[str] = field(default_factory=lambda: set(RESERVED))
 
     def __post_init__(self) -> None:
         self.weights = light_weights(self.scene)
