@@ -56,8 +56,10 @@ def _command(kind: str) -> click.Command:
         from openrooms_usd.importing import import_capture
 
         given = {name: options[_field(name)] for name in importer.options}
-        with progress_bar("reading"):
-            imported = import_capture(kind, source, out, {n: v for n, v in given.items() if v})
+        with progress_bar("reading") as progress:
+            imported = import_capture(
+                kind, source, out, {n: v for n, v in given.items() if v}, progress
+            )
         print_result(imported.as_dict())
         for line in _shown(imported):
             echo(line)

@@ -17,9 +17,13 @@ from openrooms_usd.description import Room, parse_room
 from openrooms_usd.errors import InputError, OutputError, writing
 from openrooms_usd.importing.text import describe, describe_scan, unlabelled
 from openrooms_usd.portable import shell_line
+from openrooms_usd.progress import Progress, nested, passed_to, silent
 from openrooms_usd.untrusted import check_path, opened
 
 ROOM: Final = "room.yaml"
+# The shares of reading, and of reading and looking at points, in the time of an import.
+_READ: Final = 0.5
+_CHECKED: Final = 0.95
 _UNLABELLED: Final = (
     "the scan has no labels: compose finds furniture by its shape, names the clear cases and "
     "puts boxes for the rest; give your own segmentation by `--segments FILE` or `alignment: "
@@ -73,14 +77,19 @@ class ImportedRoom:
 
 
 def import_capture(
-    kind: str, source: Path, out: Path, options: Mapping[str, str] = NO_OPTIONS
+    kind: str,
+    source: Path,
+    out: Path,
+    options: Mapping[str, str] = NO_OPTIONS,
+    progress: Progress = silent,
 ) -> ImportedRoom:
     """Describe a capture in a folder, as `openrooms_usd.api.rooms.import_capture` says."""
     importer: Importer = load(IMPORTERS, kind)
     check_path(source)
     try:
         asked = checked_options(kind, importer, options)
-        capture = _read(kind, importer, source, asked)
+        capture = _read(kind, importer, source, asked, nested(progress, "", 0.0, _READ))
+        progress("checking", _READ)
         if capture.floor is None and (refusal := check_scan(capture, source)):
             capture = replace(capture, notes=(*capture.notes, refusal))
         if unlabelled(capture):
@@ -91,6 +100,7 @@ def import_capture(
         raise _unreadable(source, error) from error
     text = _described(kind, capture, packed.file, packed.options)
     room = parse_room(text, str(out / ROOM), folder=out)
+    progress("copying", _CHECKED)
     with locked(out):
         with writing(out):
             _refuse_to_replace(out, {**packed.contents, ROOM: text.encode()})
@@ -126,11 +136,17 @@ def described_capture(
     return parse_room(_described(kind, capture, file, options), str(source), folder=folder)
 
 
-def _read(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Capture:
+def _read(
+    kind: str,
+    importer: Importer,
+    source: Path,
+    options: Mapping[str, str],
+    progress: Progress = silent,
+) -> Capture:
     """What a room can be made of."""
     check_archive(source)
     try:
-        capture = importer.read(source, options)
+        capture = importer.read(source, options, **passed_to(importer.read, progress))
     except InputError as error:
         hint_importer(kind, source, error)
         raise
