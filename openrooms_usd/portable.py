@@ -29,6 +29,11 @@ def anchored_text(path: Path, start: Path) -> str:
     return text if text.startswith("../") or Path(text).is_absolute() else f"./{text}"
 
 
+def in_order(paths: Iterable[Path]) -> list[Path]:
+    """Paths in one order on every system: those of Windows compare without case."""
+    return sorted(paths, key=lambda path: path.parts)
+
+
 def common_folder(paths: Sequence[Path | str]) -> Path:
     """The folder that all of some absolute paths lie in.
 

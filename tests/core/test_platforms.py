@@ -178,6 +178,13 @@ def test_paths_are_told_with_slashes_and_across_drives(monkeypatch: pytest.Monke
         portable.common_folder(["C:/rooms/a", "D:/b"])
 
 
+def test_paths_have_one_order_on_every_system() -> None:
+    names = ["b/x.png", "B.png", "a.png", "A/c.png"]
+    kinds: tuple[Any, ...] = (Path, PureWindowsPath)
+    orders = [[p.as_posix() for p in portable.in_order(map(kind, names))] for kind in kinds]
+    assert orders[0] == orders[1] == ["A/c.png", "B.png", "a.png", "b/x.png"]
+
+
 def test_commands_are_quoted_for_the_shell_they_are_pasted_into(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
