@@ -237,7 +237,8 @@ class Importer(Protocol):
 
     It may also have ``paths``, the set of those options that name files or folders: they reach it
     as paths that can be opened from anywhere. And it may have a method ``pack`` with the arguments
-    of ``read`` that returns a `Packed`, where a room needs more, or less, than the one file.
+    of ``read`` that returns a `Packed`, where a room needs more, or less, than the one file. Its
+    ``read`` may take a `openrooms_usd.progress.Progress` as ``progress``, too.
     """
 
     options: Mapping[str, str]

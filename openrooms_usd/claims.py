@@ -238,8 +238,9 @@ def _is_lock(path: Path) -> bool:
         if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
             return False
         return _HOLDER.match(untrusted.read_text(path)) is not None
-    except (OSError, InputError):
-        return not os.path.lexists(path)
+    except (OSError, InputError) as error:
+        # Windows refuses to read a locked file.
+        return isinstance(error.__cause__, PermissionError) or not os.path.lexists(path)
 
 
 def _release(lock: "BaseFileLock", path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Protocol
 
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError
+from openrooms_usd.progress import Progress, nested, passed_to, silent
 from openrooms_usd.untrusted import check_path
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ _SAME: Final[Rows] = tuple(tuple(float(row == column) for column in range(4)) fo
 
 # The default format of a file by its ending, and of a folder.
 _BY_ENDING: Final = {".glb": "gltf", ".usdz": "usdz", ".xml": "mitsuba", "": "mitsuba"}
+# The share of opening a stage in the time that it takes to convert it.
+_OPENED: Final = 0.1
 # Of files: a folder may be called room_1.5.
 _ENDING: Final = re.compile(r"\.[a-z][a-z0-9]*")
 
@@ -107,7 +110,8 @@ class Exporter(Protocol):
 
     One that copies layers as they are has an attribute ``keeps_layers``, which is true. One that
     says in an attribute ``writes`` how its destinations end, such as ``(".glb",)``, gets no others;
-    a folder ends in nothing.
+    a folder ends in nothing. One whose ``convert`` takes a `openrooms_usd.progress.Progress` as
+    ``progress`` says by it how far it is.
     """
 
     def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
@@ -127,6 +131,7 @@ def convert_stage(
     options: Mapping[str, Any] | None = None,
     include_outside: bool = False,
     time_code: float | None = None,
+    progress: Progress = silent,
 ) -> Report:
     """Write a stage in a foreign form, as `openrooms_usd.api.scenes.convert` describes.
 
@@ -151,8 +156,9 @@ def convert_stage(
     if not include_outside:
         concerns = (lambda _: True) if keeps_layers else is_picture
         refuse_outside(stage, str(destination), concerns)
+    inner = nested(progress, "", _OPENED, 1.0)
     with reading(path):
-        return write_stage(stage, destination, kind, options, time_code=time_code)
+        return write_stage(stage, destination, kind, options, time_code=time_code, progress=inner)
 
 
 def write_stage(
@@ -162,6 +168,7 @@ def write_stage(
     options: Mapping[str, Any] | None = None,
     *,
     time_code: float | None = None,
+    progress: Progress = silent,
 ) -> Report:
     """Write an open stage in a foreign form, wherever its files lie.
 
@@ -171,6 +178,7 @@ def write_stage(
         to: The exporter's name.
         options: What the exporter understands.
         time_code: The moment to write, as in `convert_stage`.
+        progress: Called with what the exporter works on, where it says so.
 
     Returns:
         What became of every prim.
@@ -188,7 +196,8 @@ def write_stage(
     if not getattr(exporter, "keeps_layers", False):
         read_mtlx_layers(stage)
         lost = freeze_time(stage, time_code)
-    report = exporter.convert(stage, destination, options or {})
+    how = passed_to(exporter.convert, progress)
+    report = exporter.convert(stage, destination, options or {}, **how)
     report.lose(lost)
     add_composition_errors(report, stage)
     return report

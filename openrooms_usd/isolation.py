@@ -11,7 +11,7 @@ calls `check_reads` with the module's name.
 import atexit
 import json
 import os
-import select
+import queue
 import subprocess
 import sys
 import threading
@@ -20,7 +20,7 @@ from contextlib import suppress
 from functools import cache
 from math import inf
 from pathlib import Path
-from typing import Final
+from typing import IO, Final
 
 from openrooms_usd.errors import InputError
 
@@ -71,7 +71,7 @@ def serve(read: Callable[[str], None]) -> None:
     Args:
         read: Reads a file. What it raises is for the one who asks, and comes up there again.
     """
-    with suppress(ImportError):  # not everywhere
+    with suppress(ImportError, OSError, ValueError):  # not everywhere, and not above a lower limit
         import resource
 
         resource.setrlimit(resource.RLIMIT_DATA, (_MOST_MEMORY_BYTES, _MOST_MEMORY_BYTES))
@@ -101,6 +101,7 @@ class _Reader:
         self.lock = threading.Lock()
         self._module = module
         self._process: subprocess.Popen[str] | None = None
+        self._answers = queue.SimpleQueue[str]()
         self._owner = 0
 
     def ask(self, name: str, seconds: float) -> str | None:
@@ -149,10 +150,9 @@ class _Reader:
             return
         process.kill()
         process.wait()
-        for stream in (process.stdin, process.stdout):
-            with suppress(OSError):
-                if stream:
-                    stream.close()
+        with suppress(OSError):
+            if process.stdin:
+                process.stdin.close()
 
     def _is_there(self) -> bool:
         # A process that was forked off shares the pipes of its parent, and must not use them.
@@ -175,19 +175,26 @@ class _Reader:
         except (OSError, ValueError):
             return
         self._owner = os.getpid()
+        self._answers = queue.SimpleQueue()
+        told = (self._process.stdout, self._answers)
+        threading.Thread(target=_pass_on, args=told, daemon=True).start()
         if self._answer(_START_SECONDS) != _READY:
             self.stop()
 
     def _answer(self, seconds: float) -> str | None:
         """The next line; None after some time, empty at the end of the process."""
-        process = self._process
-        if process is None or process.stdout is None:
+        try:
+            return self._answers.get(timeout=seconds)
+        except queue.Empty:
             return None
-        if sys.platform != "win32":  # pipes cannot be waited for there
-            ready, _, _ = select.select([process.stdout], [], [], seconds)
-            if not ready:
-                return None
-        return process.stdout.readline().strip()
+
+
+def _pass_on(stream: IO[str], answers: "queue.SimpleQueue[str]") -> None:
+    """Hand lines over as they come, since Windows cannot wait for a pipe; at its end, nothing."""
+    with suppress(OSError, ValueError), stream:
+        for line in stream:
+            answers.put(line.strip())
+    answers.put("")
 
 
 @cache

@@ -275,7 +275,8 @@ def _is_inner(path: str) -> bool:
     parts = PurePosixPath(path).parts
     return (
         bool(parts)
-        and not path.startswith("/")
+        and not is_unwritable(path)
+        and not (path.startswith("/") or Path(path).drive)
         and ".." not in parts
         and not parts[-1].startswith(".orusd.")
     )

@@ -4,17 +4,18 @@ Both keep what makes a scene editable: references, payloads, variants, classes a
 package keeps the layers too; it is the scene's folder in one archive.
 """
 
-import os
+import posixpath
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path, PurePosixPath
-from tempfile import TemporaryDirectory
 from typing import Final
 
 from pxr import Ar, Sdf, Usd, UsdUtils
 
 from openrooms_usd import atomic, untrusted
 from openrooms_usd.errors import OutputError, StageError
+from openrooms_usd.portable import relative_text
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.files.diagnostics import reading
 from openrooms_usd.usd.outside import is_sublayer_of, refuse_outside
@@ -152,13 +153,13 @@ def _places(files: Sequence[Path]) -> dict[Path, PurePosixPath]:
     home = files[0].parent
     # Numbered by their relative names, so that the numbers do not depend on where the scene lies.
     foreign = sorted(
-        {os.path.relpath(file.parent, home) for file in files if not file.is_relative_to(home)}
+        {relative_text(file.parent, home) for file in files if not file.is_relative_to(home)}
     )
 
     def place(file: Path) -> PurePosixPath:
         if file.is_relative_to(home):
             return PurePosixPath(file.relative_to(home).as_posix())
-        number = foreign.index(os.path.relpath(file.parent, home))
+        number = foreign.index(relative_text(file.parent, home))
         return PurePosixPath("external", str(number), file.name)
 
     return {file: place(file) for file in files}
@@ -202,8 +203,8 @@ def _relocated(
         if not path or target.parent not in moved:
             return path
         place = moved[target.parent] / target.name
-        text = PurePosixPath(os.path.relpath(place, moved[file.parent])).as_posix()
-        if text == os.path.normpath(path):
+        text = posixpath.relpath(place, moved[file.parent])
+        if text == posixpath.normpath(path):
             return path
         changed = True
         return text if text.startswith("../") else f"./{text}"
@@ -217,8 +218,8 @@ def _relocated(
 
 
 def _serialised(layer: Sdf.Layer, suffix: str) -> bytes:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / f"layer{suffix}"
+    with scratch_folder() as folder:
+        path = folder / f"layer{suffix}"
         layers.export(layer, path)
         return path.read_bytes()
 

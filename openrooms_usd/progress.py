@@ -1,7 +1,10 @@
 """How what takes long says how far it is: one shape for all of it."""
 
-from collections.abc import Callable
-from typing import Self
+from collections.abc import Callable, Iterable, Iterator
+from inspect import signature
+from typing import Any, Self, TypeVar
+
+Item = TypeVar("Item")
 
 Progress = Callable[[str, float], None]
 """Called with what is being worked on and the finished fraction of the whole, from 0 to 1."""
@@ -43,6 +46,25 @@ def part(progress: Progress, what: str, index: int, count: int) -> Callable[[flo
     """
     named = Counted(what, index + 1, count)
     return lambda fraction: progress(named, (index + min(max(fraction, 0.0), 1.0)) / count)
+
+
+def each(progress: Progress, what: str, items: Iterable[Item], count: int) -> Iterator[Item]:
+    """Pass on things of about equal work, and say before each how far all of them are.
+
+    Args:
+        progress: Of all of them.
+        what: What each is called.
+        items: The things.
+        count: How many there are.
+    """
+    for number, item in enumerate(items):
+        progress(Counted(what, number + 1, count), number / count)
+        yield item
+
+
+def passed_to(function: Callable[..., Any], progress: Progress) -> dict[str, Progress]:
+    """The argument ``progress`` for a method of an adapter that has it; for others nothing."""
+    return {"progress": progress} if "progress" in signature(function).parameters else {}
 
 
 def nested(progress: Progress, what: str, begin: float, end: float) -> Progress:

@@ -5,7 +5,13 @@ What may be removed is decided by others: `unfinished` knows what a process is s
 """
 
 import shutil
+import sys
+import time
 from pathlib import Path
+from typing import Final
+
+# On Windows nothing is renamed while a virus scanner reads it, which takes moments.
+_PAUSES_S: Final = (0.05, 0.1, 0.2, 0.4, 0.8)
 
 
 def rename(source: Path, target: Path) -> None:
@@ -14,6 +20,12 @@ def rename(source: Path, target: Path) -> None:
     Raises:
         OSError: It cannot be done.
     """
+    for pause in _PAUSES_S if sys.platform == "win32" else ():
+        try:
+            source.replace(target)
+            return
+        except PermissionError:
+            time.sleep(pause)
     source.replace(target)
 
 

@@ -5,13 +5,14 @@ writes; elsewhere they are warnings, because a stage that follows none of our ha
 stage.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 from pxr import Usd
 
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.files.diagnostics import quiet, reading
 from openrooms_usd.validation import stage_rules
@@ -104,22 +105,28 @@ def validate_stage(path: Path, *, strict: bool = False) -> list[Finding]:
         return check(layers.open_stage(path), strict=strict)
 
 
-def check(stage: Usd.Stage, *, strict: bool = False) -> list[Finding]:
+def check(stage: Usd.Stage, *, strict: bool = False, progress: Progress = silent) -> list[Finding]:
     """Check a stage that is open already; see `validate_stage`.
+
+    Args:
+        stage: The stage.
+        strict: Count warnings as errors.
+        progress: Called with the code of each rule.
 
     Raises:
         InputError: It holds what cannot be read at all.
     """
     subject = Subject(stage)
     with reading(subject.root.realPath or subject.root.identifier):
-        found = [*core_findings(subject), *_house_findings(subject, RULES)]
+        found = [*core_findings(subject), *_house_findings(subject, progress)]
     if strict:
         found = [replace(finding, severity="error") for finding in found]
     return sorted(set(found))
 
 
-def _house_findings(subject: Subject, rules: Iterable[Rule]) -> Iterator[Finding]:
-    for rule in rules:
+def _house_findings(subject: Subject, progress: Progress) -> Iterator[Finding]:
+    for number, rule in enumerate(RULES):
+        progress(f"rule {rule.code}", number / len(RULES))
         for place, message in rule.check(subject):
             # Our rules do not apply to what users made themselves.
             strict = subject.ours and not rule.advice and not subject.is_by_hand(place)

@@ -9,14 +9,13 @@ import hashlib
 import itertools
 import os
 import re
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from openrooms_usd import removal
+from openrooms_usd import processes, removal
 
 _NUMBERS: Final = itertools.count()
 # In a container every process may have the same number.
@@ -97,12 +96,4 @@ def _is_running(pid: int, began: str) -> bool:
     """Whether a process may still be writing; true if unknown."""
     if pid == os.getpid():
         return began == _BEGAN
-    if sys.platform == "win32":  # signal 0 would end it there
-        return True
-    try:
-        os.kill(pid, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except OSError:
-        return True
-    return True
+    return processes.is_running(pid)

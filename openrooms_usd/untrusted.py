@@ -114,6 +114,8 @@ def opened(path: Path, kind: Kind, *, remedy: str = "check the path") -> Iterato
     except FileNotFoundError as error:
         raise InputError("no such file", place=path, remedy=remedy) from error
     except OSError as error:
+        if os.path.isdir(path):  # noqa: PTH112 - never raises; Windows opens no folder
+            raise _no_file(path, "a folder") from error
         reason = f"cannot read it: {error.strerror or error}"
         raise InputError(reason, place=path, remedy=remedy) from error
 
@@ -256,11 +258,15 @@ def _named(mode: int) -> str:
 def _check_file(path: Path, kind: Kind, found: os.stat_result) -> None:
     what = _named(found.st_mode)
     if what != "a file":
-        raise InputError(
-            f"this is {what}, not a file", place=path, remedy="give the path of a regular file"
-        )
+        raise _no_file(path, what)
     if found.st_size > MOST_BYTES[kind]:
         raise _too_large(path, kind, found.st_size)
+
+
+def _no_file(path: Path, what: str) -> InputError:
+    return InputError(
+        f"this is {what}, not a file", place=path, remedy="give the path of a regular file"
+    )
 
 
 def _too_large(path: Path, kind: Kind, size: int) -> InputError:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from openrooms_usd.exporters import Report
+from openrooms_usd.progress import Progress, silent
 from orusd_gltf.options import parsed
 
 if TYPE_CHECKING:
@@ -16,13 +17,20 @@ class GltfExporter:
 
     writes = (".glb",)
 
-    def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
+    def convert(
+        self,
+        stage: "Usd.Stage",
+        destination: Path,
+        options: Mapping[str, Any],
+        progress: Progress = silent,
+    ) -> Report:
         """Write ``stage`` to the file ``destination``.
 
         Args:
             stage: The composed stage, with any up axis and unit.
             destination: The ``.glb`` file.
             options: Those of `orusd_gltf.options.Options`.
+            progress: Called with each surface.
 
         Returns:
             What became of every prim.
@@ -37,7 +45,7 @@ class GltfExporter:
         from orusd_gltf.scene import translate
 
         claims.check_output(destination)
-        data, report = translate(stage, asked)
+        data, report = translate(stage, asked, progress)
         with claims.output(destination):
             atomic.write_bytes(destination, data)
         return report

@@ -3,11 +3,9 @@
 A picture whose file already says it all goes in as it is; others are decoded, packed and encoded.
 """
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -17,6 +15,7 @@ from openrooms_usd import imagefile, untrusted
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.pictures import MAX_SIDE, Picture, load
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE, Texture
 from openrooms_usd.usd.shading.textures import PictureFacts, local_file, picture_facts
 from orusd_gltf.document import Document, Object
@@ -202,8 +201,8 @@ def encoded(codes: NDArray[np.uint8], form: str) -> tuple[bytes, str]:
     ending, mime, told = _FORMATS[form]
     # The writer must not divide colours by alpha.
     told = told | {"DateTime": "", "oiio:UnassociatedAlpha": 1}
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"picture{ending}"
+    with scratch_folder() as folder:
+        path = folder / f"picture{ending}"
         imagefile.write(path, codes, "uint8", told)
         return path.read_bytes(), mime
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdPhysics
 
 from openrooms_usd.exporters import Report
+from openrooms_usd.progress import Progress, each, silent
 from openrooms_usd.rendering.scene.unseen import report_unseen
 from openrooms_usd.usd.cameras import list_cameras
 from openrooms_usd.usd.light.lights import Light, MeshLight, read_lights, read_portals
@@ -29,12 +30,15 @@ _FARTHEST_M: Final = 1e9
 _FARTHEST_LOCAL: Final = 1e18
 
 
-def translate(stage: Usd.Stage, options: Options) -> tuple[bytes, Report]:
+def translate(
+    stage: Usd.Stage, options: Options, progress: Progress = silent
+) -> tuple[bytes, Report]:
     """Translate a stage; nothing that it holds raises.
 
     Args:
         stage: The composed stage, with any up axis and unit.
         options: How.
+        progress: Called with each surface.
 
     Returns:
         The bytes of the GLB file, and a report of every prim.
@@ -43,7 +47,7 @@ def translate(stage: Usd.Stage, options: Options) -> tuple[bytes, Report]:
     # 1. Light, first: a mesh has to know whether it emits.
     work.add_lights()
     # 2. Surfaces; what repeats is stored once.
-    work.add_meshes()
+    work.add_meshes(progress)
     # 3. Cameras, and the names of all that is left.
     work.add_cameras()
     work.name_the_rest()
@@ -112,7 +116,7 @@ class _Translation:
 
     # Surfaces.
 
-    def add_meshes(self) -> None:
+    def add_meshes(self, progress: Progress) -> None:
         reading = read_meshes(self.stage, outside=False)
         for path, outcome, reason in reading.losses:
             self.report.add(path, outcome, reason)
@@ -121,7 +125,7 @@ class _Translation:
             for mesh in reading:
                 self._unlit.paint(mesh, self._looks.parts(mesh))
             self._unlit.finish()
-        for mesh in reading:
+        for mesh in each(progress, "surface", reading, len(reading)):
             if _is_too_far(mesh):
                 self.report.add(mesh.path, "skipped", f"it reaches farther than {_FARTHEST_M:g} m")
                 continue

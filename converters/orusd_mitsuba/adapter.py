@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from openrooms_usd.channels import CHANNELS, RENDERED
 from openrooms_usd.exporters import Report
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.contract import NO_OPTIONS
 from orusd_mitsuba import variants
 
@@ -61,13 +62,20 @@ class MitsubaExporter:
 
     writes = ("", ".xml")
 
-    def convert(self, stage: "Usd.Stage", destination: Path, options: Mapping[str, Any]) -> Report:
+    def convert(
+        self,
+        stage: "Usd.Stage",
+        destination: Path,
+        options: Mapping[str, Any],
+        progress: Progress = silent,
+    ) -> Report:
         """Write ``stage`` to ``destination``.
 
         Args:
             stage: The composed stage.
             destination: The ``.xml`` file, or a folder that receives ``scene.xml``.
             options: None is known; each that is given is refused.
+            progress: Called with each surface.
 
         Raises:
             InputError: An option is not known.
@@ -75,4 +83,4 @@ class MitsubaExporter:
         """
         from orusd_mitsuba.export.exporter import export_scene
 
-        return export_scene(stage, destination, options)
+        return export_scene(stage, destination, options, progress)

@@ -51,7 +51,7 @@ _FOLDERS: Final = (
     "/usr/local/lib",
     "/opt/homebrew/opt/llvm*/lib",
     "/usr/local/opt/llvm*/lib",
-    "C:/RoomProgram Files/LLVM/bin",
+    "C:/Program Files/LLVM/bin",
 )
 _LIBRARIES: Final = ("libLLVM*.so*", "libLLVM*.dylib", "LLVM-C.dll")
 

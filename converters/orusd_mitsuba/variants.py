@@ -255,7 +255,8 @@ def _probe(variant: str, library: Library | None) -> Probe:
             [sys.executable, "-P", "-c", _PROBE, variant, *needed],
             env=environment,
             capture_output=True,
-            text=True,
+            encoding="utf-8",
+            errors="replace",
             timeout=_PROBE_SECONDS,
             check=False,
         )

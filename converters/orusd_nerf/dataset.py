@@ -202,7 +202,8 @@ def _check(renders: Sequence[RenderedScene], options: DatasetOptions) -> Rendere
         )
     if options != DatasetOptions():
         raise InputError(
-            "--scene, --split, --subset, --layout, --imenv-order and --first belong to OpenRooms",
+            "--scene, --split, --subset, --dataset-layout, --imenv-order and --first belong to "
+            "OpenRooms",
             place="dataset",
             remedy="omit them",
         )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.scan.models.meshscene import ShownMesh, shown_meshes
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.mainpart import FEW, MOST, main_part
@@ -77,18 +78,10 @@ READERS: Final[Mapping[str, Callable[[Path], Scanned]]] = {
     ".ply": read_ply,
     ".pcd": read_pcd,
     ".obj": read_obj,
-    ".glb": read_mesh,
-    ".stl": read_mesh,
-    ".off": read_mesh,
-    ".las": read_las,
-    ".laz": read_las,
+    **dict.fromkeys((".glb", ".stl", ".off"), read_mesh),
+    **dict.fromkeys((".las", ".laz"), read_las),
     ".e57": read_e57,
-    ".xyz": read_text,
-    ".txt": read_text,
-    ".pts": read_text,
-    ".ptx": read_text,
-    ".asc": read_text,
-    ".csv": read_text,
+    **dict.fromkeys((".xyz", ".txt", ".pts", ".ptx", ".asc", ".csv"), read_text),
     ".npz": read_npz,
 }
 UNDETERMINED: Final = (
@@ -184,17 +177,21 @@ class ScanImporter:
     }
     paths = frozenset({"frames", "classes", "words", "segments"})
 
-    def read(self, source: Path, options: Mapping[str, str] = NO_OPTIONS) -> Capture:
+    def read(
+        self, source: Path, options: Mapping[str, str] = NO_OPTIONS, progress: Progress = silent
+    ) -> Capture:
         """Read a point cloud or a mesh.
 
         Args:
             source: The file.
             options: See `options`.
+            progress: Called with each step.
 
         Raises:
             InputError: It is missing, of an unknown kind, or holds nonsense; names the place.
             MissingPackageError: Its kind needs a package that is not installed.
         """
+        progress("reading", 0.0)
         scanned = read_scanned(source)
         if "segments" in options:
             cloud = with_segments(scanned.cloud, Path(options["segments"]))
@@ -203,9 +200,11 @@ class ScanImporter:
         if "classes" in options:
             scanned = replace(scanned, cloud=classified(scanned.cloud, Path(options["classes"])))
             notes = [note for note in notes if not note.endswith(OTHER_CLASSES)]
+        progress("finding unit and axes", 0.1)
         placed = _placed(scanned.cloud, source)
         stands = _standing(scanned, placed, options, source)
         notes += stands.notes
+        progress("placing points", 0.6)
         frame = _frame(placed, stands)
         frames: tuple[CapturedFrame, ...] = ()
         if "frames" in options:

@@ -13,6 +13,7 @@ from openrooms_usd.colorimetry import linear_from_srgb, srgb_from_linear
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.world import Visual
+from openrooms_usd.scratch import scratch_folder
 from orusd_urdf import objfile
 from orusd_urdf.looks import PLAIN, Loss, RobotMaterial
 from orusd_urdf.naming import Names
@@ -124,12 +125,10 @@ def _linear(stored: np.ndarray, texture: "Texture") -> np.ndarray:
 
 
 def _encoded(linear: np.ndarray) -> bytes:
-    import tempfile
-
     from openrooms_usd.imagefile import write_png
 
     codes = np.round(srgb_from_linear(np.nan_to_num(linear)) * 255.0).astype(np.uint8)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "picture.png"
+    with scratch_folder() as folder:
+        file = folder / "picture.png"
         write_png(file, codes)
         return file.read_bytes()

@@ -1,6 +1,5 @@
 """Bullet as an engine: it loads the URDF files that the exporter writes."""
 
-import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,7 @@ from openrooms_usd.engines import (
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.quaternions import pose_of, quaternion
 from openrooms_usd.physics.world import Body, Drive, Joint, LinkName, World
+from openrooms_usd.scratch import scratch_folder
 from orusd_urdf.loading import BASE, Loaded, keep_apart, load_file
 from orusd_urdf.naming import safe
 from orusd_urdf.packages import needed
@@ -54,8 +54,8 @@ class BulletEngine:
         """
         bullet = needed("pybullet")
         simulation = BulletSimulation(bullet, world, timestep)
-        with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
-            simulation.load(Path(folder), friction)
+        with scratch_folder() as folder:
+            simulation.load(folder, friction)
         return simulation
 
 

@@ -5,10 +5,8 @@ for each two that differ, millions in a furnished room. The engine gives each co
 coefficient when it arises instead, so that it needs no pairs and none is left out.
 """
 
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -27,6 +25,7 @@ from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.quaternions import pose_of, quaternion
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import Body, Joint, World
+from openrooms_usd.scratch import scratch_folder
 from orusd_urdf.packages import needed
 
 Array = NDArray[np.float64]
@@ -66,10 +65,8 @@ class MujocoEngine:
         from orusd_urdf.mjcf import write_model
 
         mujoco = needed("mujoco")
-        with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
-            file = write_model(
-                world, Path(folder), friction=friction, pairs="none", timestep=timestep
-            )
+        with scratch_folder() as folder:
+            file = write_model(world, folder, friction=friction, pairs="none", timestep=timestep)
             try:
                 spec = mujoco.MjSpec.from_file(str(file))
                 _add_motors(mujoco, spec)

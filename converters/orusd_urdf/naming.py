@@ -5,6 +5,8 @@ import re
 import unicodedata
 from typing import Final
 
+from openrooms_usd.portable import RESERVED
+
 _FOREIGN: Final = re.compile(r"[^A-Za-z0-9_]+")
 _PLAIN: Final = re.compile(r"[A-Za-z0-9_]+")
 # What never moves has this name in MuJoCo, and a link of it is held in Gazebo and Drake; names
@@ -38,7 +40,7 @@ class Names:
     """Gives every file a name of its own; the same things in the same order get the same ones."""
 
     def __init__(self) -> None:
-        self._taken: set[str] = set()
+        self._taken = set(RESERVED)
 
     def unique(self, text: str) -> str:
         """A plain name that was not given before, whatever the case of its letters."""

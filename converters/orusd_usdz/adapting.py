@@ -5,7 +5,6 @@ Instances become copies, variants what is chosen, and lights, bodies and labels 
 
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import numpy as np
@@ -16,6 +15,8 @@ from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.errors import InputError
 from openrooms_usd.exporters import Report
 from openrooms_usd.package import package
+from openrooms_usd.portable import RESERVED
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.arrays import flattened
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.files.diagnostics import reading
@@ -87,7 +88,7 @@ class Textures:
     def _name(self, stem: str, ending: str) -> str:
         plain = "".join(c if c.isascii() and (c.isalnum() or c in "-_") else "_" for c in stem)
         name, number = f"{plain}{ending}", 1
-        while name.lower() in self._taken:
+        while name.lower() in self._taken or Path(name).stem.lower() in RESERVED:
             number += 1
             name = f"{plain}_{number}{ending}"
         self._taken.add(name.lower())
@@ -116,8 +117,8 @@ def write_plain(stage: Usd.Stage, target: Path, profile: Profile) -> Report:
     Raises:
         OutputError: The file cannot be written.
     """
-    with TemporaryDirectory() as folder:
-        scene = Path(folder) / "scene.usdc"
+    with scratch_folder() as folder:
+        scene = folder / "scene.usdc"
         work = _Adaptation(_flattened(stage), profile, Textures(scene.parent, profile.pictures))
         # 1. Removes what phones do not show or support.
         work.remove_prims()

@@ -8,7 +8,7 @@ from typing import Final
 import click
 
 from openrooms_usd.cli.command import Group, note_former
-from openrooms_usd.cli.console import print_json
+from openrooms_usd.cli.console import print_json, take_all_letters
 from openrooms_usd.errors import OrusdError
 from openrooms_usd.version import __version__
 
@@ -130,6 +130,7 @@ def main() -> None:
     """Run the command line; errors for people become one message and an exit code."""
     from openrooms_usd.cli.interruption import leave, prompt_interrupts
 
+    take_all_letters()
     gc.set_threshold(_GARBAGE_THRESHOLD, *gc.get_threshold()[1:])
     try:
         with prompt_interrupts():

@@ -59,14 +59,15 @@ class Command(click.Command):
 
     Args:
         example: A command line that ``--help`` shows.
-        former: The present name of each option, or command of a group, that had another one.
+        former: The present name of each option, or command of a group, that had another one; or
+            what chooses it by the option's value, empty where none was given.
     """
 
     def __init__(
         self,
         *args: Any,
         example: str | None = None,
-        former: Mapping[str, str] | None = None,
+        former: Mapping[str, str | Callable[[str], str]] | None = None,
         **kwargs: Any,
     ) -> None:
         super().__init__(*args, **kwargs)
@@ -86,15 +87,19 @@ class Command(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Read the words of a command line, with former names of options as the present ones."""
         end = args.index("--") if "--" in args else len(args)
-        present = [self._present(ctx, word) for word in args[:end]]
+        words = zip(args[:end], [*args[1:end], ""], strict=False)
+        present = [self._present(ctx, word, following) for word, following in words]
         return super().parse_args(ctx, present + args[end:])
 
-    def _present(self, ctx: click.Context, word: str) -> str:
+    def _present(self, ctx: click.Context, word: str, following: str) -> str:
         name, equals, value = word.partition("=")
         if not name.startswith("-") or name not in self.former:
             return word
-        note_former(ctx, name, self.former[name])
-        return f"{self.former[name]}{equals}{value}"
+        present = self.former[name]
+        if callable(present):
+            present = present(value if equals or following.startswith("-") else following)
+        note_former(ctx, name, present)
+        return f"{present}{equals}{value}"
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command."""
@@ -156,7 +161,8 @@ class Group(Command, click.Group):
         Raises:
             UsageError: There is none of that name.
         """
-        if present := self.former.get(args[0]):
+        present = self.former.get(args[0])
+        if isinstance(present, str):
             note_former(ctx, args[0], present)
             args = [present, *args[1:]]
         try:

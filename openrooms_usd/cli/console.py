@@ -1,17 +1,19 @@
 """What the commands print: what was asked for, what was done, warnings, and JSON."""
 
 import json
-import shlex
+import os
 import sys
 from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, redirect_stdout
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 
 import click
 
 from openrooms_usd.errors import printable
+from openrooms_usd.portable import shell_line
 from openrooms_usd.spelling import did_you_mean, listed
 
 if TYPE_CHECKING:
@@ -66,6 +68,15 @@ def told_aside() -> Iterator[None]:
             yield
     finally:
         context.meta[_KEY] = before
+
+
+def take_all_letters() -> None:
+    """Write UTF-8 to files and pipes on every system, and escapes for what a terminal lacks."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            is_chosen = stream.isatty() or "PYTHONIOENCODING" in os.environ
+            encoding = stream.encoding if is_chosen else "utf-8"
+            stream.reconfigure(encoding=encoding, errors="backslashreplace")
 
 
 if TYPE_CHECKING:
@@ -137,7 +148,7 @@ def named(names: Sequence[str]) -> str:
 
 def command_line(*words: str | Path) -> str:
     """A command that can be pasted into a shell, whatever its paths are called."""
-    return shlex.join(str(word) for word in words)
+    return shell_line(str(word) for word in words)
 
 
 def print_result(data: object) -> None:

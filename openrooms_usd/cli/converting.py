@@ -68,9 +68,15 @@ def convert(
     check_report(report_file, stage, out)
     to = to or exporter_of(out)
     asked = _parse_options(options) | ({"profile": profile} if profile else {})
-    with quiet(), progress_bar("converting"):
+    with quiet(), progress_bar("opening") as progress:
         report = convert_stage(
-            stage, out, to=to, options=asked, include_outside=include_outside, time_code=time_code
+            stage,
+            out,
+            to=to,
+            options=asked,
+            include_outside=include_outside,
+            time_code=time_code,
+            progress=progress,
         )
     write_report(report_file, report)
     print_result({"stage": str(stage), "out": str(out), "to": to, **report.as_dict()})

@@ -262,7 +262,8 @@ def _number(value: float) -> str:
 
 
 @dataset.command(
-    example="orusd dataset write renders -o data --format nerf", former={"--as": "--format"}
+    example="orusd dataset write renders -o data --format nerf",
+    former={"--as": "--format", "--layout": "--dataset-layout"},
 )
 @click.argument(
     "renders", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RENDER..."
@@ -297,7 +298,8 @@ def _number(value: float) -> str:
     help="Which part of the dataset the scene belongs to.",
 )
 @click.option(
-    "--layout",
+    "--dataset-layout",
+    "layout",
     type=Choice(["split", "merged"]),
     default="split",
     show_default=True,

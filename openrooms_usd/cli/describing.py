@@ -20,7 +20,7 @@ def init(folder: Path) -> None:
     description, rules = write_starter(folder)
     print_result({"description": str(description), "schema": str(rules)})
     echo(f"wrote {description}")
-    echo(f"next:  {command_line('orusd', 'compose', description, '-o', folder / 'out')}")
+    echo(f"next:  {command_line('orusd', 'compose', description, '-o', 'out')}")
 
 
 @click.command(cls=Command, example="orusd schema room")

@@ -80,4 +80,4 @@ def generate(
     print_result({"rooms": [room.as_dict() for room in rooms]})
     for room in rooms:
         echo(f"wrote {room.file}: {room.made.shell.area:.1f} m2, {room.objects} objects")
-    echo(f"next: {command_line('orusd', 'compose', rooms[0].file, '-o', 'OUT')}")
+    echo(f"next: {command_line('orusd', 'compose', rooms[0].file, '-o', 'out')}")

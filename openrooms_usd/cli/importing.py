@@ -56,13 +56,15 @@ def _command(kind: str) -> click.Command:
         from openrooms_usd.importing import import_capture
 
         given = {name: options[_field(name)] for name in importer.options}
-        with progress_bar("reading"):
-            imported = import_capture(kind, source, out, {n: v for n, v in given.items() if v})
+        with progress_bar("reading") as progress:
+            imported = import_capture(
+                kind, source, out, {n: v for n, v in given.items() if v}, progress
+            )
         print_result(imported.as_dict())
         for line in _lines_of(imported):
             echo(line)
         echo_notes(imported.notes)
-        following = command_line("orusd", "compose", imported.file, "-o", "OUT")
+        following = command_line("orusd", "compose", imported.file, "-o", "out")
         is_scan = imported.capture.floor is None
         purpose = ", which finds walls, openings and furniture" if is_scan else ""
         echo(f"wrote {imported.file}; next: {following}{purpose}")

@@ -57,7 +57,9 @@ def labels(
     """
     from openrooms_usd.rendering.labelling import write_labels
 
-    with progress_bar("reading"):
-        summary = write_labels(renders, out, form=form, taxonomy=taxonomy, stage=stage)
+    with progress_bar("reading") as progress:
+        summary = write_labels(
+            renders, out, form=form, taxonomy=taxonomy, stage=stage, progress=progress
+        )
     print_result(summary.as_dict())
     echo(f"wrote {out}: {summary.objects} objects in {summary.views} views")

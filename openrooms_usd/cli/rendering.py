@@ -27,9 +27,6 @@ _BIAS_WORTH_A_WARNING: Final = 0.03
 _SURE_STANDARD_ERRORS: Final = 4.0
 # Sentences of the report that are printed.
 _MOST_ALARMS: Final = 8
-# What --frames means without a range.
-_EVERY: Final = "every"
-
 
 _FILM: Final = (
     "resolution",
@@ -54,7 +51,11 @@ _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name no
 @click.command(
     cls=Command,
     example="orusd render out/scene.usda -o renders --camera overview --spp 16",
-    former={"--error": "--target-error", "--time": "--max-seconds"},
+    former={
+        "--error": "--target-error",
+        "--time": "--max-seconds",
+        "--frames": lambda value: "--time-codes" if value else "--keep-frames",
+    },
 )
 @click.argument("stage", type=click.Path(path_type=Path), metavar="STAGE")
 @folder_option
@@ -84,14 +85,12 @@ _SETTINGS: Final = tuple(name for name in RenderSettings.model_fields if name no
     click.option(
         "--fps", type=int, help=f"Frames a second of the video; {DEFAULT_RATE} by default."
     ),
-    click.option(
-        "--frames",
-        is_flag=False,
-        flag_value=_EVERY,
-        metavar="[A:B:STEP]",
-        help="Render a stage that moves at these time codes, into a folder for each; alone, with "
-        "--path: write every frame of the video too.",
-    ),
+    click.option("--keep-frames", is_flag=True, help="Write every frame of the video too."),
+)
+@click.option(
+    "--time-codes",
+    metavar="A:B:STEP",
+    help="Render a stage that moves at these moments, into a folder for each.",
 )
 @section(
     "OpenRooms' files",
@@ -121,7 +120,8 @@ def render(
     spec: str | None,
     duration: float | None,
     fps: int | None,
-    frames: str | None,
+    keep_frames: bool,
+    time_codes: str | None,
     root: Path | None,
     layout: Literal["split", "merged"],
     report_file: Path | None,
@@ -129,8 +129,8 @@ def render(
     """Render the cameras of a USD stage with their ground truth, or a camera path as a video.
 
     OUT receives a folder for every view, contact_sheet.png, manifest.json and timing.json. Ctrl-C
-    keeps the views that are finished. With --frames A:B:STEP all this is in a folder for each
-    frame, such as OUT/frame_0012.
+    keeps the views that are finished. With --time-codes all this is in a folder for each, such
+    as OUT/frame_0012.
     """
     from openrooms_usd import adapters
     from openrooms_usd.cli.datasets import print_dataset
@@ -142,7 +142,7 @@ def render(
     # Held until the end, so that its files are read once.
     _held = _warn_of_units(stage)
     if spec is not None:
-        _check_film(settings, cameras, root, report_file, frames)
+        _check_film(settings, cameras, root, report_file, time_codes)
         film(
             stage,
             out,
@@ -150,15 +150,15 @@ def render(
             settings,
             seconds=duration,
             rate=DEFAULT_RATE if fps is None else fps,
-            keep_frames=frames is not None,
+            keep_frames=keep_frames,
         )
         return
-    if duration is not None or fps is not None or frames == _EVERY:
-        raise click.UsageError("--duration, --fps and --frames without a range belong to --path")
-    if frames is not None and report_file is not None:
-        raise click.UsageError("with --frames there is no --report: frames have manifests")
+    if duration is not None or fps is not None or keep_frames:
+        raise click.UsageError("--duration, --fps and --keep-frames belong to --path")
+    if time_codes is not None and report_file is not None:
+        raise click.UsageError("with --time-codes there is no --report: frames have manifests")
     check_report(report_file, stage, out)
-    renders = _renders(out, settings.time_code, frames, root)
+    renders = _renders(out, settings.time_code, time_codes, root)
     for folder in renders:
         _tell_what_goes(folder)
     # What cannot be written should not be rendered first.
@@ -175,7 +175,7 @@ def render(
     written = None
     if writer and root:
         written = writer.write([read_render(out)], root, DatasetOptions(layout=layout))
-    if frames:
+    if time_codes:
         print_result({"frames": [summary.as_dict() for summary in summaries]})
     else:
         print_result(summaries[0].as_dict() | ({"dataset": written.as_dict()} if written else {}))
@@ -188,7 +188,7 @@ def _check_film(
     cameras: tuple[str, ...],
     root: Path | None,
     report_file: Path | None,
-    frames: str | None,
+    time_codes: str | None,
 ) -> None:
     """Refuse what a video does not have."""
     given = [flag_of(name) for name in _SETTINGS if name in settings.model_fields_set - {*_FILM}]
@@ -196,30 +196,30 @@ def _check_film(
         "--camera": cameras,
         "--dataset": root,
         "--report": report_file,
-        "range of --frames": frames not in (None, _EVERY),
+        "--time-codes": time_codes,
     }
     given += [flag for flag, value in others.items() if value]
     if given:
         raise click.UsageError(
-            f"a video (--path) has no {', '.join(given)}; --frames alone keeps its frames with "
+            f"a video (--path) has no {', '.join(given)}; --keep-frames keeps its frames with "
             "their ground truth"
         )
 
 
 def _renders(
-    out: Path, time_code: float | None, frames: str | None, dataset: Path | None
+    out: Path, time_code: float | None, time_codes: str | None, dataset: Path | None
 ) -> dict[Path, float | None]:
     """The folders to write, each with the time code it shows."""
     from openrooms_usd.rendering.frames import frame_folders, frames_of
 
-    if frames is None:
+    if time_codes is None:
         return {out: time_code}
     if time_code is not None or dataset is not None:
         raise click.UsageError(
-            "with --frames there is no --time-code or --dataset: `orusd dataset write` takes "
+            "with --time-codes there is no --time-code or --dataset: `orusd dataset write` takes "
             "each folder afterwards"
         )
-    return {**frame_folders(out, frames_of(frames))}
+    return {**frame_folders(out, frames_of(time_codes))}
 
 
 def _warn_of_units(stage: Path) -> "Usd.Stage":

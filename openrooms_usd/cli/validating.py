@@ -45,9 +45,9 @@ def validate(stage: Path, strict: bool) -> None:
     from openrooms_usd.usd.files.layers import open_stage
     from openrooms_usd.validation.licences import licences
 
-    with quiet(), progress_bar("checking"):
+    with quiet(), progress_bar("opening") as progress:
         opened = open_stage(stage)
-        findings, terms = check(opened, strict=strict), licences(opened)
+        findings, terms = check(opened, strict=strict, progress=progress), licences(opened)
     failed = any(finding.severity == "error" for finding in findings)
     print_result(
         {

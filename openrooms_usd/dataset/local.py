@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from multiprocessing.context import SpawnProcess
 
 _GRACE_SECONDS: Final = 5.0
+# Windows waits for 63 pipes at once.
+_MOST_ON_WINDOWS: Final = 60
 
 
 class LocalExecutor:
@@ -32,6 +34,8 @@ class LocalExecutor:
     def hired(self, wanted: executor.WorkerDemand) -> Iterator["_Crew"]:
         """See `openrooms_usd.dataset.executor.Executor.hired`."""
         workers = max(1, wanted.workers)
+        if sys.platform == "win32":
+            workers = min(workers, _MOST_ON_WINDOWS)
         yield _Crew(workers, max(1, (os.cpu_count() or 1) // workers))
 
 

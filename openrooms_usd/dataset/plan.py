@@ -30,6 +30,7 @@ from openrooms_usd.description.dataset import (
 from openrooms_usd.errors import InputError, OrusdError
 from openrooms_usd.furniture import registry
 from openrooms_usd.names import STEPS
+from openrooms_usd.portable import in_order
 from openrooms_usd.untrusted import check_path, opened
 
 # What makes the views of a job, but for what is loaded by name.
@@ -279,7 +280,7 @@ def capture_digest(folder: Path, file: str, options: Mapping[str, str]) -> str:
     if not root.is_dir():
         own = file_digest(root)
     else:
-        found = sorted(path for path in root.rglob("*") if path.is_file())
+        found = in_order(path for path in root.rglob("*") if path.is_file())
         rows = [(path.relative_to(root).as_posix(), path.stat().st_size) for path in found]
         own = hashlib.sha256(json.dumps(rows).encode()).hexdigest()
     named = [folder / value for _, value in sorted(options.items()) if _is_file(folder / value)]

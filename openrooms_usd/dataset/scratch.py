@@ -9,6 +9,7 @@ import json
 import os
 import secrets
 import socket
+import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
@@ -16,7 +17,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from openrooms_usd import claims, removal
+from openrooms_usd import claims, processes, removal
 from openrooms_usd.dataset.plan import Job, view_name
 from openrooms_usd.dataset.records import SCENE
 from openrooms_usd.dataset.remote import RemoteFolder
@@ -168,11 +169,12 @@ def _scratch() -> Iterator[Path]:
     home = Path(tempfile.gettempdir())
     _sweep(home)
     folder = Path(tempfile.mkdtemp(prefix=_PREFIX))
-    with FileLock(folder / _LOCK):
-        try:
+    try:
+        with FileLock(folder / _LOCK):
             yield folder
-        finally:
-            removal.remove_tree(folder)
+    finally:
+        # Windows removes no file that is open, such as the lock.
+        removal.remove_tree(folder)
 
 
 def _sweep(home: Path) -> None:
@@ -182,10 +184,16 @@ def _sweep(home: Path) -> None:
     for folder in home.glob(f"{_PREFIX}*"):
         with suppress(OSError, Timeout):
             lock = folder / _LOCK
-            if folder.is_symlink() or folder.stat().st_uid != os.getuid() or not lock.is_file():
+            if folder.is_symlink() or not _is_this_users(folder) or not lock.is_file():
                 continue
             with FileLock(lock, timeout=0):
-                removal.remove_tree(folder)
+                pass
+            removal.remove_tree(folder)
+
+
+def _is_this_users(folder: Path) -> bool:
+    """On Windows each user has a folder of temporary files."""
+    return sys.platform == "win32" or folder.stat().st_uid == os.getuid()
 
 
 class Lease:
@@ -279,13 +287,11 @@ class Lease:
         """Whether it belongs to an ended process of this machine, so that waiting is useless."""
         try:
             told = json.loads(data or b"{}")
-            if told["host"] == self._who["host"]:
-                os.kill(int(told["process"]), 0)
-        except ProcessLookupError:
-            return True
-        except (ValueError, KeyError, TypeError, OSError, OverflowError):
+            return bool(
+                told["host"] == self._who["host"] and not processes.is_running(int(told["process"]))
+            )
+        except (ValueError, KeyError, TypeError, OverflowError):
             return False
-        return False
 
     def _is_ours(self) -> bool:
         data = self._remote.read(LEASE)

@@ -3,7 +3,6 @@
 import filecmp
 import os
 import re
-import shlex
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,9 +16,14 @@ from openrooms_usd.claims import locked
 from openrooms_usd.description import Room, parse_room
 from openrooms_usd.errors import InputError, OutputError, writing
 from openrooms_usd.importing.text import describe, describe_scan, unlabelled
+from openrooms_usd.portable import shell_line
+from openrooms_usd.progress import Progress, nested, passed_to, silent
 from openrooms_usd.untrusted import check_path, opened
 
 ROOM: Final = "room.yaml"
+# The shares of reading, and of reading and looking at points, in the time of an import.
+_READ: Final = 0.5
+_CHECKED: Final = 0.95
 _UNLABELLED: Final = (
     "the scan has no labels: compose finds furniture by its shape, names the clear cases and "
     "puts boxes for the rest; give your own segmentation by `--segments FILE` or `furniture: "
@@ -73,24 +77,30 @@ class ImportedRoom:
 
 
 def import_capture(
-    kind: str, source: Path, out: Path, options: Mapping[str, str] = NO_OPTIONS
+    kind: str,
+    source: Path,
+    out: Path,
+    options: Mapping[str, str] = NO_OPTIONS,
+    progress: Progress = silent,
 ) -> ImportedRoom:
     """Describe a capture in a folder, as `openrooms_usd.api.rooms.import_capture` says."""
     importer: Importer = load(IMPORTERS, kind)
     check_path(source)
     try:
         asked = checked_options(kind, importer, options)
-        capture = _read(kind, importer, source, asked)
+        capture = _read(kind, importer, source, asked, nested(progress, "", 0.0, _READ))
+        progress("checking", _READ)
         if capture.floor is None and (refusal := check_scan(capture, source)):
             capture = replace(capture, notes=(*capture.notes, refusal))
         if unlabelled(capture):
             capture = replace(capture, notes=(*capture.notes, _UNLABELLED))
         packed = _packed(kind, importer, source, asked)
-        _check_names(packed)
+        _check_names(packed, out)
     except OSError as error:
         raise _unreadable(source, error) from error
     text = _described(kind, capture, packed.file, packed.options)
     room = parse_room(text, str(out / ROOM), folder=out)
+    progress("copying", _CHECKED)
     with locked(out):
         with writing(out):
             _refuse_to_replace(out, {**packed.contents, ROOM: text.encode()})
@@ -126,11 +136,17 @@ def described_capture(
     return parse_room(_described(kind, capture, file, options), str(source), folder=folder)
 
 
-def _read(kind: str, importer: Importer, source: Path, options: Mapping[str, str]) -> Capture:
+def _read(
+    kind: str,
+    importer: Importer,
+    source: Path,
+    options: Mapping[str, str],
+    progress: Progress = silent,
+) -> Capture:
     """What a room can be made of."""
     check_archive(source)
     try:
-        capture = importer.read(source, options)
+        capture = importer.read(source, options, **passed_to(importer.read, progress))
     except InputError as error:
         hint_importer(kind, source, error)
         raise
@@ -161,7 +177,7 @@ def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, s
         packed: Packed = pack(source, options)
     else:
         packed = Packed(source.name, {source.name: source}, options)
-    if packed.file.isprintable() and packed.file != ROOM:
+    if packed.file.isprintable() and packed.file.casefold() != ROOM:
         return packed
     name = f"{kind}{Path(packed.file).suffix}"
     # The file itself, or the folder that the files lie in.
@@ -170,11 +186,12 @@ def _packed(kind: str, importer: Importer, source: Path, options: Mapping[str, s
     return Packed(name, contents, packed.options)
 
 
-def _check_names(packed: Packed) -> None:
+def _check_names(packed: Packed, folder: Path) -> None:
     """Refuse files that would lie elsewhere, or where the description comes."""
     for name, content in packed.contents.items():
         path = PurePosixPath(name)
-        if path.is_absolute() or ".." in path.parts or path == PurePosixPath(ROOM):
+        is_inner = (folder / name).is_relative_to(folder) and ".." not in path.parts
+        if not is_inner or str(path).casefold() == ROOM:
             raise InputError(
                 f"a file of the capture cannot be copied as {name!r}",
                 place=content if isinstance(content, Path) else None,
@@ -274,7 +291,7 @@ def _folder_reader(kind: str, folder: Path) -> str:
     if not known:
         return ""
     reader = _READERS[known[0].suffix.lower()]
-    return f"what is in it: `orusd import {reader} {shlex.quote(str(known[0]))}`"
+    return f"what is in it: `{shell_line(('orusd', 'import', reader, str(known[0])))}`"
 
 
 def check_scan(capture: Capture, source: Path) -> str:

@@ -6,10 +6,8 @@ as wide as the roughness says. The same material gives the same bytes.
 
 import hashlib
 import json
-import tempfile
 from contextlib import suppress
 from dataclasses import asdict
-from pathlib import Path
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -21,6 +19,7 @@ from openrooms_usd.colorimetry import linear_from_srgb, srgb_from_linear
 from openrooms_usd.errors import OutputError
 from openrooms_usd.imagefile import is_whole, write_png
 from openrooms_usd.library.textures import Color, Material, TextureSet, make
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usercache import cache_folder
 
 Array: TypeAlias = NDArray[np.float64]
@@ -57,8 +56,8 @@ def thumbnail(
     if entry and entry.is_file() and is_whole(entry):
         return entry.read_bytes()
     pixels = ball(make(**asdict(material)))
-    with tempfile.TemporaryDirectory() as scratch:
-        file = Path(scratch) / "ball.png"
+    with scratch_folder() as scratch:
+        file = scratch / "ball.png"
         write_png(file, pixels)
         data = file.read_bytes()
     if entry:

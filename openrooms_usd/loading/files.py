@@ -7,7 +7,6 @@ and who fetches something new removes what was not read for longest.
 
 import hashlib
 import os
-import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext, suppress
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from openrooms_usd import atomic, removal, unfinished, urls, usercache
 from openrooms_usd.errors import InputError, writing
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.untrusted import inside, is_plain_name, opened
 
 if TYPE_CHECKING:
@@ -109,9 +109,9 @@ class RemoteFiles:
             OutputError: The cache cannot be written.
         """
         if self.cache is None or not all(wanted.values()):
-            with tempfile.TemporaryDirectory() as folder:
-                self._fetch(wanted, Path(folder))
-                yield Path(folder)
+            with scratch_folder() as folder:
+                self._fetch(wanted, folder)
+                yield folder
             return
         told = "\n".join((self.url, *(f"{name} {sha}" for name, sha in sorted(wanted.items()))))
         kept = self.cache / hashlib.sha256(told.encode()).hexdigest()

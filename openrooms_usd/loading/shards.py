@@ -7,10 +7,8 @@ are its key, a dot and what each is, and ``KEY.json`` says what the manifest say
 import json
 import os
 import tarfile
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import IO, Any, Final
 
 from pydantic import ValidationError
@@ -23,6 +21,7 @@ from openrooms_usd.loading.sample import Sample
 from openrooms_usd.loading.source import ViewSelection, refuse_nothing
 from openrooms_usd.rendering.manifest_schema import Manifest
 from openrooms_usd.rendering.reading import RenderedView
+from openrooms_usd.scratch import scratch_folder
 
 INDEX: Final = "shards.json"
 _MOST_BYTES: Final = untrusted.MOST_BYTES["picture"]
@@ -83,15 +82,15 @@ class TarShards:
         if not self.selection.admits(about["split"], about["variant"], about["room"], view):
             return None
         entry = manifest.views[view]
-        with tempfile.TemporaryDirectory() as folder:
+        with scratch_folder() as folder:
             for path in needed_files(entry, channels):
-                target = untrusted.inside(Path(folder), path)
+                target = untrusted.inside(folder, path)
                 target.parent.mkdir(exist_ok=True)
                 # The folder of the view is the key here; folders in it are dots.
                 inner = path.partition("/")[2].replace("/", ".")
                 if inner in parts:
                     target.write_bytes(parts[inner])
-            rendered = RenderedView(view, Path(folder) / view, entry)
+            rendered = RenderedView(view, folder / view, entry)
             return sample_of(rendered, manifest, channels, about)
 
 

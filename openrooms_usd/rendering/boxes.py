@@ -12,6 +12,7 @@ from pxr import Usd, UsdGeom
 from openrooms_usd import names
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
+from openrooms_usd.progress import Progress, each, silent
 from openrooms_usd.rendering.coco import masks
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
 from openrooms_usd.rendering.rle import tight_box
@@ -68,12 +69,13 @@ class _Thing:
     edges: Array  # (E, 2, 3) of its triangles, world
 
 
-def boxes(folder: Path, stage: Usd.Stage) -> Plain:
+def boxes(folder: Path, stage: Usd.Stage, progress: Progress = silent) -> Plain:
     """The boxes of what a render shows.
 
     Args:
         folder: What `orusd render` wrote.
         stage: What was rendered.
+        progress: Called with each view.
 
     Returns:
         Plain data: the conventions, and for every view its objects.
@@ -83,11 +85,12 @@ def boxes(folder: Path, stage: Usd.Stage) -> Plain:
     """
     render = read_render(folder, ("instance",))
     things = _things(render, stage)
+    views = each(progress, "view", render.each(), len(render.views))
     return {
         "generator": f"{names.CREATOR} {__version__}",
         "stage": render.manifest.stage,
         "conventions": {**render.manifest.conventions, **CONVENTIONS},
-        "views": {view.name: _view(render, view, things) for view in render.each()},
+        "views": {view.name: _view(render, view, things) for view in views},
     }
 
 

@@ -12,6 +12,8 @@ from openrooms_usd import names
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.record import UNLABELED
+from openrooms_usd.portable import common_folder
+from openrooms_usd.progress import Progress, each, nested, silent
 from openrooms_usd.rendering.folder import CHANNELS_FILE, preview_file
 from openrooms_usd.rendering.manifest_schema import AGAIN
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView, read_render
@@ -22,7 +24,9 @@ from openrooms_usd.version import __version__
 Plain = dict[str, Any]
 
 
-def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
+def coco(
+    folders: Sequence[Path], taxonomy: str = names.CATEGORY, progress: Progress = silent
+) -> Plain:
     """The visible objects of renders, in COCO's form.
 
     A segmentation holds the pixels whose centre shows the object, as compressed run lengths; the
@@ -32,6 +36,7 @@ def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
     Args:
         folders: What `orusd render` wrote, each once.
         taxonomy: Whose classes: ``category`` for our own, or a key of `CLASS_CHANNELS`.
+        progress: Called with each view.
 
     Returns:
         Plain data: info, images, categories, annotations.
@@ -41,8 +46,11 @@ def coco(folders: Sequence[Path], taxonomy: str = names.CATEGORY) -> Plain:
     """
     renders = [read_render(folder) for folder in folders]
     found = Annotations(taxonomy, _class_numbers(renders, taxonomy))
+    count, done = sum(len(render.views) for render in renders), 0
     for place, render in zip(_places(folders), renders, strict=True):
-        found.add(render, place)
+        end = done + len(render.views)
+        found.add(render, place, nested(progress, "", done / count, end / count))
+        done = end
     return found.whole()
 
 
@@ -71,12 +79,13 @@ class Annotations:
         """How many views were added."""
         return len(self._images)
 
-    def add(self, render: RenderedScene, place: str) -> None:
+    def add(self, render: RenderedScene, place: str, progress: Progress = silent) -> None:
         """Add the views of a render.
 
         Args:
             render: The render.
             place: What the names of its pictures begin with.
+            progress: Called with each view.
 
         Raises:
             InputError: It lacks the channels that this needs.
@@ -87,7 +96,7 @@ class Annotations:
         if self._channel is None:
             for word in sorted({*render.legend("category").values()} - self._numbers.keys()):
                 self._numbers[word] = len(self._numbers) + 1
-        for view in render.each():
+        for view in each(progress, "view", render.each(), len(render.views)):
             self._images.append(_image(view, place, self.views + 1))
             for instance, mask in masks(render, view):
                 number = _class(render, view, instance, mask, self._channel, self._numbers)
@@ -118,7 +127,7 @@ def _places(folders: Sequence[Path]) -> list[str]:
     if len(set(whole)) < len(whole):
         twice = next(folder for n, folder in enumerate(folders) if whole[n] in whole[:n])
         raise InputError("this render is given twice", place=twice, remedy="name it once")
-    above = Path(os.path.commonpath(whole))
+    above = common_folder(whole)
     ways = (Path(folder).relative_to(above).as_posix() for folder in whole)
     return ["" if way == "." else f"{way}/" for way in ways]
 

@@ -3,7 +3,6 @@
 A form is written of one render, of the variants of one room, or of all rooms at once: each says so.
 """
 
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from importlib.util import find_spec
@@ -12,6 +11,7 @@ from typing import Any, Literal, Protocol
 
 from openrooms_usd import adapters
 from openrooms_usd.errors import InputError, MissingPackageError
+from openrooms_usd.portable import common_folder
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.reading import RenderedScene, read_render
 
@@ -233,5 +233,5 @@ def _room_names(renders: Sequence[Path]) -> list[str]:
     names = [folder.absolute().name for folder in renders]
     if len(set(names)) == len(names):
         return names
-    common = os.path.commonpath(paths)
+    common = common_folder(paths)
     return [path.relative_to(common).as_posix() for path in paths]

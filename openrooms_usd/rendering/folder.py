@@ -89,6 +89,8 @@ def _nearest(out: Path) -> Path:
         try:
             there.lstat()
         except (FileNotFoundError, NotADirectoryError):
+            if there == there.parent:  # a drive that is not there
+                raise
             there = there.parent
         else:
             return there

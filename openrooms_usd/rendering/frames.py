@@ -26,17 +26,19 @@ def frames_of(text: str) -> tuple[float, ...]:
     if found is None:
         raise InputError(
             f"{text!r} is not a range of frames",
-            place="--frames",
+            place="--time-codes",
             remedy="give A:B or A:B:STEP, such as 1:48 or 0:10:0.5",
         )
     begin, end, step = (float(number or 1.0) for number in found.groups())
     if end < begin or step <= 0.0:
         raise InputError(
-            f"{text} has no frames", place="--frames", remedy="give A:B:STEP with A <= B, STEP > 0"
+            f"{text} has no frames",
+            place="--time-codes",
+            remedy="give A:B:STEP with A <= B, STEP > 0",
         )
     count = math.floor((end - begin) / step + _ROUNDING) + 1
     if count > _MOST_FRAMES:
-        raise InputError(f"{text} are more than {_MOST_FRAMES:,} frames", place="--frames")
+        raise InputError(f"{text} are more than {_MOST_FRAMES:,} frames", place="--time-codes")
     return tuple(round(begin + step * number, _MOST_DECIMALS) for number in range(count))
 
 

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from openrooms_usd import claims
 from openrooms_usd.errors import InputError
+from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.boxes import boxes
 from openrooms_usd.rendering.coco import coco
 from openrooms_usd.rendering.manifest import write_json
@@ -38,6 +39,7 @@ def write_labels(
     form: Literal["coco", "boxes"] = "coco",
     taxonomy: str = "category",
     stage: Path | None = None,
+    progress: Progress = silent,
 ) -> LabelSummary:
     """Write what is seen in finished renders.
 
@@ -47,6 +49,7 @@ def write_labels(
         form: ``coco``, or ``boxes`` in 2D and 3D.
         taxonomy: Whose classes, for ``coco``.
         stage: What was rendered, for ``boxes``.
+        progress: Called with each view.
 
     Raises:
         InputError: One is not a render or lacks a channel, the stage is missing, or boxes of
@@ -55,17 +58,17 @@ def write_labels(
     """
     claims.check_output(out)
     if form == "coco":
-        found = coco(renders, taxonomy)
+        found = coco(renders, taxonomy, progress)
         views, count = len(found["images"]), len(found["annotations"])
     else:
-        found = _boxes(renders, stage)
+        found = _boxes(renders, stage, progress)
         views, count = len(found["views"]), sum(len(v["objects"]) for v in found["views"].values())
     with claims.output(out):
         write_json(out, found)
     return LabelSummary(out, views, count)
 
 
-def _boxes(renders: Sequence[Path], stage: Path | None) -> dict[str, Any]:
+def _boxes(renders: Sequence[Path], stage: Path | None, progress: Progress) -> dict[str, Any]:
     from openrooms_usd.usd.files.diagnostics import quiet
     from openrooms_usd.usd.files.layers import open_stage
 
@@ -77,4 +80,4 @@ def _boxes(renders: Sequence[Path], stage: Path | None) -> dict[str, Any]:
     if stage is None:
         raise InputError("boxes in 3D come from the stage", remedy="give --stage scene.usda")
     with quiet():
-        return boxes(renders[0], open_stage(stage))
+        return boxes(renders[0], open_stage(stage), progress)

@@ -10,6 +10,7 @@ from openrooms_usd.description.rendering import ALL, DEFAULT_SAMPLES, USUAL
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE
 from openrooms_usd.names import CAMERAS, SPARE_CAMERA
+from openrooms_usd.portable import RESERVED
 from openrooms_usd.rendering.contract import RenderRequest
 from openrooms_usd.rendering.denoise import DENOISED
 from openrooms_usd.rendering.given import remedy_for
@@ -88,7 +89,7 @@ def view_names(cameras: Sequence[str]) -> dict[str, str]:
     """A short file name for every camera: the prim's name where it is the only one, else its path.
 
     A path is written with dots, which no prim's name contains. Names that differ only in case
-    count as equal, because some file systems think so.
+    count as equal, because some file systems think so. So is one that Windows keeps for devices.
 
     Args:
         cameras: Prim paths.
@@ -99,7 +100,9 @@ def view_names(cameras: Sequence[str]) -> dict[str, str]:
     short = {path: path.rpartition("/")[2] for path in cameras}
     folded = [name.casefold() for name in short.values()]
     return {
-        path: name if folded.count(name.casefold()) == 1 else path.strip("/").replace("/", ".")
+        path: name
+        if folded.count(name.casefold()) == 1 and name.casefold() not in RESERVED
+        else path.strip("/").replace("/", ".")
         for path, name in short.items()
     }
 

@@ -15,6 +15,7 @@ from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics
 from openrooms_usd.geometry.hemisphere import PANORAMA, cosine_weights, panorama_cells
 from openrooms_usd.imagefile import write_png
+from openrooms_usd.portable import RESERVED
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering import exr
 from openrooms_usd.rendering.contract import Image
@@ -109,7 +110,7 @@ def openings(stage: Any) -> list[Place]:
         name = portal.path.strip("/").replace("/", ".")
         found.append(Place(name, _three(center), portal.path, _three(outwards)))
     short = [place.name.rpartition(".")[2] for place in found]
-    if len(set(short)) < len(short):
+    if len({name.casefold() for name in short} - RESERVED) < len(short):
         return found
     return [
         Place(name, p.position, p.opening, p.outwards) for name, p in zip(short, found, strict=True)

@@ -1,7 +1,6 @@
 """The library of materials as pictures: a sheet for each substance."""
 
 import math
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,6 +20,7 @@ from openrooms_usd.progress import Counted, Progress, silent
 from openrooms_usd.rendering.contract import NO_OPTIONS
 from openrooms_usd.rendering.folder import check_writable
 from openrooms_usd.rendering.sheet import Tile, write_sheet
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.showroom.photograph import photograph, photograph_settings
 from openrooms_usd.showroom.sheet import DEFAULT_SAMPLES, DEFAULT_SIZE
 from openrooms_usd.showroom.studio import EXPOSURE, softboxes
@@ -99,9 +99,9 @@ def draw_material_sheets(
     texels = min(_MOST_TEXELS, _TEXELS_PER_PIXEL * size)
     for kind, file in zip(chosen, files, strict=True):
         tiles: list[Tile] = []
-        with tempfile.TemporaryDirectory(prefix="orusd-") as scratch:
+        with scratch_folder() as scratch:
             shown = [Sample(name, number) for name in FAMILIES[kind]]
-            stage = build_balls(shown, texels, Path(scratch))
+            stage = build_balls(shown, texels, scratch)
             opened = open_for_rendering(stage, settings)
             for sample in shown:
                 picture = photograph(opened, ball_camera(sample))

@@ -1,6 +1,5 @@
 """The catalogue as one picture."""
 
-import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Final
@@ -11,6 +10,7 @@ from openrooms_usd.progress import Counted, Progress, silent
 from openrooms_usd.rendering.contract import NO_OPTIONS
 from openrooms_usd.rendering.folder import check_writable
 from openrooms_usd.rendering.sheet import Tile, write_sheet
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.showroom.exhibits import Exhibit
 from openrooms_usd.showroom.photograph import photograph, photograph_settings
 
@@ -83,8 +83,8 @@ def _hall(exhibits: Sequence[Exhibit], settings: RenderSettings) -> Iterator[tup
 
     if not exhibits:
         return
-    with tempfile.TemporaryDirectory(prefix="orusd-") as folder:
-        stage = build(exhibits, settings.seed, Path(folder))
+    with scratch_folder() as folder:
+        stage = build(exhibits, settings.seed, folder)
         opened = open_for_rendering(stage, settings)
         for item in exhibits:
             picture = photograph(opened, camera_of(item), _LAMP_SAMPLES if item.emits else 1)

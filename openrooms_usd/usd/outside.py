@@ -67,13 +67,13 @@ def files_outside(stage: Usd.Stage, beside: Sequence[Path] = ()) -> list[Outside
             file = _leads_to(layer, path)
             is_inside = file and any(file.is_relative_to(home) for home in homes)
             if file and file != root.resolve() and not is_inside:
-                name = layer.realPath.removeprefix(f"{root.parent}/")
+                name = Path(layer.realPath).as_posix().removeprefix(f"{root.parent.as_posix()}/")
                 found.add(Outside(str(file), name, path))
         return info
 
     with reading(root):
         UsdUtils.ComputeAllDependencies(str(root), note)
-    return sorted(found, key=lambda row: (row.layer.startswith("/"), row))
+    return sorted(found, key=lambda row: (Path(row.layer).is_absolute(), row))
 
 
 def refuse_outside(

@@ -1,6 +1,5 @@
 """The page of a stage: its surfaces as a GLB file, and what is known of its prims."""
 
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
@@ -15,6 +14,7 @@ from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
 from openrooms_usd.exporters import write_stage
 from openrooms_usd.rendering.reading import RenderedScene, read_render
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.files.diagnostics import quiet, reading
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.places.frames import TIME, local_to_world, world_from_stage
@@ -249,14 +249,14 @@ def room_glb(
     # Stages are of USD, whose import takes a while.
     from pxr import Usd
 
-    with tempfile.TemporaryDirectory(prefix="orusd-view-") as folder, quiet(), reading(path):
+    with scratch_folder() as folder, quiet(), reading(path):
         stage = open_stage(path)
         check(stage)
         with Usd.EditContext(stage, stage.GetSessionLayer()):
             for prim, look in (looks or {}).items():
                 variants = stage.GetPrimAtPath(prim).GetVariantSet(names.LOOK)
                 variants.SetVariantSelection(look)
-        target = Path(folder) / "room.glb"
+        target = folder / "room.glb"
         write_stage(stage, target, "gltf", {"light": "lightmaps"} if lit else {})
         return target.read_bytes()
 

@@ -5,6 +5,7 @@ pages that are open in the same browser know no token, so they can neither read 
 """
 
 import json
+import os
 import queue
 import secrets
 import threading
@@ -44,6 +45,8 @@ class Server(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    # On Windows two programs could share a port.
+    allow_reuse_address = os.name == "posix"
 
     def __init__(self, app: App, host: str, port: int) -> None:
         try:

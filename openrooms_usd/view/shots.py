@@ -1,7 +1,6 @@
 """What there is of a stage's cameras besides the page: finished renders and photographs."""
 
 import base64
-import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -20,6 +19,7 @@ from openrooms_usd.imagefile import write_png
 from openrooms_usd.rendering.color import quantize
 from openrooms_usd.rendering.reading import RenderedScene, RenderedView
 from openrooms_usd.rendering.tone import fitted_tone
+from openrooms_usd.scratch import scratch_folder
 
 Resources = dict[str, Callable[[], bytes]]
 
@@ -120,8 +120,8 @@ def hemisphere(render: RenderedScene, spot: ViewPoint) -> dict[str, Any]:
     light = np.nan_to_num(grid[place].astype(np.float32))
     enlarged = np.repeat(np.repeat(light, _ENLARGED, axis=0), _ENLARGED, axis=1)
     tone = fitted_tone("film", enlarged)
-    with tempfile.TemporaryDirectory(prefix="orusd-view-") as folder:
-        file = Path(folder) / "hemisphere.png"
+    with scratch_folder() as folder:
+        file = folder / "hemisphere.png"
         write_png(file, quantize(srgb_from_linear(tone.shown(enlarged))))
         text = base64.b64encode(file.read_bytes()).decode("ascii")
     return {

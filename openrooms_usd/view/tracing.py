@@ -1,6 +1,5 @@
 """A path-traced picture of what a page shows, made beside it, round by round."""
 
-import tempfile
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -22,6 +21,7 @@ from openrooms_usd.rendering.contract import View
 from openrooms_usd.rendering.denoise import load_denoiser
 from openrooms_usd.rendering.opening import load_renderer, open_for_rendering
 from openrooms_usd.rendering.tone import fitted_tone
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.app import STAGES, Nothing
@@ -187,9 +187,9 @@ class Tracing:
     def _show(self, radiance: Floats, samples: int, asked: Trace) -> None:
         tone = fitted_tone(PHOTOGRAPH, radiance)
         codes = quantize(srgb_from_linear(tone.shown(radiance)))
-        with tempfile.TemporaryDirectory(prefix="orusd-view-") as folder:
-            write_png(Path(folder) / PICTURE, codes)
-            self._picture = (Path(folder) / PICTURE).read_bytes()
+        with scratch_folder() as folder:
+            write_png(folder / PICTURE, codes)
+            self._picture = (folder / PICTURE).read_bytes()
         self._told = {"state": "tracing", "samples": samples, "fraction": samples / asked.samples}
 
 

@@ -1,7 +1,6 @@
 """The command line as a user meets it, and what must be true of every refusal."""
 
 import json
-import resource
 import signal
 import subprocess
 import sys
@@ -73,6 +72,8 @@ def start(*words: object, largest_file: int | None = None) -> subprocess.Popen[s
         # A shell's background jobs ignore Ctrl-C, and so would what they start.
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         if largest_file is not None:
+            import resource  # not on Windows
+
             resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
 
     command = [sys.executable, "-c", MAIN, *map(str, words)]

@@ -46,7 +46,7 @@ CHEAP = [
     ("materials", "list"),
 ]
 FORMER = [
-    (path, old, new)
+    (path, old, new("1:5") if callable(new) else new)
     for path, one in ALL.items()
     for old, new in one.former.items()
     if old.startswith("-")
@@ -131,13 +131,37 @@ def test_quiet_and_verbose_exclude_each_other(tmp_path: Path) -> None:
 def test_former_options_work_with_a_note(path: tuple[str, ...], old: str, new: str) -> None:
     assert old not in re.findall(r"--[\w-]+", output_of(*path, "--help"))
     param = next(one.name for one in ALL[path].params if new in one.opts)
-    value = {"--light": "lit", "--room": "a.yaml", "--classes": "coco", "--width": "80"}.get(old, 1)
+    chosen = {"--light": "lit", "--room": "a.yaml", "--classes": "coco", "--width": "80"}
+    value = (chosen | {"--layout": "merged"}).get(old, 1)
     words = shlex.split(LEAVES[path].example or "")[len(path) + 1 :]
     if new in words:
         del words[words.index(new) : words.index(new) + 2]
     former, present = (parsed(path, [*words, f"{flag}={value}"]) for flag in (old, new))
     assert former.params == present.params and former.params[param]
     assert former.meta["openrooms_usd.former"] == [f"`{old}` is called `{new}` now"]
+
+
+@pytest.mark.parametrize(
+    ("words", "present", "params"),
+    [
+        (["--frames", "1:5"], "--time-codes", {"time_codes": "1:5"}),
+        (["--frames=-2:5"], "--time-codes", {"time_codes": "-2:5"}),
+        (["--frames", "--fps", "5"], "--keep-frames", {"keep_frames": True, "fps": 5}),
+        (["--path", "walk", "--frames"], "--keep-frames", {"keep_frames": True, "spec": "walk"}),
+    ],
+)
+def test_frames_of_a_render_were_two_things(
+    words: list[str], present: str, params: dict[str, object]
+) -> None:
+    context = parsed(("render",), ["a.usda", "-o", "out", *words])
+    assert params.items() <= context.params.items()
+    assert context.meta["openrooms_usd.former"] == [f"`--frames` is called `{present}` now"]
+
+
+@pytest.mark.parametrize("flag", ["--frames", "--layout"])
+def test_these_belong_to_import_alone(flag: str) -> None:
+    owners = {path[0] for path, one in LEAVES.items() if any(flag in p.opts for p in one.params)}
+    assert owners == {"import"}
 
 
 def test_former_commands_work_with_a_note(tmp_path: Path) -> None:

@@ -84,7 +84,7 @@ def test_a_misplaced_report_is_refused_before_anything_is_written(
     assert sorted(tmp_path.iterdir()) == there and stage.read_text() == STAGE
 
 
-@pytest.mark.parametrize("more", [("--frames", "1:2:1"), ("--path", "walk")])
+@pytest.mark.parametrize("more", [("--time-codes", "1:2:1"), ("--path", "walk")])
 def test_frames_have_manifests_instead(stage: Path, tmp_path: Path, more: tuple[str, ...]) -> None:
     refused = _run("render", stage, tmp_path / "out", tmp_path / "a.json", *more)
     assert refused.exit_code == 2 and "--report" in refused.output

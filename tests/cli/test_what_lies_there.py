@@ -108,7 +108,7 @@ CASES = {
     "convert --report": Case("convert STOCK/stage.usda STOCK/b.glb --report HERE/report.json"),
     "render": Case(f"render STOCK/stage.usda -o HERE {QUICK} --channels depth"),
     "render --path": Case(
-        f"render STOCK/room/scene.usda -o HERE {QUICK} --path walk --duration 0.1 --frames",
+        f"render STOCK/room/scene.usda -o HERE {QUICK} --path walk --duration 0.1 --keep-frames",
         slow=True,
     ),
     "render --report": Case(

@@ -183,7 +183,7 @@ KINDS = (
             (1, "labels {in}/render -o {out}/coco.json"),
             (1, "labels {in}/render -o {out}/b.json --format boxes --stage {in}/scene.usda"),
             (1, f"relight {_VIEW} -o {{out}} --light lamp=off --light elsewhere=2"),
-            (1, "dataset write {in}/render -o {out} --layout merged"),
+            (1, "dataset write {in}/render -o {out} --dataset-layout merged"),
         ),
         ("in/render/manifest.json",),
         share=8,

@@ -4,7 +4,6 @@ import contextlib
 import faulthandler
 import os
 import re
-import resource
 import shutil
 import signal
 import time
@@ -95,6 +94,8 @@ _CAMPAIGN: list[tuple[Campaign, dict[str, Kind]]] = []
 
 
 def _begin(campaign: Campaign) -> None:
+    import resource  # not on Windows
+
     import openrooms_usd.cli  # noqa: F401
     from tests.fuzz.fakes import install
 

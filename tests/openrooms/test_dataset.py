@@ -296,7 +296,7 @@ def test_a_damaged_light_is_named(render: RenderedScene, day: Path, tmp_path: Pa
 
 def test_the_command(render: RenderedScene, tmp_path: Path) -> None:
     out = tmp_path / "mask_data"
-    words = ("dataset", "write", render.folder, "-o", out, "--layout", "merged")
+    words = ("dataset", "write", render.folder, "-o", out, "--dataset-layout", "merged")
     said = output_of(*words)
     assert "of 2 views" in said
     assert "note: the released loaders expect pictures of 640x480" in said

@@ -71,7 +71,7 @@ def orusd_render(*arguments: object) -> str:
 
 def test_each_frame_is_a_render_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "lift.usda").write_text(LIFT)
-    orusd_render(tmp_path / "lift.usda", "-o", tmp_path / "out", "--frames", "1:5:2")
+    orusd_render(tmp_path / "lift.usda", "-o", tmp_path / "out", "--time-codes", "1:5:2")
     orusd_render(tmp_path / "lift.usda", "-o", tmp_path / "one", "--time-code", 3)
     orusd_render(tmp_path / "lift.usda", "-o", tmp_path / "first")
     depths = {"out/frame_0001": 10.0, "out/frame_0003": 8.0, "out/frame_0005": 6.0}
@@ -87,9 +87,9 @@ def test_each_frame_is_a_render_of_its_own(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("asked", "answer"),
     [
-        (["--frames", "1:5", "--time-code", "2"], "there is no --time-code"),
-        (["--frames"], "belong to --path"),
-        (["--path", "walk", "--frames", "1:5"], "range of --frames"),
+        (["--time-codes", "1:5", "--time-code", "2"], "there is no --time-code"),
+        (["--keep-frames"], "belong to --path"),
+        (["--path", "walk", "--time-codes", "1:5"], "--time-codes; --keep-frames"),
         (["--path", "walk", "--f-stop", "2"], "--f-stop"),
         (["--time-code", "soon"], "not a valid float"),
     ],

@@ -14,6 +14,8 @@ from pxr import Usd
 from openrooms_usd import atomic, claims, imagefile, ledger
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
+from openrooms_usd.portable import RESERVED
+from openrooms_usd.progress import Progress, each, nested, silent
 from openrooms_usd.rendering.contract import DEFAULT_BOUNCES, DEFAULT_SAMPLES
 from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.rendering.scene.cameras import camera_losses
@@ -64,6 +66,8 @@ _TAGS: Final = {
     "thindielectric": "bsdf",
     "bitmap": "texture",
 }
+# The share of reading the stage in all of the time.
+_TRANSLATED: Final = 0.3
 _VERSION: Final = "3.0.0"
 _HEADER = """ply
 format binary_little_endian 1.0
@@ -84,7 +88,9 @@ end_header
 _NEAR_ORIGIN_METRES: Final = 1000.0
 
 
-def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]) -> Report:
+def export_scene(
+    stage: Usd.Stage, destination: Path, options: Mapping[str, Any], progress: Progress = silent
+) -> Report:
     """Write a stage as a Mitsuba scene.
 
     Args:
@@ -92,6 +98,7 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
         destination: The ``.xml`` file, or a folder that receives ``scene.xml``. Meshes and
             textures go into ``NAME.meshes`` and ``NAME.textures`` beside ``NAME.xml``.
         options: None is known.
+        progress: Called with each surface.
 
     Returns:
         What became of every prim.
@@ -108,17 +115,19 @@ def export_scene(stage: Usd.Stage, destination: Path, options: Mapping[str, Any]
     # A folder may hold several scenes: each has a ledger of its own.
     known = ledger.name_of(file.name)
     claims.check_refill(file.parent, known, [file.name])
+    progress("translating", 0.0)
     # What loads the file knows Mitsuba's own plugins alone.
     scene = without_shaping(with_model(translate(stage, default_light=True), "preview"))
     report_simplified(scene)
     report_plain(scene)
     report_principled(scene)
     with claims.refilling(file.parent, known) as refill:
-        _write_scene(stage, scene, refill.folder / file.name)
+        inner = nested(progress, "", _TRANSLATED, 1.0)
+        _write_scene(stage, scene, refill.folder / file.name, inner)
     return scene.report
 
 
-def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
+def _write_scene(stage: Usd.Stage, scene: Scene, file: Path, progress: Progress) -> None:
     export = _Export(scene, file.parent, file.stem)
     # 1. What a scene is rendered with.
     export.add("integrator", {"type": "path", "max_depth": DEFAULT_BOUNCES + 1})
@@ -130,7 +139,8 @@ def _write_scene(stage: Usd.Stage, scene: Scene, file: Path) -> None:
     for sun, weight in zip(scene.suns, export.weights.suns, strict=True):
         export.add("sun", describe_sun(sun, weight))
     # 3. Surfaces.
-    for patch in (*scene.patches, *(pane.sheet() for pane in scene.panes)):
+    patches = (*scene.patches, *(pane.sheet() for pane in scene.panes))
+    for patch in each(progress, "surface", patches, len(patches)):
         export.add_patch(patch)
     atomic.write_text(file, scene_text(export.objects))
 
@@ -157,7 +167,7 @@ class _Export:
     objects: dict[str, Description] = field(default_factory=dict)
     _files: dict[int, tuple[PurePosixPath, object]] = field(default_factory=dict)
     _bsdfs: dict[int, str] = field(default_factory=dict)
-    _taken: set[str] = field(default_factory=set)
+    _taken: set[str] = field(default_factory=lambda: set(RESERVED))
 
     def __post_init__(self) -> None:
         self.weights = light_weights(self.scene)

@@ -7,7 +7,6 @@ the description has none, so the shell's maps are written anew with the factors 
 
 import hashlib
 import re
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
@@ -22,6 +21,7 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.library.pictures import write_png
 from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.surfaces import Surface
+from openrooms_usd.scratch import scratch_folder
 from orusd_openrooms.scenes.records import Bsdf, Color
 from orusd_openrooms.scenes.roots import Named, named
 from orusd_openrooms.scenes.standins import material_name, substance_of
@@ -111,8 +111,8 @@ def _tiled(bsdf: Bsdf, kind: str, path: Path) -> bytes:
         raise InputError("a map of a material is not a PNG file", place=path, remedy="convert it")
     if kind in ("normal", "metallic"):
         return untrusted.read_bytes(path, "picture")
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / _NAMES[kind]
+    with scratch_folder() as folder:
+        target = folder / _NAMES[kind]
         write_png(target, _scaled(bsdf, kind, path), is_color=kind == "albedo")
         return untrusted.read_bytes(target, "picture")
 

@@ -4,7 +4,6 @@ What an OBJ file calls a material has no meaning without the scene, so an import
 once, with its maps beside it, in the axes and the unit of its file.
 """
 
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
@@ -16,6 +15,7 @@ from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.models.pieces import ModelPart, prim_names
 from openrooms_usd.library.models.wavefront import read_obj
+from openrooms_usd.scratch import scratch_folder
 from orusd_openrooms.scenes.materials import Find, pictures_of, stand_in, surface_of
 from orusd_openrooms.scenes.records import Bsdf
 from orusd_openrooms.scenes.roots import Named
@@ -160,7 +160,7 @@ def _written(pieces: Mapping[str, ModelPart], surfaces: Mapping[str, object]) ->
         if isinstance(surface, PreviewSurface):
             material = define_preview_surface(stage, f"/Model/Materials/{name}", surface)
             UsdShade.MaterialBindingAPI.Apply(mesh).Bind(material)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / FILE
+    with scratch_folder() as folder:
+        file = folder / FILE
         export(stage.GetRootLayer(), file)
         return untrusted.read_bytes(file, "usd")

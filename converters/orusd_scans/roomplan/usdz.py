@@ -10,7 +10,6 @@ USDZ does not say (confidence, stories, most attributes) is unknown.
 
 import io
 import re
-import tempfile
 import zipfile
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +22,7 @@ import numpy as np
 from pxr import Sdf, Tf
 
 from openrooms_usd.errors import InputError
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.unpickling.archives import opened_archive
 from openrooms_usd.usd.files.crate_reader import check_crate, check_crate_reads
 from openrooms_usd.usd.files.diagnostics import quiet, reading, reason
@@ -214,8 +214,8 @@ def _text(data: bytes, place: str) -> Sdf.Layer:
 def _binary(data: bytes, place: str) -> Sdf.Layer:
     """A crate, which USD reads from files only."""
     check_crate(io.BytesIO(data), len(data), place)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "layer.usdc"
+    with scratch_folder() as folder:
+        file = folder / "layer.usdc"
         file.write_bytes(data)
         check_crate_reads(str(file), len(data), place)
         layer = Sdf.Layer.CreateAnonymous(".usdc")

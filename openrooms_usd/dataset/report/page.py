@@ -2,7 +2,6 @@
 
 import base64
 import math
-import tempfile
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
@@ -29,6 +28,7 @@ from openrooms_usd.rendering.folder import MANIFEST, preview_file
 from openrooms_usd.rendering.previews import preview
 from openrooms_usd.rendering.reading import read_render
 from openrooms_usd.rendering.sheet import MAIN
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.untrusted import read_text
 from openrooms_usd.usd.shading.textures import read_texture
 
@@ -343,8 +343,8 @@ def _picture(store: Store, job: Job, view: int, wanted: Sequence[str]) -> Pictur
 
 def _data(pixels: NDArray[Any]) -> str:
     """A picture as a small JPEG in an address."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "small.jpg"
+    with scratch_folder() as folder:
+        file = folder / "small.jpg"
         imagefile.write(file, _reduced(pixels), "uint8", _HOW)
         return f"data:image/jpeg;base64,{base64.b64encode(file.read_bytes()).decode()}"
 

@@ -17,6 +17,7 @@ from openrooms_usd.furniture import category, make
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.assets import Model
 from openrooms_usd.library.models.meshfile import read_model
+from openrooms_usd.portable import in_order
 from openrooms_usd.scan.models.cad import Symmetry
 from openrooms_usd.scan.models.cad import Up as AnyUp
 
@@ -92,7 +93,7 @@ def _described(folder: Path, path: Path, name: str, entry: Mapping[str, Any]) ->
 
 
 def _named(folder: Path, suffixes: Collection[str]) -> dict[str, Path]:
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in suffixes)
+    paths = in_order(path for path in folder.rglob("*") if path.suffix.lower() in suffixes)
     paths = [path for path in paths if path.is_file()]
     names = {path: path.relative_to(folder).with_suffix("").parts for path in paths}
     stems = Counter(parts[-1] for parts in names.values())

@@ -1,6 +1,5 @@
 """Reads USD files as pieces: one a gprim, with its bound UsdPreviewSurface."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Literal
 
@@ -10,6 +9,7 @@ from openrooms_usd import untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.models.pieces import ModelPart, Reading, colored
+from openrooms_usd.portable import relative_text
 
 if TYPE_CHECKING:
     from pxr import Usd
@@ -68,7 +68,7 @@ def _layers_elsewhere(path: Path) -> list[str]:
     home, start = path.parent.resolve(), path.parent.absolute()
     files = {Path(layer.realPath.partition("[")[0]) for layer in check_stage_file(path)}
     outside = (file for file in files if not file.resolve().is_relative_to(home))
-    names = sorted(os.path.relpath(file, start) for file in outside)
+    names = sorted(relative_text(file, start) for file in outside)
     return [f"{name!r}, outside the model's folder, is read, too" for name in names]
 
 

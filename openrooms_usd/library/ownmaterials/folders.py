@@ -18,6 +18,7 @@ from openrooms_usd.library.ownmaterials.material import (
     tile_size,
 )
 from openrooms_usd.library.ownmaterials.normalmaps import Green, Relief, read_relief
+from openrooms_usd.portable import in_order
 from openrooms_usd.tables import read_table
 from openrooms_usd.usd.shading.surfaces import Channel, PreviewSurface, Texture
 from openrooms_usd.usd.shading.textures import picture_facts
@@ -192,7 +193,7 @@ def files_in(folder: Path) -> list[Path]:
 
 def _pictures_in(folder: Path) -> Iterable[Path]:
     try:
-        found = sorted(path for path in folder.iterdir() if path.suffix.lower() in _SUFFIXES)
+        found = in_order(path for path in folder.iterdir() if path.suffix.lower() in _SUFFIXES)
     except OSError as error:
         raise InputError(
             f"cannot be listed: {error.strerror}", place=folder, remedy="check its permissions"

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from openrooms_usd import atomic, removal, untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.portable import in_order
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 from openrooms_usd.usd.shading.textures import picture_facts
 
@@ -246,7 +247,7 @@ _VERSION: Final = re.compile(r"\b([234]\.0)\b")
 
 def licence_files(folder: Path) -> list[Path]:
     """The files of a folder that state a licence; sorted."""
-    return sorted(p for p in folder.iterdir() if p.is_file() and _FILES.fullmatch(p.name))
+    return in_order(p for p in folder.iterdir() if p.is_file() and _FILES.fullmatch(p.name))
 
 
 def licence_in(folder: Path) -> str:

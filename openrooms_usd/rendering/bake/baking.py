@@ -13,6 +13,7 @@ from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.imagefile import write_png
+from openrooms_usd.portable import anchored_text
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.rendering import exr
 from openrooms_usd.rendering.bake.atlases import Atlases, placed
@@ -170,10 +171,7 @@ def _check(layout: AtlasLayout, bounces: int) -> None:
 
 def _relative(stage: Path, out: Path) -> str:
     """The stage as the layer beside the lightmaps refers to it."""
-    import os
-
-    text = Path(os.path.relpath(stage.resolve(), out.resolve())).as_posix()
-    return text if text.startswith("../") else f"./{text}"
+    return anchored_text(stage.resolve(), out.resolve())
 
 
 def _write_pictures(

@@ -9,6 +9,7 @@ from pxr import Usd, UsdLux
 
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
+from openrooms_usd.portable import RESERVED
 from openrooms_usd.rendering.scene.arrays import Patch, Scene, Sun
 from openrooms_usd.rendering.scene.lights import Gaussian, LightRecord
 from openrooms_usd.rendering.scene.pictures import Array, Picture, evaluate
@@ -66,15 +67,17 @@ def light_records(
 
 
 def _unique(names: Sequence[str]) -> list[str]:
-    """Names of which each but the first of its kind has a number that no other has."""
-    taken, counts, found = set(names), Counter[str](), []
+    """Names of which each but the first of its kind has a number; as files they differ, too."""
+    taken = {name.casefold() for name in names} | RESERVED
+    counts, found = Counter(RESERVED), []
     for name in names:
-        counts[name] += 1
+        key = name.casefold()
+        counts[key] += 1
         chosen = name
-        while counts[name] > 1 and chosen in taken:
-            chosen = f"{name}_{counts[name]}"
-            counts[name] += chosen in taken
-        taken.add(chosen)
+        while counts[key] > 1 and chosen.casefold() in taken:
+            chosen = f"{name}_{counts[key]}"
+            counts[key] += chosen.casefold() in taken
+        taken.add(chosen.casefold())
         found.append(chosen)
     return found
 

@@ -1,6 +1,5 @@
 """USD's own error messages, rewritten for people, and kept off standard error."""
 
-import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -83,7 +82,7 @@ def composition_errors(stage: Usd.Stage) -> list[tuple[str, str]]:
         Prim path and sentence, in the order in which USD met them; files are named from the
         stage's folder.
     """
-    home = f"{Path(stage.GetRootLayer().realPath).absolute().parent}{os.sep}"
+    home = f"{Path(stage.GetRootLayer().realPath).absolute().parent.as_posix()}/"
     return [
         (str(error.rootSite.path), _message_of(error).replace(home, "./"))
         for error in stage.GetCompositionErrors()

@@ -6,7 +6,6 @@ binary file is named by its content, so that replacing the text layer switches b
 """
 
 import hashlib
-import os
 import zipfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -17,6 +16,7 @@ from pxr import Ar, Sdf, Usd, UsdGeom
 
 from openrooms_usd import atomic, names, removal, unfinished, untrusted
 from openrooms_usd.errors import InputError, writing
+from openrooms_usd.portable import anchored_text
 from openrooms_usd.usd.files import preflight
 from openrooms_usd.usd.files.diagnostics import UNREADABLE, reading, reason
 from openrooms_usd.usd.places.frames import TIME
@@ -236,8 +236,7 @@ def relative_assets(folder: Path) -> Callable[[Sdf.Layer, str], str]:
         absolute = Path(str(Ar.GetResolver().CreateIdentifier(path, layer.resolvedPath)))
         if not absolute.is_absolute():
             return path
-        text = Path(os.path.relpath(absolute.resolve(), base)).as_posix()
-        return text if text.startswith("../") else f"./{text}"
+        return anchored_text(absolute.resolve(), base)
 
     return rewrite
 

@@ -12,7 +12,6 @@ from functools import cache
 from io import SEEK_END, BytesIO
 from itertools import chain
 from pathlib import Path, PurePosixPath
-from tempfile import NamedTemporaryFile
 from typing import Final
 
 from pxr import Ar, Sdf, UsdUtils
@@ -20,6 +19,7 @@ from pxr import Ar, Sdf, UsdUtils
 from openrooms_usd import ledger, untrusted
 from openrooms_usd.errors import InputError
 from openrooms_usd.names import SCENE
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.files.crate_reader import check_crate, check_crate_reads
 from openrooms_usd.usd.files.diagnostics import UNREADABLE, reading
 
@@ -227,10 +227,10 @@ def _entries(package: str) -> list[str]:
     """The layers and packages in a package, by USD's own reader."""
     if not Ar.IsPackageRelativePath(package):
         return _listed(package)
-    with NamedTemporaryFile(suffix=_PACKAGE) as copy:
-        copy.write(_packaged(package))
-        copy.flush()
-        return _listed(copy.name)
+    with scratch_folder() as folder:
+        copy = folder / f"inner{_PACKAGE}"
+        copy.write_bytes(_packaged(package))
+        return _listed(str(copy))
 
 
 def _listed(archive: str) -> list[str]:

@@ -15,6 +15,7 @@ from pxr import Ar, Usd, UsdShade
 
 from openrooms_usd import imagefile, removal, untrusted
 from openrooms_usd.errors import InputError
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.files.diagnostics import plain, reading
 from openrooms_usd.usd.shading.surfaces import ColorSpace
 
@@ -343,8 +344,8 @@ def joined(
     kind, ending = ("float", ".exr") if whole is None else ("uint8", ".png")
     if whole is None:
         whole = _joined(found, shape, values)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / f"tiles{ending}"
+    with scratch_folder() as folder:
+        file = folder / f"tiles{ending}"
         imagefile.write(file, cast(Any, whole), kind, {"oiio:UnassociatedAlpha": 1})
         yield file
 

@@ -1,8 +1,6 @@
 """The points of a scan as pictures to draw over: from above, and square on to a wall."""
 
-import tempfile
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -10,6 +8,7 @@ from numpy.typing import NDArray
 
 from openrooms_usd import imagefile
 from openrooms_usd.building.walls import Wall
+from openrooms_usd.scratch import scratch_folder
 
 Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]
@@ -150,8 +149,8 @@ def heights(points: Array) -> dict[str, object]:
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "picture.png"
+    with scratch_folder() as folder:
+        path = folder / "picture.png"
         how = {"oiio:UnassociatedAlpha": 1, "png:compressionLevel": 4}
         imagefile.write(path, np.ascontiguousarray(pixels), "uint8", how)
         return path.read_bytes()
