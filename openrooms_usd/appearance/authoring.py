@@ -12,10 +12,10 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 from openrooms_usd import atomic, names
 from openrooms_usd.appearance.directions import ELEVATIONS
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.edits.assigning import bind, opened
 from openrooms_usd.library.pictures import write_exr
-from openrooms_usd.steps.lights.step import author_glow
+from openrooms_usd.usd.light.glow import author_glow
 from openrooms_usd.usd.light.lights import define_dome, define_mesh_light
+from openrooms_usd.usd.shading.binding import bind, open_instances
 from openrooms_usd.usd.shading.materials import bound_material, define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
 
@@ -37,14 +37,14 @@ class PartLook:
         color: (3,) linear base colour.
         roughness: Perceptual.
         metallic: 0 or 1.
-        texture: Asset path of a picture of the base colour; None: one colour everywhere.
+        texture: A picture of the base colour; None: one colour everywhere.
     """
 
     path: str
     color: Array
     roughness: float
     metallic: float
-    texture: str | None = None
+    texture: Texture | None = None
 
 
 def write_opinions(
@@ -100,20 +100,24 @@ def panorama_of(sky: Array) -> NDArray[np.float32]:
     return np.repeat(rows[:, None], 2 * _SKY_ROWS, axis=1).astype(np.float32)
 
 
+def material_name(path: str) -> str:
+    """The name of the material of a part."""
+    return path.strip("/").partition("/")[2].replace("/", "_") or path.strip("/")
+
+
 def _author_look(stage: Usd.Stage, home: Sdf.Path, look: PartLook) -> None:
     prim = stage.GetPrimAtPath(look.path)
     former = bound_material(prim)
-    name = look.path.strip("/").partition("/")[2].replace("/", "_") or prim.GetName()
     red, green, blue = (round(float(value), _DIGITS) for value in look.color)
     surface = PreviewSurface(
-        base_color=(red, green, blue) if look.texture is None else Texture(look.texture),
+        base_color=(red, green, blue) if look.texture is None else look.texture,
         roughness=round(look.roughness, 3),
         metallic=look.metallic,
     )
-    material = define_preview_surface(stage, home.AppendChild(name), surface)
+    material = define_preview_surface(stage, home.AppendChild(material_name(look.path)), surface)
     if former:
         _keep_physics(former.GetPrim(), material.GetPrim())
-    opened(stage, [prim.GetPath()])
+    open_instances(stage, [prim.GetPath()])
     bind(stage.OverridePrim(prim.GetPath()), material)
 
 
@@ -133,7 +137,7 @@ def _keep_physics(former: Usd.Prim, material: Usd.Prim) -> None:
 
 def _author_lamp(stage: Usd.Stage, path: str, radiance: Array) -> list[str]:
     prim = stage.GetPrimAtPath(path)
-    opened(stage, [prim.GetPath()])
+    open_instances(stage, [prim.GetPath()])
     over = stage.OverridePrim(prim.GetPath())
     nits = float(luminance(radiance))
     hue = radiance / nits if nits > 0.0 else np.ones(3)

@@ -8,21 +8,25 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd import atomic, claims, names
-from openrooms_usd.appearance.authoring import PartLook, write_opinions
+from openrooms_usd.appearance.authoring import PartLook, material_name, write_opinions
 from openrooms_usd.appearance.photographs import metric, read_posed
 from openrooms_usd.appearance.pictures import read_pictures
 from openrooms_usd.appearance.recovery import Appearance, recover
+from openrooms_usd.appearance.textures import Painted
 from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
+from openrooms_usd.imagefile import write_png
 from openrooms_usd.progress import Progress, nested, silent
 from openrooms_usd.rendering.opening import open_for_rendering
 from openrooms_usd.usd.files.layers import open_stage
+from openrooms_usd.usd.shading.surfaces import Texture
 
 _LEDGER: Final = ".orusd.appearance.sha256"
 _REPORT: Final = "report.json"
 SKY: Final = "sky.exr"
+TEXTURES: Final = "textures"
 # Colours less certain than this share of themselves are not written.
 _LEAST_SURE: Final = 1.0
 
@@ -103,30 +107,55 @@ def write_appearance(
         report["notes"] += write_opinions(
             stage,
             layer,
-            looks_of(found),
+            looks_of(found, folder.name),
             lamps_of(found),
             found.sky,
             refill.folder / SKY,
             f"./{folder.name}/{SKY}",
         )
+        (refill.folder / TEXTURES).mkdir()
+        for one in found.painted:
+            write_png(refill.folder / _picture_name(found, one), one.pixels)
         text = json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False)
         atomic.write_text(refill.folder / _REPORT, text + "\n")
     return report
 
 
-def looks_of(found: Appearance) -> list[PartLook]:
-    """What parts are made of, of which that is known well enough."""
+def looks_of(found: Appearance, folder: str) -> list[PartLook]:
+    """What parts are made of, of which that is known well enough.
+
+    Args:
+        found: The appearance.
+        folder: Name of the folder beside the layer that holds pictures.
+    """
     solution, problem = found.solution, found.problem
+    pictures = {
+        one.chart.part: Texture(
+            f"./{folder}/{_picture_name(found, one)}",
+            color_space="sRGB",
+            wrap_s="clamp",
+            wrap_t="clamp",
+            primvar=one.chart.primvar,
+            uv_scale=(float(one.chart.scale[0]), float(one.chart.scale[1])),
+            uv_translation=(float(one.chart.offset[0]), float(one.chart.offset[1])),
+        )
+        for one in found.painted
+    }
     return [
         PartLook(
             path,
             solution.base[number],
             float(problem.roughness[number]),
             float(problem.metallic[number]),
+            pictures.get(number),
         )
         for number, path in found.parts.items()
         if solution.base_sd[number].max() < _LEAST_SURE
     ]
+
+
+def _picture_name(found: Appearance, painted: Painted) -> str:
+    return f"{TEXTURES}/{material_name(found.parts[painted.chart.part])}.png"
 
 
 def lamps_of(found: Appearance) -> dict[str, Array]:

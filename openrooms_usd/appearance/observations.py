@@ -24,6 +24,8 @@ _DARK, _BRIGHT = 4, 248
 _AROUND: Final = np.array([[0, 0], [-1, -1], [1, -1], [-1, 1], [1, 1]])
 _MOST_OF_A_PART: Final = 32
 _MOST_OF_SKY: Final = 60
+# A triangle that fewer pixels show does not count as seen.
+_LEAST_PIXELS: Final = 20
 _LEAST_OF_A_PART: Final = 4
 # Seen flatter than this, a pixel covers too much.
 _LEAST_COSINE: Final = 0.12
@@ -59,6 +61,7 @@ class Observations:
         weight: (N,) how many pixels of the part it stands for, at most about 1.
         places: What they see.
         sky: Pixels that see the surroundings.
+        triangles: Rows of the scene's triangles that pixels see.
     """
 
     photograph: Rows
@@ -69,6 +72,7 @@ class Observations:
     weight: Array
     places: Places
     sky: "SkyPixels"
+    triangles: Rows
 
     def __len__(self) -> int:
         return len(self.part)
@@ -97,11 +101,22 @@ def observe(
         _picked(index, frame, picture, scene, tracer, parts, emits, rng)
         for index, (frame, picture) in enumerate(zip(frames, pictures, strict=True))
     ]
-    joined = [np.concatenate(some) for some in zip(*(own for own, _ in rows), strict=True)]
+    joined = [np.concatenate(some) for some in zip(*(own for own, _, _ in rows), strict=True)]
     photograph, part, value, usable, radius, weight, position, normal, view = joined
-    sky = SkyPixels(*(np.concatenate(some) for some in zip(*(sky for _, sky in rows), strict=True)))
+    sky = SkyPixels(
+        *(np.concatenate(some) for some in zip(*(sky for _, sky, _ in rows), strict=True))
+    )
+    seen, counts = np.unique(np.concatenate([met for _, _, met in rows]), return_counts=True)
     return Observations(
-        photograph, part, value, usable, radius, weight, Places(position, normal, view), sky
+        photograph,
+        part,
+        value,
+        usable,
+        radius,
+        weight,
+        Places(position, normal, view),
+        sky,
+        seen[counts >= _LEAST_PIXELS],
     )
 
 
@@ -114,7 +129,7 @@ def _picked(
     parts: Rows,
     emits: NDArray[np.bool_],
     rng: np.random.Generator,
-) -> tuple[list[Array], list[Array]]:
+) -> tuple[list[Array], list[Array], Rows]:
     height, width = picture.shape[:2]
     camera = PinholeCamera(frame.K, frame.world_from_camera)
     hits = first_hits(scene, tracer, camera, width, height)
@@ -167,7 +182,7 @@ def _picked(
         _radius(frame, empty, width),
         ahead,
     ]
-    return [
+    own = [
         np.full(len(picks), index),
         labels.ravel()[picks] - 1,
         both[picks] / 255.0,
@@ -177,7 +192,8 @@ def _picked(
         hits.position[rows],
         normal[rows],
         view[rows],
-    ], sky
+    ]
+    return own, sky, hits.rows
 
 
 def _radius(frame: CapturedFrame, pixels: Rows, width: int) -> Array:

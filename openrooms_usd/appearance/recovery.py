@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from openrooms_usd.appearance.charts import charts_of, probes_of
 from openrooms_usd.appearance.directions import ELEVATIONS
 from openrooms_usd.appearance.gloss import tell_gloss
 from openrooms_usd.appearance.observations import Observations, observe
+from openrooms_usd.appearance.places import Places
 from openrooms_usd.appearance.problem import ColorPrior, Problem
 from openrooms_usd.appearance.solving import BELOW_GLOSS, Solution, solve
+from openrooms_usd.appearance.textures import Painted, paint
 from openrooms_usd.appearance.transport import (
     Gather,
     Transport,
@@ -60,6 +63,7 @@ class Appearance:
         lamps: Prim paths of lamps, in the order of the sources.
         emitters: By lamp: the prims of its emitting meshes.
         frames: The photographs.
+        painted: Pictures of base colours.
     """
 
     problem: Problem
@@ -68,6 +72,7 @@ class Appearance:
     lamps: tuple[str, ...]
     emitters: tuple[tuple[str, ...], ...]
     frames: tuple[CapturedFrame, ...]
+    painted: tuple[Painted, ...] = ()
 
     @property
     def sky(self) -> Array:
@@ -152,7 +157,10 @@ def recover(
             remedy="check their poses, and that they are of this room",
         )
     progress("following light", 0.1)
-    transport = sample_transport(scene, tracer, sources, observations.places, seed)
+    charts = charts_of(scene, observations.triangles, np.random.default_rng(seed))
+    places = _joined(observations.places, probes_of(charts))
+    transport = sample_transport(scene, tracer, sources, places, seed)
+    transport, lit = _apart(transport, len(observations))
     lamps = lamps_of(sources)
     roughness, metallic = _gloss_of(scene)
     sky = len(roughness)
@@ -201,8 +209,35 @@ def recover(
         for lamp in lamps
     )
     return Appearance(
-        problem, found, parts, tuple(lamp.path for lamp in lamps), emitters, tuple(frames)
+        problem,
+        found,
+        parts,
+        tuple(lamp.path for lamp in lamps),
+        emitters,
+        tuple(frames),
+        tuple(paint(scene, tracer, frames, pictures, charts, lit, problem, found)),
     )
+
+
+def _joined(some: Places, more: Places) -> Places:
+    """Places one after the other; those of one point have it several times."""
+    points = some.position.shape[1]
+    pairs = (
+        (getattr(some, name), np.repeat(getattr(more, name), points, axis=1))
+        for name in ("position", "normal", "view")
+    )
+    return Places(*(np.concatenate(pair) for pair in pairs))
+
+
+def _apart(transport: Transport, count: int) -> tuple[Transport, Gather]:
+    """The operator of the first places, and what arrives at the others."""
+
+    def first(gather: Gather) -> Gather:
+        return Gather(gather.direct[:count], gather.form[:count])
+
+    rest = Gather(transport.diffuse.direct[count:], transport.diffuse.form[count:])
+    glossy = tuple((first(a), first(b)) for a, b in transport.glossy)
+    return replace(transport, diffuse=first(transport.diffuse), glossy=glossy), rest
 
 
 def _with_sky(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from openrooms_usd.appearance.curve import Curve
 from openrooms_usd.appearance.priors import Priors
 from openrooms_usd.appearance.problem import Problem, State
-from openrooms_usd.appearance.transport import ROUGHNESSES, Transport
+from openrooms_usd.appearance.transport import ROUGHNESSES, Gather, Transport
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -107,6 +107,31 @@ def arrived(problem: Problem, base: Array, channel: int) -> Arrived:
             value = lobe.direct[rows] + lobe.form[rows] @ radiance
             total[rows] += weight[rows, None] * value
     return Arrived(radiance, diffuse, facing, rest)
+
+
+def light_at(problem: Problem, found: "Solution", gathered: Gather) -> Array:
+    """(N, 3) what arrives at places, nits.
+
+    Args:
+        problem: What was solved.
+        found: Its solution.
+        gathered: What the places gather.
+    """
+    columns = []
+    for c in range(3):
+        strengths = found.strengths[:, c]
+        radiance = radiosity(problem.transport, found.base, problem.metallic, c) @ strengths
+        columns.append(gathered.direct @ strengths + gathered.form @ radiance)
+    return np.stack(columns, axis=-1)
+
+
+def gloss_seen(problem: Problem, found: "Solution") -> Array:
+    """(M, 3) what observations show of the mirror lobes of dielectrics, nits."""
+    columns = []
+    for c in range(3):
+        got = arrived(problem, found.base, c)
+        columns.append((DIELECTRIC * got.facing + got.rest) @ found.strengths[:, c])
+    return np.stack(columns, axis=-1)
 
 
 def roughness_levels(roughness: Array) -> tuple[Rows, Array]:

@@ -5,7 +5,7 @@ meant is bound to one of them. An instance cannot be edited inside, so an object
 stops being an instance. The steps leave alone what the edits bind.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -25,7 +25,7 @@ from openrooms_usd.steps.materials.dressing import Chooser
 from openrooms_usd.steps.materials.looks import define_all
 from openrooms_usd.steps.materials.palette import TEXTURES, Palette
 from openrooms_usd.usd.semantics import read_label
-from openrooms_usd.usd.shading.materials import bound_subsets
+from openrooms_usd.usd.shading.binding import bind, open_instances
 
 # Where the materials of edits are.
 LOOKS: Final = f"{names.WORLD}/Looks"
@@ -86,7 +86,7 @@ def assign(
         UsdGeom.Scope.Define(stage, LOOKS)
         folder = f"./{names.EDITS}/{TEXTURES}"
         made = define_all(stage, Sdf.Path(LOOKS), palette, [swatch], folder)[swatch]
-        opened(stage, parts)
+        open_instances(stage, parts)
         for part in parts:
             bind(stage.OverridePrim(part), made)
         _forget_unused(stage.GetEditTarget().GetLayer())
@@ -120,15 +120,6 @@ def context_of(stage: Usd.Stage, scene: Path, base: Path | None = None) -> StepC
     return StepContext(room, base or scene.parent, stage, folder)
 
 
-def opened(stage: Usd.Stage, parts: Iterable[Sdf.Path]) -> None:
-    """Let instances that parts are inside of be instances no more."""
-    layer = stage.GetEditTarget().GetLayer()
-    for part in parts:
-        for above in part.GetPrefixes():
-            if stage.GetPrimAtPath(above).IsInstance():
-                Sdf.CreatePrimInLayer(layer, above).instanceable = False
-
-
 def _seed(stage: Usd.Stage) -> int:
     """What the room was drawn from, as compose has noted it; 0 where it has not."""
     world = stage.GetPrimAtPath(names.WORLD)
@@ -146,14 +137,6 @@ def _suited(stage: Usd.Stage, path: str) -> Any:
     if category in _PLACES:
         return partial(families_of, Room().room, _PLACES[category])
     return furniture_families
-
-
-def bind(prim: Usd.Prim, material: UsdShade.Material) -> None:
-    """Bind a part, also where pieces of it have materials of their own."""
-    tokens = UsdShade.Tokens
-    strong = bool(bound_subsets(prim))
-    strength = tokens.strongerThanDescendants if strong else tokens.fallbackStrength
-    UsdShade.MaterialBindingAPI.Apply(prim).Bind(material, strength)
 
 
 def _remove_binding(layer: Sdf.Layer, part: Sdf.Path) -> bool:
