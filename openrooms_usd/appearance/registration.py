@@ -27,7 +27,7 @@ Unit = Literal["m", "px"]
 # Motions up to this are the noise of poses: the photographs' own corrections take care of them.
 _STILL_M: Final = 0.03
 _STILL_DEG: Final = 1.0
-# A photograph's own correction larger than this is no small one.
+# A photograph's own correction is at most this.
 _SMALL_M: Final = 0.06
 _SMALL_DEG: Final = 3.0
 # Depth: least share on geometry, and what a motion has to add to it. Another room reached 0.38.
