@@ -2,5 +2,5 @@
 
 ``driver`` compares and draws the results side by side. ``photographs`` puts the capture's cameras
 and points in the composed room. ``scandepth`` gives the distance of the scan from a camera.
-``edges`` finds edges in a photograph and in a render's geometry and counts those that match.
+``appearance.edges`` counts edges of a render's geometry that a photograph has.
 """

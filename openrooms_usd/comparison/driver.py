@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims
-from openrooms_usd.capture import CapturedFrame
-from openrooms_usd.comparison.edges import (
+from openrooms_usd.appearance.edges import (
     EdgeMap,
     EdgeMatch,
     geometry_edges,
     match_edges,
     photograph_edges,
 )
+from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.comparison.photographs import Photographs, chosen_frames, read_photographs
 from openrooms_usd.comparison.scandepth import DepthError, depth_error, scan_depth, spacing
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.comparison.edges import EdgeMap, geometry_edges, match_edges, photograph_edges
+from openrooms_usd.appearance.edges import EdgeMap, geometry_edges, match_edges, photograph_edges
 
 HEIGHT, WIDTH = 120, 160
 FACING = np.broadcast_to([0.0, 0.0, -1.0], (HEIGHT, WIDTH, 3))

@@ -23,7 +23,7 @@ _STRONG_SHARE: Final = 0.12
 _MIN_GRADIENT: Final = 0.01
 _BLUR_PIXELS: Final = 1.2
 # Directions are compared in so many bins of half a turn, each with its two neighbours.
-_BINS: Final = 12
+BINS: Final = 12
 # How far edges may be apart, of the picture's diagonal.
 _NEAR_SHARE: Final = 0.01
 # Matches by chance are measured by shifting the render by this part of the picture.
@@ -137,10 +137,10 @@ def _within(edges: EdgeMap, reach: float) -> Mask:
     """(bins, H, W) whether an edge of about that direction is so near, in pixels."""
     from scipy.ndimage import distance_transform_edt
 
-    found = np.zeros((_BINS, *edges.mask.shape), bool)
-    for number in range(_BINS):
-        off = (edges.bins - number) % _BINS
-        alike = edges.mask & ((off <= 1) | (off == _BINS - 1))
+    found = np.zeros((BINS, *edges.mask.shape), bool)
+    for number in range(BINS):
+        off = (edges.bins - number) % BINS
+        alike = edges.mask & ((off <= 1) | (off == BINS - 1))
         if alike.any():
             found[number] = distance_transform_edt(~alike) <= reach
     return found
@@ -159,7 +159,7 @@ def _directions_of(mask: Mask) -> NDArray[np.int64]:
 
 def _bins(dx: Array, dy: Array) -> NDArray[np.int64]:
     angle = np.arctan2(dy, dx) % np.pi
-    return np.asarray(np.floor(angle / np.pi * _BINS).astype(np.int64) % _BINS)
+    return np.asarray(np.floor(angle / np.pi * BINS).astype(np.int64) % BINS)
 
 
 def _inside(shape: tuple[int, ...]) -> Mask:
