@@ -25,10 +25,10 @@ from typing import Any, Final
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.report import publish, table
 from benchmarks.scenes import demo_stage
+from openrooms_usd.arrays import Floats
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import RenderError
 from openrooms_usd.rendering import RenderRequest, View, render_stage
@@ -223,7 +223,7 @@ class _Cleaner:
         view: View = session.render(request)
         self._guides = view.guides
 
-    def __call__(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
+    def __call__(self, radiance: Floats) -> Floats:
         return self._denoiser.denoise(radiance, self._guides)
 
 

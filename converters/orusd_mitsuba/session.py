@@ -7,9 +7,8 @@ from typing import Any, Final
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.rendering import Image, RenderRequest
 from openrooms_usd.rendering.bake.request import Irradiance, IrradianceRequest
@@ -159,9 +158,7 @@ class MitsubaSession:
             _give_back()
         return images
 
-    def guides(
-        self, camera: PinholeCamera, request: RenderRequest
-    ) -> Mapping[str, NDArray[np.float32]]:
+    def guides(self, camera: PinholeCamera, request: RenderRequest) -> Mapping[str, Floats]:
         """What a denoiser is guided by; see the core's `GuidingSession`.
 
         Args:

@@ -8,8 +8,8 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.rays import RayTracer, Rows
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
@@ -64,7 +64,7 @@ class MitsubaTracer(RayTracer):
         ]
         return np.concatenate([np.zeros(0, np.int64), *parts])
 
-    def _batch(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Rows:
+    def _batch(self, origins: Floats, directions: Floats) -> Rows:
         registered = [_number(mi.ShapePtr(shape)) for shape in self._built.shapes()]
         shape_of = np.zeros(np.max(registered) + 1, dtype=np.int64)
         shape_of[np.concatenate(registered)] = np.arange(len(registered))
@@ -73,7 +73,7 @@ class MitsubaTracer(RayTracer):
         rows = self._starts[shape_of[_number(hit.shape)]] + hit.prim_index.numpy()
         return np.where(hit.is_valid().numpy(), rows, -1)
 
-    def _one(self, origin: NDArray[np.float32], direction: NDArray[np.float32]) -> int:
+    def _one(self, origin: Floats, direction: Floats) -> int:
         ray = mi.Ray3f(mi.Point3f(origin), mi.Vector3f(direction))
         hit = self._built.ray_intersect_preliminary(ray)
         if not hit.is_valid():

@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.errors import writing
 from openrooms_usd.geometry.raycast import RayCaster
@@ -24,7 +23,7 @@ from orusd_openrooms.pickles import write_pickled
 _SHARP_LOBE: Final = 8.0
 _SIDE_POINTS: Final = 12  # points along a side of the rectangle
 _SPHERE_DIRECTIONS: Final = 256
-Bits = NDArray[np.bool_]
+Bits = Mask
 # Points farther apart are not joined, of a picture whose mean depth is 3 m; of nearer ones too.
 _JOINED_M: Final = 0.12
 _USUAL_DEPTH_M: Final = 3.0
@@ -66,8 +65,8 @@ def _is_in_picture(frame: Frame, window: bool) -> bool:
     )
 
 
-def _mask(frame: Frame, light: Light) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = frame.light("mask", light)[..., 0] > 0.5
+def _mask(frame: Frame, light: Light) -> Mask:
+    found: Mask = frame.light("mask", light)[..., 0] > 0.5
     return found
 
 
@@ -77,7 +76,7 @@ class _MadeOfLight(NamedTuple):
     concerns: Callable[[Light], bool] = lambda light: True
 
 
-def _camera(frame: Frame) -> NDArray[np.float64]:
+def _camera(frame: Frame) -> Array:
     return lights.camera_from_world(frame.view.world_from_camera)
 
 
@@ -260,9 +259,7 @@ def _places(light: Light, camera: Array, draws: Array) -> Array:
     return np.asarray(world @ camera[:3, :3].T + camera[:3, 3])
 
 
-def approximate(
-    light: Light, camera: Array, points: NDArray[np.float32], normals: NDArray[np.float32]
-) -> NDArray[np.float32]:
+def approximate(light: Light, camera: Array, points: Floats, normals: Floats) -> Floats:
     """Irradiance by the lobes of an opening through its rectangle, without occlusion.
 
     Args:

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
@@ -319,7 +318,7 @@ def _standing(
     return find_standing(placed, asked, source)
 
 
-def _spacing(points: Array, faces: NDArray[np.int64]) -> float:
+def _spacing(points: Array, faces: Ints) -> float:
     """Of samples of a mesh, in its unit, for a certain number of them."""
     corners = points[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

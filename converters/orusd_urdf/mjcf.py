@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.engines import DEFAULT_FRICTION, DEFAULT_TIMESTEP, Friction
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import World
@@ -21,8 +22,7 @@ from orusd_urdf.frames import place, text
 from orusd_urdf.looks import Loss, RobotMaterial
 from orusd_urdf.tree import ContactSurface, Tree, joint_name, link_name
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+Flags = Mask
 Which = Literal["all", "near", "close", "none"]
 Choice = Literal["auto", "all", "near", "close", "none"]
 

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.mesh import Mesh
 
-Ints = NDArray[np.int64]
-Indices = NDArray[np.int64]
+Indices = Ints
 
 
-def weld(points: NDArray[np.float64], tolerance: float) -> tuple[Ints, Ints]:
+def weld(points: Array, tolerance: float) -> tuple[Ints, Ints]:
     """Which points are one.
 
     Those are that lie in one cell of a grid. It begins at their least coordinates: far from the

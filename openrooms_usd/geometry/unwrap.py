@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.errors import MissingPackageError
 from openrooms_usd.geometry.mesh import Mesh
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-
-Ints = NDArray[np.int64]
 
 # Two places of a corner that are nearer than this are the same.
 _SAME_PLACE_TEXELS: Final = 1e-2
@@ -35,9 +34,7 @@ def triangulated(mesh: Mesh) -> Mesh:
     )
 
 
-def unwrapped(
-    mesh: Mesh, *, resolution: int = 1024, padding: int = 2
-) -> tuple[Mesh, NDArray[np.float32]]:
+def unwrapped(mesh: Mesh, *, resolution: int = 1024, padding: int = 2) -> tuple[Mesh, Floats]:
     """Lay out a mesh in the unit square without overlaps.
 
     The same mesh always gives the same layout. Triangles without an area get a place without one.
@@ -72,11 +69,11 @@ class Layout:
     """
 
     size: tuple[int, int]
-    places: NDArray[np.float64]
+    places: Array
 
 
 def laid_out(
-    points: NDArray[np.float64],
+    points: Array,
     triangles: NDArray[np.int32],
     faces: NDArray[np.int32],
     *,
@@ -111,8 +108,8 @@ def laid_out(
 
 
 def _packed(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], density: float, padding: int
-) -> tuple[tuple[int, int], NDArray[np.float64]]:
+    points: Array, triangles: Ints, density: float, padding: int
+) -> tuple[tuple[int, int], Array]:
     """Size and (M, 3, 2) places of the charts of xatlas; NaN for what it cannot place."""
     xatlas = _xatlas()
     low, high = points.min(axis=0), points.max(axis=0)
@@ -131,9 +128,7 @@ def _packed(
     return (size[0] + padding, size[1] + padding), places + 0.5 * padding
 
 
-def _cut(
-    faces: NDArray[np.int32], rows: NDArray[np.int64], places: NDArray[np.float64]
-) -> NDArray[np.int32]:
+def _cut(faces: NDArray[np.int32], rows: Ints, places: Array) -> NDArray[np.int32]:
     """The polygons of which a corner has several places, or none."""
     pairs = np.stack([np.repeat(faces, 3), rows.reshape(-1)], axis=1)
     corners, which = np.unique(pairs, axis=0, return_inverse=True)
@@ -147,8 +142,8 @@ def _cut(
 
 
 def _flat(
-    corners: NDArray[np.float64], faces: NDArray[np.int32], density: float, padding: int
-) -> tuple[tuple[int, int], NDArray[np.float64]]:
+    corners: Array, faces: NDArray[np.int32], density: float, padding: int
+) -> tuple[tuple[int, int], Array]:
     """Size and (M, 3, 2) places of polygons that are each seen along their own normal."""
     places = np.zeros((*corners.shape[:2], 2))
     polygons = [faces == face for face in np.unique(faces)]
@@ -167,7 +162,7 @@ def _flat(
     return size, places
 
 
-def _charts(mesh: Mesh, rows: NDArray[np.int64], size: int, padding: int) -> NDArray[np.float32]:
+def _charts(mesh: Mesh, rows: Ints, size: int, padding: int) -> Floats:
     """(K, 2) places of the chosen corners."""
     xatlas = _xatlas()
     points, indices = np.unique(mesh.points[mesh.indices[rows]], axis=0, return_inverse=True)
@@ -181,7 +176,7 @@ def _charts(mesh: Mesh, rows: NDArray[np.int64], size: int, padding: int) -> NDA
     atlas.add_mesh(small, indices.reshape(-1, 3).astype(np.uint32))
     atlas.generate(xatlas.ChartOptions(), options)
     _, corners, places = atlas.get_mesh(0)
-    layout: NDArray[np.float32] = np.asarray(places, dtype=np.float32)[corners.reshape(-1)]
+    layout: Floats = np.asarray(places, dtype=np.float32)[corners.reshape(-1)]
     return layout
 
 

@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.topology import connected, directed_edges, open_edges
 from openrooms_usd.geometry.vectors import doubled_areas
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+Bools = Mask
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import WELD_M, Component
@@ -16,8 +16,7 @@ from openrooms_usd.physics.merging import Cluster, merged
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import FEW_CANDIDATES, bisected, is_level
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+Bools = Mask
 
 # How far apart hulls are looked at, as shares of their sizes: first at few places, then at more.
 SPACINGS: Final = (0.5, 0.25, 0.125, 0.0625)

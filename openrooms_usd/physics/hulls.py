@@ -4,15 +4,15 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.vectors import crossed, doubled_areas, unit
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
+Rows = Ints
 
 # PhysX cooks at most 255; Bullet and MuJoCo are faster with few.
 MOST_VERTICES: Final = 64
@@ -231,7 +231,7 @@ def _closed(points: Array) -> tuple[Array, Rows]:
     return box.points, box.triangles.astype(np.int64)
 
 
-def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
+def _between(corners: Array, triangles: Rows) -> Mask:
     """(N,) which corners lie on the line between the two others of a triangle."""
     a, b, c = np.moveaxis(corners[triangles], 1, 0)
     # Each edge has the place of the corner that it faces.

@@ -11,15 +11,15 @@ Properties", JGT 1 (1996); D. Eberly, "Polyhedral Mass Properties (Revisited)" (
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.physics.borders import sums, vector_areas
 from openrooms_usd.physics.enclosure import Enclosure, examined
 from openrooms_usd.physics.mass import MassProperties, combined, from_moments
 
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+Bools = Mask
 
 # The length of the mean normal of a corner below which it is too sharp to be moved by its share.
 _MIN_MEAN_NORMAL: Final = 0.5

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.physics.components import Component
 from openrooms_usd.physics.surfaces import TriangleSurface, balls, halved, squared_distances
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+Rows = Ints
+Bools = Mask
 
 # Triangles that are bounded at once, and how often, while the farthest point is searched.
 TRIANGLES_PER_ROUND: Final = 3_000

@@ -6,13 +6,13 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.vectors import doubled_areas
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+Rows = Ints
+Bools = Mask
 
 # Samples that a surface is found by: more make distances faster and the surface slower to make.
 SAMPLES: Final = 8_000

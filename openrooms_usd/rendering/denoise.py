@@ -15,8 +15,8 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.errors import InputError, MissingPackageError, RenderError
 from openrooms_usd.rendering import contract
 from openrooms_usd.rendering.contract import Image, View
@@ -28,7 +28,7 @@ _FILTER_NAMES: Final = dict(zip(contract.GUIDES, ("albedo", "normal"), strict=Tr
 # Pixels that are added around: at its edges the network makes a pattern of its own.
 _BORDER_PIXELS: Final = 16
 
-Pixels = NDArray[np.float32]
+Pixels = Floats
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.library.friction.references import SUBSTANCES
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 FRICTION: Final = "friction"
 SOURCES: Final = ("base_color", "roughness", "material", "valid")
 
-Pixels = NDArray[np.float32]
+Pixels = Floats
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Material:
     substance: "Substance | None" = None
     authored: float | None = None
 
-    def static(self, albedo: Pixels, roughness: Pixels) -> NDArray[np.float64]:
+    def static(self, albedo: Pixels, roughness: Pixels) -> Array:
         """(P,) static coefficients of (P, 3) base colours and (P,) roughnesses."""
         if self.authored is not None:
             return np.full(roughness.shape, self.authored)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Bytes, Floats, Mask
 from openrooms_usd.channels import definition
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.rendering import PHOTOGRAPH, ToneName
@@ -17,8 +17,7 @@ from openrooms_usd.geometry.hemisphere import tiled, untiled
 from openrooms_usd.rendering import color
 from openrooms_usd.rendering.tone import Balance, Tone, fitted_tone
 
-Pixels = NDArray[np.float32]
-Bytes = NDArray[np.uint8]
+Pixels = Floats
 
 # Hemispheres across in the preview of a grid.
 _COLUMNS: Final = 20
@@ -74,7 +73,7 @@ def _sparse(tiles: Pixels) -> Pixels:
     return tiled(grid[step // 2 :: step, step // 2 :: step])
 
 
-def _marked(pixels: Bytes, bad: NDArray[np.bool_]) -> Bytes:
+def _marked(pixels: Bytes, bad: Mask) -> Bytes:
     colored = np.repeat(pixels, 3, axis=-1) if pixels.shape[-1] == 1 else pixels.copy()
     colored[bad] = color.NONFINITE
     return colored

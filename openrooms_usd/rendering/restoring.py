@@ -6,12 +6,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.rendering.shading import RULES
 
-Pixels = NDArray[np.float32]
-Array = NDArray[np.float64]
+Pixels = Floats
 
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
 _OPENGL: Final = np.diag([1.0, -1.0, -1.0])

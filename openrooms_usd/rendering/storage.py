@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import Channel, definition
 from openrooms_usd.description.rendering import COMPLETE, StorageName
 from openrooms_usd.rendering.contract import View
@@ -31,7 +32,7 @@ from openrooms_usd.rendering.folder import (
 )
 from openrooms_usd.rendering.restoring import follows, sources_of
 
-Pixels = NDArray[np.float32]
+Pixels = Floats
 
 DIGITS: Final = {"view": 6, "light": 5, "grid": 2}
 """Binary digits of light behind the first one, by the scope of its channel."""

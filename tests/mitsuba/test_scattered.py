@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from tests import small
 from tests.mitsuba.rooms import little_room
 from tests.small import square
@@ -13,7 +13,7 @@ from tests.small import square
 PATHS = 4096
 
 
-def _sums(room: Any, run: Any) -> NDArray[np.float32]:
+def _sums(room: Any, run: Any) -> Floats:
     """(kinds and lights, 3, paths) of what is added for rays of the camera."""
     import mitsuba as mi
 

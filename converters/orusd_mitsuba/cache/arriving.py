@@ -13,8 +13,8 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import CacheData
 from orusd_mitsuba.cache.surfels import SurfelIndex
@@ -24,8 +24,6 @@ from orusd_mitsuba.plugins.openrooms_bsdf import Reflection
 from orusd_mitsuba.transport.arrival import Begin, Start
 from orusd_mitsuba.transport.lattice import TEA_ROUNDS
 from orusd_mitsuba.transport.path_tracing import Prefix, power_heuristic
-
-Floats = NDArray[np.float32]
 
 # Set in the piece of a triangle that emits, and of one whose surface is not known.
 _EMITS: Final = 1 << 31

@@ -11,8 +11,8 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.plugins.memory import aligned
 
@@ -45,7 +45,7 @@ class Rays:
             dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number)
         )
 
-    def rows(self, which: NDArray[np.int64]) -> "Rays":
+    def rows(self, which: Ints) -> "Rays":
         """Some of them, by number."""
         number = mi.UInt32(aligned(which.astype(np.uint32)))
         return Rays(dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number))
@@ -157,5 +157,5 @@ def _step(built: Any, sampler: Any, o: Any, d: Any) -> tuple[Any, Any, Any]:
     return o, d, meets
 
 
-def _columns(vectors: NDArray[np.float64]) -> NDArray[np.float32]:
+def _columns(vectors: Array) -> Floats:
     return np.ascontiguousarray(vectors.T, dtype=np.float32)

@@ -11,11 +11,10 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering import RenderRequest
 from openrooms_usd.rendering.bake.request import LIFT_M, Irradiance, IrradianceRequest, TexelPoints
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import FirstDimensions
 from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator
 from orusd_mitsuba.transport.paths import Paths
@@ -60,7 +59,7 @@ class TexelIntegrator:
         self.most = max(1, fitting // self._texels)
         self.broken = np.zeros(self.size, dtype=bool)
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+    def __call__(self, samples: int, seed: int) -> Floats:
         """Render one batch; equal seeds give equal bits.
 
         Returns:
@@ -76,7 +75,7 @@ class TexelIntegrator:
         """Samples of each texel that one batch may have."""
         return self.most
 
-    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+    def strip(self, rows: slice, samples: int, seed: int) -> Floats:
         """Render one batch of the only row."""
         starts = range(0, self.size[1], self._texels)
         parts = [self._part(start, samples, seed + i) for i, start in enumerate(starts)]
@@ -85,7 +84,7 @@ class TexelIntegrator:
         self.broken |= ~finite.all(axis=(0, 3))
         return np.where(finite, values, np.float32(0.0))
 
-    def _part(self, start: int, samples: int, seed: int) -> NDArray[np.float32]:
+    def _part(self, start: int, samples: int, seed: int) -> Floats:
         """(lights, 3, texels) of some texels."""
         texels = min(self._texels, self.size[1] - start)
         paths = texels * samples

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.contract import RenderRequest, View
@@ -24,7 +24,7 @@ _CLAMP_DEVIATIONS: Final = 2.0
 _NEIGHBOURS_PIXELS: Final = 3  # to each side
 # Light per base colour is not defined for black surfaces.
 _LEAST_BASE_COLOR: Final = 0.04
-Pixels = NDArray[np.float32]
+Pixels = Floats
 
 LIGHT: Final = "radiance"
 BASE: Final = "base_color"

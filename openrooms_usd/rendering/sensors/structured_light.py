@@ -21,15 +21,14 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.description.dataset import DepthCamera
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.vectors import unit
 
-Array = NDArray[np.float64]
-Pixels = NDArray[np.float32]
-Indices = NDArray[np.int64]
+Pixels = Floats
+Indices = Ints
 
 NEEDED: Final = ("depth", "normal_geometric", "base_color", "roughness", "metallic")
 """The channels that it works with."""
@@ -124,7 +123,7 @@ def measured(
 
 def _lacks_pattern(
     channels: Mapping[str, Pixels], depth: Array, angle: Array, camera: DepthCamera
-) -> NDArray[np.bool_]:
+) -> Mask:
     """Where nothing of the pattern comes back."""
     returned = channels["base_color"][..., 0] * np.cos(angle)
     mirror = (channels["metallic"][..., 0] > _MIRROR_METALLIC) & (
@@ -145,7 +144,7 @@ def _along(normals: Array, rays: Array, row: Indices, column: Indices) -> Array:
     return np.where((factors > 1.0 / _MOST_ALONG) & (factors < _MOST_ALONG), factors, 1.0)
 
 
-def _in_shadow(depth: Array, K: Array, baseline: float) -> NDArray[np.bool_]:
+def _in_shadow(depth: Array, K: Array, baseline: float) -> Mask:
     """Where the projector, so far right of the camera, has something nearer before it.
 
     What lies in a column of the camera lies as many columns further left in the projector's picture

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 
-Rows = NDArray[np.int64]
+Rows = Ints
 
 CELL_M: Final = 0.025  # metres
 # Cells with less than this part of the wall's usual number of returns are empty.

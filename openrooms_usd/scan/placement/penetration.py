@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.scan.placement.bodies import Body, greatest, least
 
 # Chords of solids: intervals of parallel lines inside, by which penetration is measured.
@@ -20,7 +19,7 @@ from openrooms_usd.scan.placement.bodies import Body, greatest, least
 # these lines at once. Chords [a0, a1] and [b0, b1] overlap at shift t if b0 - a1 < t < b1 - a0.
 # Bodies need not be convex: a chair may stand under a table.
 
-Numbers = NDArray[np.int64]
+Numbers = Ints
 
 _MIN_SPACING_M: Final = 0.003
 # Slope of the rows of lines, and offset between successive rows in spacings: irrational, so that

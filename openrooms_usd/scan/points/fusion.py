@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes, Floats, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
@@ -29,7 +29,7 @@ _MIN_SPACING_VOXELS: Final = 0.66
 _TYPICAL_DEPTH_M: Final = 3.0
 _MAX_STRIDE: Final = 4
 _RIGID_TOLERANCE: Final = 1e-2
-Normals = NDArray[np.float32]
+Normals = Floats
 
 # Nearest neighbours, the point included: at 2 cm between points a radius of about 4 cm.
 NEIGHBOURS: Final = 16
@@ -56,7 +56,7 @@ class DepthFrame:
     world_from_camera: Array
     label: NDArray[np.integer[Any]] | None = None
     instance: NDArray[np.integer[Any]] | None = None
-    color: NDArray[np.uint8] | None = None
+    color: Bytes | None = None
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ def _stride(voxel: float, focal: float) -> int:
     return int(np.clip(_MIN_SPACING_VOXELS * voxel * focal / _TYPICAL_DEPTH_M, 1, _MAX_STRIDE))
 
 
-def _without_discontinuities(depth: Array, focal: float) -> NDArray[np.bool_]:
+def _without_discontinuities(depth: Array, focal: float) -> Mask:
     """(H, W) pixels without a depth discontinuity to any neighbour.
 
     At discontinuities sensors mix both sides ("flying pixels"); angles of incidence above 80

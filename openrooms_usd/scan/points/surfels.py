@@ -16,12 +16,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
 
-Rows = NDArray[np.int64]
+Rows = Ints
 
 VOXEL_M: Final = 0.05
 # Points are first downsampled to this part of a voxel.
@@ -63,7 +63,7 @@ class NearestPlanes:
     normals: Array
     rough: Array
     spacing: Array
-    flat: NDArray[np.bool_]
+    flat: Mask
 
 
 def nearest_planes(points: Array, places: Array) -> NearestPlanes:
@@ -286,7 +286,7 @@ class Plane:
     normal: Array
     point: Array
     residual: float
-    inliers: NDArray[np.bool_]
+    inliers: Mask
 
     def heights(self, points: Array) -> Array:
         """(N,) signed distances, positive where the normal points."""

@@ -10,10 +10,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 
-Rows = NDArray[np.int64]
+Rows = Ints
 
 # Larger coordinates occur in no map projection of the Earth, metres.
 _MAX_COORDINATE_M: Final = 1e8
@@ -222,13 +222,13 @@ def majority(group: Rows, values: NDArray[np.int32]) -> NDArray[np.int32]:
     return np.asarray(pairs[best[leads]] % span + low, dtype=np.int32)
 
 
-def _mean_normals(mean: Array, first: NDArray[np.float32]) -> NDArray[np.float32]:
+def _mean_normals(mean: Array, first: Floats) -> Floats:
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     decided = length > _MIN_MEAN_NORMAL
     return np.where(decided, mean / np.where(decided, length, 1.0), first).astype(np.float32)
 
 
-def _first_of_equal(points: Array) -> NDArray[np.bool_]:
+def _first_of_equal(points: Array) -> Mask:
     """(N,) whether no earlier point has exactly the same coordinates."""
     first = np.ones(len(points), bool)
     if len(points) < 2:

@@ -6,11 +6,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes, Floats, Ints
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.thinning import groups, majority
 
-Rows = NDArray[np.int64]
+Rows = Ints
 Columns = dict[str, NDArray[Any]]
 
 # A key packs three cell indices of 21 bits; the origin is in the middle of their range.
@@ -42,7 +42,7 @@ class Samples:
     views: Array
     label: NDArray[np.integer[Any]] | None = None
     instance: NDArray[np.integer[Any]] | None = None
-    colors: NDArray[np.uint8] | None = None
+    colors: Bytes | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,20 +68,20 @@ class Table:
     origin: Array
     weight: Array
     place: Array
-    views: NDArray[np.float32]
-    color: NDArray[np.float32]
-    color_weight: NDArray[np.float32]
+    views: Floats
+    color: Floats
+    color_weight: Floats
     label: NDArray[np.int32]
-    label_votes: NDArray[np.float32]
+    label_votes: Floats
     instance: NDArray[np.int32]
-    instance_votes: NDArray[np.float32]
+    instance_votes: Floats
     seen: NDArray[np.int32]
 
     def points(self) -> Array:
         """(M, 3) weighted means."""
         return self.place / self.weight[:, None] + self.origin
 
-    def colors_seen(self) -> NDArray[np.uint8]:
+    def colors_seen(self) -> Bytes:
         """(M, 3) weighted means; black where no observation had colours."""
         weight = np.where(self.color_weight > 0.0, self.color_weight, 1.0)
         return np.rint(self.color / weight[:, None]).clip(0.0, 255.0).astype(np.uint8)
@@ -217,8 +217,8 @@ def _by_key(rows: Columns) -> Columns:
 
 
 def _majorities(
-    owner: Rows, numbers: NDArray[np.int32], votes: NDArray[np.float32], count: int
-) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    owner: Rows, numbers: NDArray[np.int32], votes: Floats, count: int
+) -> tuple[NDArray[np.int32], Floats]:
     """The number that leads in each voxel, and by how many votes.
 
     A number with more than half of all votes leads in the end, in whatever order they come (Misra

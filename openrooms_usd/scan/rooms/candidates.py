@@ -7,9 +7,8 @@ offset; to the rest, lines of any angle are fitted one after the other by MSAC.
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.spaces import PIXEL_M, Spaces
@@ -23,7 +22,7 @@ from openrooms_usd.scan.rooms.walls import (
     profile,
 )
 
-Rows = NDArray[np.int64]
+Rows = Ints
 
 _OFFSET_BIN_M: Final = 0.01
 _MIN_RUN_M: Final = 0.12  # least length of surfels on a line, metres
@@ -224,7 +223,7 @@ def end_lines(lines: list[Line], directions: tuple[float, ...]) -> list[tuple[Ar
     return [(along, float(place)) for _, along, place in ends[:_MAX_ENDS]]
 
 
-def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -> Outline:
+def moved_behind(outline: Outline, unseen: Mask, pieces: Surfels) -> Outline:
     """Move walls without surfels behind the floor, ceiling and furniture before them.
 
     Args:

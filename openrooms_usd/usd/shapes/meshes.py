@@ -6,10 +6,10 @@ from math import isfinite
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh
 from openrooms_usd.usd.places.frames import world_from_stage
@@ -26,8 +26,6 @@ __all__ = [
     "world_triangles",
 ]
 
-Array = NDArray[np.float64]
-
 
 def define_mesh(
     stage: Usd.Stage,
@@ -35,7 +33,7 @@ def define_mesh(
     mesh: Mesh,
     *,
     double_sided: bool = False,
-    baked_st: NDArray[np.float32] | None = None,
+    baked_st: Floats | None = None,
 ) -> UsdGeom.Mesh:
     """Define a mesh prim: polygons, never subdivided, right-handed.
 

@@ -3,11 +3,10 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 from scipy.sparse import csr_array, kron
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry import splines
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd.arrays import integers, numbers, vector_of
@@ -121,7 +120,7 @@ def read_points(prim: Usd.Prim) -> Drawn:
     return Drawn(balls, losses, lambda values, _: _each(values, len(points))[kept])
 
 
-def _ball(*, refined: bool) -> tuple[Array, NDArray[np.int64]]:
+def _ball(*, refined: bool) -> tuple[Array, Ints]:
     """Corners and faces of a body of triangles that holds as much as the ball of radius 1."""
     from trimesh.creation import icosahedron
 

@@ -7,13 +7,13 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.maps import Maps
 from openrooms_usd.library.textures.base.noise import Field, apart
 
-Index = NDArray[np.int64]
+Index = Ints
 
 # Nothing that repeats is drawn thinner than this many texels: it would only make a moiré.
 _MIN_TEXELS: Final = 2.5

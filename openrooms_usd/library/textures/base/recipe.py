@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.library.textures.base.family import Color, TextureParams
 from openrooms_usd.library.textures.base.maps import ALBEDO_RANGE, ROUGHNESS_RANGE, Maps, with_mean
 from openrooms_usd.library.textures.base.noise import (
@@ -14,7 +14,7 @@ from openrooms_usd.library.textures.base.noise import (
     white_spectrum,
 )
 
-Index = NDArray[np.int64]
+Index = Ints
 
 
 def drawn_color(order: TextureParams, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
