@@ -54,32 +54,6 @@ def room(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_radiance(room, tmp_path):
-    _, data = run("radiance", tmp_path / "r.json", "--stage", room)
-    few, more, reference = data["rows"]
-    assert (few["samples"], more["samples"], reference["samples"]) == (2, 8, 64)
-    # Four times the samples have a quarter of the error.
-    assert 2.5 < few["relative_mse"] / more["relative_mse"] < 6.0
-    assert reference["relative_mse"] is None
-
-
-@pytest.mark.long
-def test_radiance_with_denoising(room, tmp_path):
-    said, data = run("radiance", tmp_path / "r.json", "--stage", room, "--denoise")
-    few, more, reference = data["rows"]
-    assert few["denoised_mse"] < few["relative_mse"]
-    assert few["seconds_with_denoising"] > 0
-    assert reference["denoised_mse"] is None
-    bias = data["denoiser"]
-    assert all(np.isfinite(value) for value in bias.values()) and "mean signed" in said
-    # Two references of 64 samples are alike; a denoiser leaves their mean nearly alone.
-    assert 0 < bias["raw reference, relative MSE"] < more["relative_mse"]
-    assert abs(bias["denoised, mean signed difference"]) < 0.05
-    assert 20 < data["backends"][0]["memory_MB"] < 4000
-    assert "| scalar | 8 |" in said
-
-
-@pytest.mark.slow
 def test_first_picture(vectorized, room, tmp_path):
     words = ("--stage", room, "--variant", "llvm")
     _, data = run("first_picture", tmp_path / "f.json", *words)
@@ -124,15 +98,6 @@ def test_materials(vectorized, tmp_path):
     first = data["albedo"]["rows"][0]
     assert first["ours"] == pytest.approx(0.55, abs=0.003)
     assert "## albedo" in said
-
-
-def test_relative_mse_of_a_known_error():
-    from benchmarks.radiance import relative_mse
-
-    reference = np.full((5, 6, 3), [1.0, 2.0, 4.0])
-    for factor in (0.5, 1.1, 3.0):
-        expected = (factor - 1) ** 2 / 1.01
-        assert relative_mse(factor * reference, reference) == pytest.approx(expected)
 
 
 def test_the_hall_has_as_many_objects_as_asked_for(tmp_path):
