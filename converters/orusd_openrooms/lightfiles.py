@@ -23,7 +23,6 @@ from orusd_openrooms.pickles import write_pickled
 _SHARP_LOBE: Final = 8.0
 _SIDE_POINTS: Final = 12  # points along a side of the rectangle
 _SPHERE_DIRECTIONS: Final = 256
-Bits = Mask
 # Points farther apart are not joined, of a picture whose mean depth is 3 m; of nearer ones too.
 _JOINED_M: Final = 0.12
 _USUAL_DEPTH_M: Final = 3.0
@@ -172,7 +171,7 @@ _LIGHT: Final[dict[str, _MadeOfLight]] = {
 }
 
 
-def depth_shadow(light: Light, camera: Array, points: Array, K: Array, mask: Bits) -> Array:
+def depth_shadow(light: Light, camera: Array, points: Array, K: Array, mask: Mask) -> Array:
     """The share of a light that reaches each pixel past all that the picture shows.
 
     Args:
@@ -209,7 +208,7 @@ def depth_shadow(light: Light, camera: Array, points: Array, K: Array, mask: Bit
     return np.minimum(share + mask, 1.0) if light.is_window else share
 
 
-def _sheet(points: Array, mask: Bits) -> RayCaster:
+def _sheet(points: Array, mask: Mask) -> RayCaster:
     """The triangles between near points: two of each square, by the diagonal that fits."""
     # A pixel may hold any number.
     points = np.where(np.isfinite(points).all(axis=-1, keepdims=True), points, 0.0)
@@ -220,7 +219,7 @@ def _sheet(points: Array, mask: Bits) -> RayCaster:
     corners = [numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, :-1], numbers[1:, 1:]]
     flat = points.reshape(-1, 3)
 
-    def near(a: int, b: int) -> Bits:
+    def near(a: int, b: int) -> Mask:
         limit = joined * (np.sqrt(2.0) if a + b == 3 else 1.0)
         return np.asarray(np.linalg.norm(flat[corners[a]] - flat[corners[b]], axis=-1) < limit)
 

@@ -11,8 +11,6 @@ from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.pinhole import intrinsics, pixel_directions, rotations
 from openrooms_usd.geometry.raycast import Caster
 
-Flags = Mask
-
 NEAR: Final = 0.4  # what is nearer than this, in metres, blocks the view
 BLOCKED: Final = 0.1  # largest fraction of pixels that may be blocked
 OPEN: Final = 0.5  # largest fraction of pixels that may see nothing
@@ -148,8 +146,8 @@ class Sights:
         places: (C, K) which places.
     """
 
-    parts: Flags
-    places: Flags
+    parts: Mask
+    places: Mask
 
     def __getitem__(self, rows: Ints) -> "Sights":
         return Sights(self.parts[rows], self.places[rows])
@@ -169,13 +167,13 @@ class Sights:
         return np.asarray(shares[0] + shares[1])
 
 
-def parts_of(points: Array, seen: Flags) -> Ints:
+def parts_of(points: Array, seen: Mask) -> Ints:
     """(...) the numbers of the parts that points (..., 3) lie in; `NOTHING` where not seen."""
     x, y, z = np.moveaxis(np.floor(points / _PART_M).astype(np.int64) + _PARTS // 2, -1, 0)
     return np.where(seen, (x * _PARTS + y) * _PARTS + z, NOTHING)
 
 
-def sights_of(parts: Ints, places: Flags) -> Sights:
+def sights_of(parts: Ints, places: Mask) -> Sights:
     """What views see, from the parts (C, N) in their pixels and the places (C, K) in them."""
     known, rows = np.unique(parts, return_inverse=True)
     seen = np.zeros((len(parts), len(known)), dtype=np.bool_)
@@ -191,7 +189,7 @@ def visible(
     *,
     fov_degrees: float,
     aspect: float,
-) -> Flags:
+) -> Mask:
     """(C, K) which places are in which pictures, with nothing far before them.
 
     Args:

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.mesh import Mesh
 
-Indices = Ints
-
 
 def weld(points: Array, tolerance: float) -> tuple[Ints, Ints]:
     """Which points are one.
@@ -92,7 +90,7 @@ def is_closed(mesh: Mesh) -> bool:
     return bool((np.diff(forward) > 0).all() and np.array_equal(forward, backward))
 
 
-def distinct_rows(rows: NDArray[Any]) -> tuple[Indices, Indices]:
+def distinct_rows(rows: NDArray[Any]) -> tuple[Ints, Ints]:
     """The distinct rows of an array in lexicographic order, as `numpy.unique` has them, but faster.
 
     Args:

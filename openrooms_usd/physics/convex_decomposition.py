@@ -16,8 +16,6 @@ from openrooms_usd.physics.merging import Cluster, merged
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import FEW_CANDIDATES, bisected, is_level
 
-Bools = Mask
-
 # How far apart hulls are looked at, as shares of their sizes: first at few places, then at more.
 SPACINGS: Final = (0.5, 0.25, 0.125, 0.0625)
 # Pieces that one component is cut into at most.
@@ -162,7 +160,7 @@ def _merged(pieces: Sequence[Piece], solid: Solid, limits: Limits) -> list[Piece
 
 
 def _clusters(clusters: list[Cluster], solid: Solid, limits: Limits, contact: str) -> list[Cluster]:
-    def may(points: Array) -> Bools:
+    def may(points: Array) -> Mask:
         return _fits(points, limits.side, solid, contact)
 
     def off(faces: Sequence[Array]) -> list[float]:
@@ -205,7 +203,7 @@ def _size(corners: Array) -> float:
     return float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0))) if len(corners) else 0.0
 
 
-def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> tuple[Array, Bools]:
+def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> tuple[Array, Mask]:
     """(N,) how far the middles of triangles lie outside the solid; what lifts counts more.
 
     Also (N,) whether all of a triangle is certain to be within the limits.
@@ -240,7 +238,7 @@ def _faces(hull: TriangleMesh) -> Array:
     return np.asarray(hull.points[hull.triangles])
 
 
-def _fits(points: Array, limit: float, solid: Solid, contact: str) -> Bools:
+def _fits(points: Array, limit: float, solid: Solid, contact: str) -> Mask:
     """(N,) whether each point is within a limit of the solid."""
     near, limits = solid.surface(contact).near(points).distance, np.full(len(points), limit)
     return np.asarray(_outside(points, near, limits, solid, contact) <= limit)

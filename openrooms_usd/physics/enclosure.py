@@ -15,8 +15,6 @@ from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.topology import weld
 from openrooms_usd.physics.borders import components, lids, sums, vector_areas
 
-Bools = Mask
-
 # Corners nearer than this share of the diagonal are one point.
 _WELD_SHARE: Final = 1e-6
 # Holes of up to this share of a component's area are closed: a sofa without an underside.
@@ -52,7 +50,7 @@ class Enclosure:
     lid_labels: Ints
     areas: Array
     volumes: Array
-    two_sided: Bools
+    two_sided: Mask
     notes: tuple[str, ...]
 
     @property

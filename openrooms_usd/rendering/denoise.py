@@ -28,8 +28,6 @@ _FILTER_NAMES: Final = dict(zip(contract.GUIDES, ("albedo", "normal"), strict=Tr
 # Pixels that are added around: at its edges the network makes a pattern of its own.
 _BORDER_PIXELS: Final = 16
 
-Pixels = Floats
-
 
 @dataclass(frozen=True)
 class Denoiser:
@@ -65,8 +63,8 @@ class Denoiser:
         return replace(view, images={**view.images, DENOISED: denoised})
 
     def denoise(
-        self, radiance: Pixels, guides: Mapping[str, Pixels], *, hdr: bool = True
-    ) -> Pixels:
+        self, radiance: Floats, guides: Mapping[str, Floats], *, hdr: bool = True
+    ) -> Floats:
         """Denoise a picture.
 
         Args:
@@ -80,7 +78,7 @@ class Denoiser:
         Raises:
             RenderError: The denoiser failed, such as for lack of memory.
         """
-        color: Pixels = np.maximum(np.nan_to_num(radiance, posinf=0.0, neginf=0.0), 0.0)
+        color: Floats = np.maximum(np.nan_to_num(radiance, posinf=0.0, neginf=0.0), 0.0)
         mean = float(color.mean(dtype=np.float64))
         if mean <= 0.0:
             return np.zeros_like(radiance)
@@ -137,7 +135,7 @@ def _package() -> ModuleType:
         ) from error
 
 
-def _mirrored(pixels: Pixels) -> Pixels:
+def _mirrored(pixels: Floats) -> Floats:
     """The picture with a border that mirrors it."""
     around = ((_BORDER_PIXELS, _BORDER_PIXELS), (_BORDER_PIXELS, _BORDER_PIXELS), (0, 0))
     return np.pad(pixels, around, mode="symmetric").astype(np.float32)

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 FRICTION: Final = "friction"
 SOURCES: Final = ("base_color", "roughness", "material", "valid")
 
-Pixels = Floats
-
 
 @dataclass(frozen=True)
 class Material:
@@ -36,7 +34,7 @@ class Material:
     substance: "Substance | None" = None
     authored: float | None = None
 
-    def static(self, albedo: Pixels, roughness: Pixels) -> Array:
+    def static(self, albedo: Floats, roughness: Floats) -> Array:
         """(P,) static coefficients of (P, 3) base colours and (P,) roughnesses."""
         if self.authored is not None:
             return np.full(roughness.shape, self.authored)
@@ -84,7 +82,7 @@ class FrictionMap:
         images = {**view.images, FRICTION: made}
         return replace(view, images={name: images[name] for name in channels})
 
-    def pixels(self, albedo: Pixels, roughness: Pixels, material: Pixels, valid: Pixels) -> Pixels:
+    def pixels(self, albedo: Floats, roughness: Floats, material: Floats, valid: Floats) -> Floats:
         """The static coefficient of every pixel.
 
         Args:

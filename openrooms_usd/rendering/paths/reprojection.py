@@ -14,8 +14,6 @@ from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.rendering.contract import View
 
-Pixels = Floats
-
 CHANNELS: Final = ("position", "normal_geometric", "instance", "valid")
 
 _LEAST_NORMAL_COS: Final = 0.9
@@ -79,14 +77,14 @@ class Taps:
     """
 
     rows: Ints
-    weights: Pixels
+    weights: Floats
 
     @property
     def found(self) -> Mask:
         """(P,) where the earlier frame saw it."""
         return np.asarray(self.weights.any(axis=1))
 
-    def __call__(self, values: Pixels) -> Pixels:
+    def __call__(self, values: Floats) -> Floats:
         """(P, ...) the weighted means of the earlier frame's (P, ...) values."""
         gathered = values[self.rows]
         weights = self.weights.reshape(*self.weights.shape, *[1] * (values.ndim - 1))

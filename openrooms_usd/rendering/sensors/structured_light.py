@@ -27,9 +27,6 @@ from openrooms_usd.description.dataset import DepthCamera
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.vectors import unit
 
-Pixels = Floats
-Indices = Ints
-
 NEEDED: Final = ("depth", "normal_geometric", "base_color", "roughness", "metallic")
 """The channels that it works with."""
 
@@ -76,12 +73,12 @@ def in_steps(depth: Array) -> Array:
 
 
 def measured(
-    channels: Mapping[str, Pixels],
+    channels: Mapping[str, Floats],
     K: Array,
     world_from_camera: Array,
     camera: DepthCamera,
     rng: np.random.Generator,
-) -> Pixels:
+) -> Floats:
     """The depth that such a camera measures.
 
     Args:
@@ -122,7 +119,7 @@ def measured(
 
 
 def _lacks_pattern(
-    channels: Mapping[str, Pixels], depth: Array, angle: Array, camera: DepthCamera
+    channels: Mapping[str, Floats], depth: Array, angle: Array, camera: DepthCamera
 ) -> Mask:
     """Where nothing of the pattern comes back."""
     returned = channels["base_color"][..., 0] * np.cos(angle)
@@ -133,7 +130,7 @@ def _lacks_pattern(
     return np.asarray((depth <= 0.0) | steep | mirror | (returned < _LEAST_RETURN))
 
 
-def _along(normals: Array, rays: Array, row: Indices, column: Indices) -> Array:
+def _along(normals: Array, rays: Array, row: Ints, column: Ints) -> Array:
     """(height, width) factors of other pixels' depths: their surfaces, met by the pixels' own rays.
 
     Which surface is seen wanders; on one that is slanted, its slope is in the axial noise already.

@@ -34,8 +34,6 @@ from openrooms_usd.scan.openings.cellcounts import (
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import Sight
 
-Rows = Ints
-
 # Inlier distance of the plane: so many standard deviations, clipped to these limits.
 _RETURN_SIGMAS: Final = 4.0
 _ON_WALL_LIMITS_M: Final = (0.02, 0.045)

@@ -29,7 +29,6 @@ _MIN_SPACING_VOXELS: Final = 0.66
 _TYPICAL_DEPTH_M: Final = 3.0
 _MAX_STRIDE: Final = 4
 _RIGID_TOLERANCE: Final = 1e-2
-Normals = Floats
 
 # Nearest neighbours, the point included: at 2 cm between points a radius of about 4 cm.
 NEIGHBOURS: Final = 16
@@ -255,7 +254,7 @@ def with_normals(cloud: Cloud, neighbours: int = NEIGHBOURS) -> Cloud:
     return replace(cloud, normals=towards(normals, views(cloud.points, cloud.sensor_origins)))
 
 
-def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Normals:
+def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Floats:
     """Unit normals by principal components of each point's nearest neighbours.
 
     The normal is the eigenvector of the least eigenvalue of the neighbours' covariance (Hoppe et
@@ -285,14 +284,14 @@ def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Normals:
     return normals
 
 
-def _least_principal_axes(patches: Array) -> Normals:
+def _least_principal_axes(patches: Array) -> Floats:
     """(B, 3) the least principal axis of each patch (B, K, 3)."""
     offsets = patches - patches.mean(axis=1, keepdims=True)
     covariance = np.einsum("bki,bkj->bij", offsets, offsets)
     return np.asarray(np.linalg.eigh(covariance)[1][:, :, 0], dtype=np.float32)
 
 
-def towards(normals: Normals, directions: Array) -> Normals:
+def towards(normals: Floats, directions: Array) -> Floats:
     """Normals (N, 3), their signs flipped to the side of the directions (N, 3)."""
     away = np.einsum("ni,ni->n", normals, directions) < 0.0
     return np.where(away[:, None], -normals, normals).astype(np.float32)

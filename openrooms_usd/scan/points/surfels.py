@@ -21,8 +21,6 @@ from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
 
-Rows = Ints
-
 VOXEL_M: Final = 0.05
 # Points are first downsampled to this part of a voxel.
 _THINNING_VOXELS: Final = 0.5
@@ -180,7 +178,7 @@ def surfels(cloud: Cloud, voxel: float = VOXEL_M) -> Surfels:
     return _filled(flat, np.rint(spread[kept]).astype(int), voxel)
 
 
-def _filled(pieces: Surfels, spread: Rows, voxel: float) -> Surfels:
+def _filled(pieces: Surfels, spread: Ints, voxel: float) -> Surfels:
     """Surfels of sparse places resampled on their planes at the fine spacing."""
     wide = np.clip(spread, 1, _WIDEST_VOXELS)
     parts = [pieces.take(wide == 1)]

@@ -10,7 +10,6 @@ from openrooms_usd.arrays import Array, Bytes, Floats, Ints
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.thinning import groups, majority
 
-Rows = Ints
 Columns = dict[str, NDArray[Any]]
 
 # A key packs three cell indices of 21 bits; the origin is in the middle of their range.
@@ -64,7 +63,7 @@ class Table:
         seen: (M,) the number of observations.
     """
 
-    key: Rows
+    key: Ints
     origin: Array
     weight: Array
     place: Array
@@ -181,7 +180,7 @@ def _observed(samples: Samples, origin: Array, voxel: float) -> Columns:
     return rows
 
 
-def _keys(local: Array, voxel: float) -> Rows:
+def _keys(local: Array, voxel: float) -> Ints:
     cells = np.floor(local / voxel) + _ORIGIN_CELL
     if cells.min() < 0 or cells.max() > _MASK:
         raise InputError(
@@ -192,7 +191,7 @@ def _keys(local: Array, voxel: float) -> Rows:
     return np.asarray((x << 2 * _CELL_BITS) | (y << _CELL_BITS) | z)
 
 
-def _coarser(key: Rows) -> Rows:
+def _coarser(key: Ints) -> Ints:
     """The keys of voxels of twice the size."""
     halves = [((key >> shift & _MASK) >> 1) + _ORIGIN_CELL // 2 << shift for shift in (42, 21, 0)]
     return np.asarray(halves[0] | halves[1] | halves[2])
@@ -217,7 +216,7 @@ def _by_key(rows: Columns) -> Columns:
 
 
 def _majorities(
-    owner: Rows, numbers: NDArray[np.int32], votes: Floats, count: int
+    owner: Ints, numbers: NDArray[np.int32], votes: Floats, count: int
 ) -> tuple[NDArray[np.int32], Floats]:
     """The number that leads in each voxel, and by how many votes.
 

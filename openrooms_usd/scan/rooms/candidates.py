@@ -22,8 +22,6 @@ from openrooms_usd.scan.rooms.walls import (
     profile,
 )
 
-Rows = Ints
-
 _OFFSET_BIN_M: Final = 0.01
 _MIN_RUN_M: Final = 0.12  # least length of surfels on a line, metres
 _MAX_LINES: Final = 70
@@ -127,7 +125,7 @@ def _repeats(walls: Walls, odd: Line, straight: list[Line]) -> bool:
     return False
 
 
-def _best_seed(walls: Walls, some: Rows, tries: Rows) -> int:
+def _best_seed(walls: Walls, some: Ints, tries: Ints) -> int:
     """The surfel whose own line has the best MSAC score within two metres."""
     points, normals = walls.points[some], walls.normals[some]
     seeds, axes = points[tries], normals[tries]
@@ -142,7 +140,7 @@ def _quarter(axes: Array) -> Array:
     return np.column_stack([-axes[:, 1], axes[:, 0]])
 
 
-def _refitted(walls: Walls, rows: Rows, seed: int) -> tuple[Array, float]:
+def _refitted(walls: Walls, rows: Ints, seed: int) -> tuple[Array, float]:
     """The line through the surfels around a seed, by iteratively reweighted least squares."""
     points, normals, weight = walls.points[rows], walls.normals[rows], walls.weight[rows]
     close = ((points - walls.points[seed]) ** 2).sum(axis=1) < _ODD_REACH**2

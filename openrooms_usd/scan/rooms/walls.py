@@ -12,8 +12,6 @@ from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.ceilings import NO_CEILINGS, Ceilings
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
 
-Rows = Ints
-
 # Inliers of a line: within so many standard deviations, clipped to these limits, with normals
 # within 20 degrees of the line's.
 _REACH_SIGMAS: Final = 3.0
@@ -163,7 +161,7 @@ def on_line(
     walls: Walls,
     normal: Array,
     offset: float,
-    rows: Rows | slice = slice(None),
+    rows: Ints | slice = slice(None),
     spread: float = 1.0,
 ) -> Mask:
     """The inliers of a line, by distance and normal.

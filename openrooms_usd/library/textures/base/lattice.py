@@ -13,8 +13,6 @@ from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.maps import Maps
 from openrooms_usd.library.textures.base.noise import Field, apart
 
-Index = Ints
-
 # Nothing that repeats is drawn thinner than this many texels: it would only make a moiré.
 _MIN_TEXELS: Final = 2.5
 # Small pictures are drawn on a finer grid of up to so many texels, then averaged.
@@ -104,7 +102,7 @@ class LatticeCells:
         border: (N, N) how much farther the next middle is: 0 on the border.
     """
 
-    index: Index
+    index: Ints
     count: int
     nearest: Field
     border: Field

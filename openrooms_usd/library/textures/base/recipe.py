@@ -127,6 +127,14 @@ def finished(
     return Maps(albedo, height, np.clip(rough, *ROUGHNESS_RANGE), metallic)
 
 
+def shaded(
+    order: TextureParams, color: Field, shade: Field, height: Field, rough: tuple[float, float]
+) -> Maps:
+    """The maps of a colour times (N, N) brightness, its roughness drawn from a range."""
+    albedo = color * shade[..., None]
+    return finished(order, albedo, height, drawn_roughness(order, *rough))
+
+
 def dyed(
     order: TextureParams,
     shade: Field,
