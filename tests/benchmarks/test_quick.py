@@ -77,7 +77,6 @@ def test_generate(tmp_path):
     assert data["rooms"] == 2 and data["violations"] == []
     seconds = sum(row["generate_s"] + row["compose_s"] for row in data["timed"])
     assert data["rooms_per_minute"] == pytest.approx(60 * len(data["timed"]) / seconds)
-    assert data["objects_per_asset"] >= 1
     assert "| apartment | 1 |" in said
 
 
@@ -85,7 +84,7 @@ def test_generate(tmp_path):
 def test_variety(tmp_path):
     said, data = run("variety", tmp_path / "v.json")
     assert data["rooms"] == 4 and 0 < data["equal in a room"] < 1
-    assert data["most kettles in a room"] <= 1 and "| share of tube monitors |" in said
+    assert 0 <= data["equal beside each other"] < 1 and "| objects in a room |" in said
 
 
 @pytest.mark.long
@@ -159,7 +158,6 @@ def test_dataset(tmp_path):
     (beside,) = data["beside_others"]
     # 700 s of the clock for 640 x 480 pixels.
     assert beside["us_a_pixel"] * beside["paper_times"] == pytest.approx(700e6 / (640 * 480))
-    assert data["planning"]["units"] == 10_000
 
 
 @pytest.mark.long
