@@ -290,11 +290,7 @@ def with_sensor_origins(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Clou
 
 
 def _placed(cloud: Cloud, source: Path) -> Cloud:
-    """The points with finite coordinates.
-
-    Raises:
-        InputError: There are none.
-    """
+    """The points with finite coordinates."""
     finite = np.asarray(np.isfinite(cloud.points).all(axis=1))
     if not finite.any():
         raise InputError("no point has finite coordinates", place=source)

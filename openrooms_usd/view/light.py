@@ -98,11 +98,7 @@ def light_of(
 
 
 def _maps(atlas: Sdf.Path, moments: Sequence[Moment]) -> list[Floats]:
-    """The lightmaps of all lights at all moments.
-
-    Raises:
-        InputError: They are of different sizes.
-    """
+    """The lightmaps of all lights at all moments."""
     maps: list[Floats] = []
     for moment in moments:
         prim = moment.stage.GetPrimAtPath(atlas)

@@ -313,13 +313,7 @@ class _Ascii:
 
 
 def _row(element: _Element, line: str) -> dict[str, Any]:
-    """The values and lists of a line of text.
-
-    Raises:
-        ValueError: A number is not valid, or a list is truncated.
-        IndexError: The line is cut.
-        OverflowError: A length is endless.
-    """
+    """The values and lists of a line of text."""
     numbers, at, row = [float(word) for word in line.split()], 0, dict[str, Any]()
     for p in element.properties:
         if p.length is None:

@@ -252,11 +252,7 @@ def _mapped(model: Model, name: str, mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _read_part(path: Path) -> Reading:
-    """A mesh that a URDF file names.
-
-    Raises:
-        InputError: It is of no kind that holds a mesh.
-    """
+    """A mesh that a URDF file names."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None or path.suffix.lower() == _URDF:
         known = ", ".join(suffix for suffix in _READERS if suffix != _URDF)

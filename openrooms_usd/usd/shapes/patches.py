@@ -44,11 +44,7 @@ def read_patch(prim: Usd.Prim) -> Drawn:
 
 
 def _each(values: Array, count: int, weights: csr_array | None = None) -> Array:
-    """Values of points, or of what is made of them.
-
-    Raises:
-        ValueError: There are not as many as points.
-    """
+    """Values of points, or of what is made of them."""
     if len(values) not in (1, count):
         raise ValueError("the numbers of values and points differ")
     every = np.broadcast_to(values, (count, *values.shape[1:]))
