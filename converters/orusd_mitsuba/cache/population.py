@@ -15,6 +15,7 @@ import numpy as np
 from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.plugins.memory import aligned
+from orusd_mitsuba.transport.path_tracing import random_numbers
 
 _CANDIDATES: Final = 1 << 18
 _WALKERS: Final = 1 << 16
@@ -72,8 +73,7 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays | None:
     lit = _rays_onto_lit_points(scene, built, seed)
     if lit is None:
         return None
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed + 1, _WALKERS)
+    sampler = random_numbers(seed + 1, _WALKERS)
     first = _walk(built, sampler, lit)
     return None if first is None else _walk(built, sampler, _one_a_place(scene, first))
 
@@ -127,8 +127,7 @@ def _rays_onto_lit_points(scene: Scene, built: Any, seed: int) -> Rays | None:
     normal = side * crosses[row] / np.maximum(areas[row], 1e-30)[:, None]
     above = place + _ABOVE_PART * scene.room_radius * normal
     onto = Rays(_columns(above), _columns(-normal))
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed, _CANDIDATES)
+    sampler = random_numbers(seed, _CANDIDATES)
     ray = mi.Ray3f(onto.o, onto.d)
     si = built.ray_intersect(ray)
     to, incident = built.sample_emitter_direction(si, sampler.next_2d(), True, si.is_valid())

@@ -16,7 +16,7 @@ from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering import RenderRequest
 from openrooms_usd.rendering.bake.request import LIFT_M, Irradiance, IrradianceRequest, TexelPoints
 from orusd_mitsuba.transport.lattice import FirstDimensions
-from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator
+from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator, random_numbers
 from orusd_mitsuba.transport.paths import Paths
 from orusd_mitsuba.transport.sampling import ProgressiveSampler
 
@@ -88,7 +88,7 @@ class TexelIntegrator:
         """(lights, 3, texels) of some texels."""
         texels = min(self._texels, self.size[1] - start)
         paths = texels * samples
-        numbers = FirstDimensions(samples, paths, _sampler(seed ^ _SHIFT_SALT, texels))
+        numbers = FirstDimensions(samples, paths, random_numbers(seed ^ _SHIFT_SALT, texels))
         # As variables, not as parts of the compiled code: all batches share it.
         texel = dr.opaque(mi.UInt32, start) + dr.arange(mi.UInt32, paths) // dr.opaque(
             mi.UInt32, samples
@@ -98,7 +98,7 @@ class TexelIntegrator:
             self.planes,
             self._white,
             *self._points.chosen(texel, numbers.pixel.x),
-            _sampler(seed, paths),
+            random_numbers(seed, paths),
             numbers,
         )
         sums = dr.block_sum(found, samples).numpy()
@@ -190,9 +190,3 @@ def light_texels(
     ).whole()
     seconds, replaced = time.perf_counter() - start, int(integrator.broken.sum())
     return Irradiance(halves.mean[:, 0], halves.total, seconds, halves.estimate.robust, replaced)
-
-
-def _sampler(seed: int, count: int) -> Any:
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed & 0xFFFFFFFF, count)
-    return sampler
