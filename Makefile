@@ -65,8 +65,6 @@ benchmarks: .venv/installed-dev
 	@mkdir -p out/benchmarks
 	for name in first_picture compose generate materials friction light scan physics; do \
 		$(BIN)/python -m benchmarks.$$name --json out/benchmarks/$$name.json || exit 1; done
-	$(BIN)/python -m benchmarks.radiance --half --denoise --samples 4 --samples 16 --samples 64 \
-		--reference 1024 --json out/benchmarks/radiance.json
 
 fuzz: .venv/installed-dev
 	@mkdir -p out/fuzz

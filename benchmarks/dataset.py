@@ -1,4 +1,4 @@
-"""Datasets: views an hour against their error, what the runner adds, and planning a million units.
+"""Datasets: views an hour against their error, and what the runner adds.
 
 The first table runs one dataset of generated rooms for each number of samples. Seconds are of the
 clock; those of a phase are what workers measured, so with one worker what is left over is the
@@ -14,8 +14,6 @@ hour of a virtual core counts as one of ours. Neither publishes an error: ours s
 import json
 import resource
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -37,18 +35,6 @@ POISONED: Final = "room: nowhere\n"
 # What all views of a job share; the rest each view has for itself.
 _SHARED: Final = frozenset({"compose", "translation"})
 
-_PLANNING: Final = """
-import resource, sys, time
-from openrooms_usd.dataset.plan import lines, plan_jobs
-from openrooms_usd.dataset.store import write_lines
-from openrooms_usd.description import load_dataset
-from pathlib import Path
-began = time.process_time()
-count = write_lines(Path(sys.argv[2]), lines(plan_jobs(load_dataset(Path(sys.argv[1])))))
-took = time.process_time() - began
-print(count, took, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
-"""
-
 
 @click.command(help=__doc__)
 @click.option("--types", default="living_room,bedroom,kitchen", show_default=True)
@@ -58,8 +44,7 @@ print(count, took, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 @click.option("--channels", default="all", show_default=True)
 @click.option("--samples", type=int, multiple=True, default=(16, 64), show_default=True)
 @click.option("--workers", type=int, default=1, show_default=True)
-@click.option("--units", type=int, default=1_000_000, show_default=True, help="To be planned.")
-@click.option("--quick", is_flag=True, help="One small room and ten thousand units.")
+@click.option("--quick", is_flag=True, help="One small room.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
 def main(
     types: str,
@@ -69,12 +54,11 @@ def main(
     channels: str,
     samples: tuple[int, ...],
     workers: int,
-    units: int,
     quick: bool,
     target: Path | None,
 ) -> None:
     if quick:
-        types, rooms, views, size, samples, units = "bathroom", 1, 2, (64, 48), (4,), 10_000
+        types, rooms, views, size, samples = "bathroom", 1, 2, (64, 48), (4,)
         channels = "usual"
     wanted: dict[str, Any] = {
         "rooms": [{"types": types.split(","), "count": rooms}],
@@ -83,7 +67,6 @@ def main(
     }
     with tempfile.TemporaryDirectory() as folder:
         runs = [measure(Path(folder), wanted, count, workers) for count in samples]
-        planning = measure_planning(Path(folder), units)
     pixels = size[0] * size[1]
     beside = [compared(run, pixels) for run in runs]
     heads = (
@@ -107,9 +90,8 @@ def main(
     )
     markdown = table(heads, [list(row.values()) for row in runs])
     others = table(other_heads, [list(row.values()) for row in beside])
-    plan = table(("units", "processor s", "MiB"), [list(planning.values())])
-    numbers = {"runs": runs, "beside_others": beside, "planning": planning}
-    publish("dataset", numbers, f"{markdown}\n\n{others}\n\n{plan}", target)
+    numbers = {"runs": runs, "beside_others": beside}
+    publish("dataset", numbers, f"{markdown}\n\n{others}", target)
 
 
 def measure(folder: Path, wanted: dict[str, Any], samples: int, workers: int) -> dict[str, Any]:
@@ -163,20 +145,6 @@ def compared(run: dict[str, Any], pixels: int) -> dict[str, Any]:
         "core_us_a_pixel": 1e6 * core,
         "hypersim_times": HYPERSIM_CORE_S / core,
     }
-
-
-def measure_planning(folder: Path, units: int) -> dict[str, float]:
-    """Plan as many units, in a process of its own."""
-    file = folder / "many.yaml"
-    file.write_text(f"rooms: [{{count: {units // 10}}}]\nviews: {{count: 10}}\n")
-    done = subprocess.run(
-        [sys.executable, "-P", "-c", _PLANNING, file, folder / "plan.jsonl"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    count, seconds, memory = map(float, done.stdout.split())
-    return {"units": int(count), "processor_s": seconds, "MiB": memory}
 
 
 def _processor_seconds() -> float:

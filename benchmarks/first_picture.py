@@ -7,12 +7,17 @@ import os
 import tempfile
 import time
 from pathlib import Path
+from typing import Final
 
 import click
 
-from benchmarks.radiance import VARIANTS, usable
 from benchmarks.report import publish, table
 from benchmarks.scenes import demo_stage, orusd
+from openrooms_usd.description.rendering import RenderSettings
+from openrooms_usd.errors import RenderError
+from openrooms_usd.rendering.opening import open_for_rendering
+
+VARIANTS: Final = ("cuda", "llvm", "scalar")
 
 
 @click.command(help=__doc__)
@@ -40,6 +45,19 @@ def main(
         ]
     markdown = table(("backend", "first s", "again s"), [list(row.values()) for row in rows])
     publish("first_picture", {"resolution": size, "rows": rows}, markdown, target)
+
+
+def usable(stage: Path) -> tuple[str, ...]:
+    """The backends that can open the stage here, the fastest first."""
+    return tuple(variant for variant in VARIANTS if _opens(stage, variant))
+
+
+def _opens(stage: Path, variant: str) -> bool:
+    try:
+        open_for_rendering(stage, RenderSettings(options={"variant": variant}))
+    except RenderError:
+        return False
+    return True
 
 
 def first_camera(stage: Path) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""How well friction is predicted for materials that were left out, and where gloss misleads.
+"""How well friction is predicted for materials that were left out.
 
 Every specimen (one look; its rows differ in the counterface) is left out with all its rows, the
 counterfaces' factors are fitted anew, and its published coefficients are predicted for their own
@@ -12,6 +12,7 @@ from typing import Any, Final
 import click
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import spearmanr
 
 from benchmarks.report import publish, table
 from openrooms_usd.library.friction import friction_of
@@ -109,30 +110,6 @@ KNOWN: Final = (
 )
 
 
-def chance(held: Held, rounds: int) -> float:
-    """How often looks dealt out at random among a substance's specimens do as well as the real."""
-    best = KNOWN[-1]
-    real = np.abs(errors(held, best)[0]).mean()
-    rng = np.random.default_rng(0)
-    as_good = 0
-    for _ in range(rounds):
-        dealt = held.codes.copy()
-        for substance in SUBSTANCES:
-            of = np.unique(held.group[held.substance == substance])
-            for group, other in zip(of, rng.permutation(of), strict=True):
-                dealt[held.group == group] = held.codes[held.group == other][0]
-        as_good += np.abs(errors(held, best, dealt)[0]).mean() <= real
-    return (as_good + 1) / (rounds + 1)
-
-
-def rank_correlation(a: Array, b: Array) -> float:
-    """Spearman's, ties by their mean rank."""
-    ranks = [np.array([np.mean(np.flatnonzero(np.sort(x) == v)) for v in x]) for x in (a, b)]
-    centred = [rank - rank.mean() for rank in ranks]
-    norm = np.sqrt(np.prod([np.sum(rank**2) for rank in centred]))
-    return float(np.sum(centred[0] * centred[1]) / norm) if norm > 0 else float("nan")
-
-
 def gloss(held: Held) -> list[dict[str, Any]]:
     """Roughness against friction: specular means slippery where the correlation is positive."""
     factors = counterface_factors(held.rows)
@@ -141,28 +118,11 @@ def gloss(held: Held) -> list[dict[str, Any]]:
     found = []
     for name in ("all", *SUBSTANCES):
         mine = np.full(len(adjusted), True) if name == "all" else held.substance == name
-        value = rank_correlation(roughness[mine], adjusted[mine])
+        value = float(spearmanr(roughness[mine], adjusted[mine]).statistic)
         found.append({"substance": name, "rows": int(mine.sum()), "rank correlation": value})
     means = [[x[held.substance == s].mean() for s in SUBSTANCES] for x in (roughness, adjusted)]
-    between = rank_correlation(*map(np.array, means))
+    between = float(spearmanr(*means).statistic)
     return [*found, {"substance": "means of the nine", "rows": 9, "rank correlation": between}]
-
-
-def misled(held: Held, count: int = 8) -> list[dict[str, Any]]:
-    """Where looks alone, without the substance, are most wrong."""
-    wrong, _ = errors(held, "counterface, looks")
-    with_substance, _ = errors(held, KNOWN[-1])
-    worst = np.argsort(-np.abs(wrong))[:count]
-    return [
-        {
-            "material": held.rows[i].name,
-            "roughness": held.rows[i].roughness,
-            "published": held.rows[i].static,
-            "by looks": float(held.static[i] + wrong[i]),
-            "by substance and looks": float(held.static[i] + with_substance[i]),
-        }
-        for i in worst
-    ]
 
 
 def beside_the_paper() -> list[dict[str, Any]]:
@@ -189,18 +149,13 @@ def _markdown(rows: list[dict[str, Any]]) -> str:
 
 
 @click.command(help=__doc__)
-@click.option("--rounds", type=int, default=200, help="Random deals of looks.")
-@click.option("--quick", is_flag=True, help="Five random deals.")
 @click.option("--json", "target", type=click.Path(path_type=Path), help="Where to write numbers.")
-def main(rounds: int, quick: bool, target: Path | None) -> None:
+def main(target: Path | None) -> None:
     specimens, sources = gathered(), gathered(by_source=True)
-    p = chance(specimens, 5 if quick else rounds)
     data: dict[str, Any] = {
         "left_out": [summary(specimens, how) for how in KNOWN],
         "sources_left_out": [summary(sources, how) for how in KNOWN],
-        "chance": p,
         "gloss": gloss(specimens),
-        "misled": misled(specimens),
         "paper": beside_the_paper(),
         "counterfaces": counterface_factors(references()),
     }
@@ -209,9 +164,7 @@ def main(rounds: int, quick: bool, target: Path | None) -> None:
         [
             "Each specimen left out\n\n" + _markdown(data["left_out"]),
             "Each source left out of a substance\n\n" + _markdown(data["sources_left_out"]),
-            f"Looks dealt out at random do as well in {p:.0%} of the deals.",
             "Roughness against friction\n\n" + _markdown(data["gloss"]),
-            "Where looks alone mislead most\n\n" + _markdown(data["misled"]),
             "Beside the paper\n\n" + _markdown(data["paper"]),
             "Counterfaces\n\n" + _markdown(faces),
         ]

@@ -34,8 +34,6 @@ class Tally:
     rooms: list[RoomNumbers] = field(default_factory=list)
     violations: list[str] = field(default_factory=list)
     missing: int = 0
-    placed: int = 0
-    assets: int = 0
     seconds: list[float] = field(default_factory=list)
 
 
@@ -89,10 +87,6 @@ def check(tally: Tally, room_type: str, seed: int, clutter: int, folder: Path) -
         click.echo(f"\n{tally.violations[-1]}", err=True)
     tally.missing += room.furnishing.missing
     tally.rooms.append(numbers(room))
-    tally.placed += len(supports)
-    tally.assets += len(
-        {(row.category, row.size, row.style, row.fronts, row.cutouts) for row in rows}
-    )
 
 
 def _timed(room_type: str, seed: int, clutter: int) -> dict[str, Any]:
@@ -104,20 +98,11 @@ def _timed(room_type: str, seed: int, clutter: int) -> dict[str, Any]:
         generated = time.perf_counter()
         compose_room(path, Path(name) / "out")
         composed = time.perf_counter()
-        files, uses = _textures(Path(name) / "out/layers")
         return {
             "room": f"{room_type} {seed}",
             "generate_s": generated - began,
             "compose_s": composed - generated,
-            "textures": files,
-            "texture_uses": uses,
         }
-
-
-def _textures(layers: Path) -> tuple[int, int]:
-    """How many texture files a room has, and how often its materials name one."""
-    texts = [file.read_text(encoding="utf-8") for file in layers.rglob("*.usda")]
-    return len(list(layers.rglob("*.png"))), sum(text.count(".png@") for text in texts)
 
 
 def _results(tally: Tally, speeds: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -135,9 +120,6 @@ def _results(tally: Tally, speeds: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "generate_median_s": seconds[len(seconds) // 2],
         "generate_p95_s": seconds[int(0.95 * (len(seconds) - 1))],
         "generate_worst_s": seconds[-1],
-        "objects_per_asset": tally.placed / max(1, tally.assets),
-        "uses_per_texture": sum(row["texture_uses"] for row in speeds)
-        / max(1, sum(row["textures"] for row in speeds)),
         "rooms_per_minute": 60.0 * len(speeds) / whole,
         "timed": list(speeds),
         "types": by_type,
@@ -164,9 +146,7 @@ def _markdown(data: dict[str, Any]) -> str:
         f"{data['missing_groups']} groups that found no place",
         f"generate: median {data['generate_median_s']:.3f} s, 95 % below "
         f"{data['generate_p95_s']:.3f} s, worst {data['generate_worst_s']:.3f} s",
-        f"generate + compose: {data['rooms_per_minute']:.1f} rooms a minute; "
-        f"{data['objects_per_asset']:.2f} objects share an asset, "
-        f"{data['uses_per_texture']:.2f} uses share a texture",
+        f"generate + compose: {data['rooms_per_minute']:.1f} rooms a minute",
     ]
     return "\n".join([table(titles, rows), "", *facts, *found])
 

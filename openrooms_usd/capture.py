@@ -11,9 +11,9 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import adapters
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.untrusted import check_path
 
@@ -41,8 +41,8 @@ class CapturedOpening:
 
     id: str
     kind: Literal["window", "door", "opening"]
-    center: NDArray[np.float64]
-    direction: NDArray[np.float64]
+    center: Array
+    direction: Array
     width: float
     height: float
     is_open: bool | None = None
@@ -63,7 +63,7 @@ class CapturedPartition:
     """
 
     id: str
-    ends: NDArray[np.float64]
+    ends: Array
     thickness: float | None = None
     height: float | None = None
     confidence: Confidence | None = None
@@ -86,9 +86,9 @@ class CapturedBox:
 
     id: str
     label: str
-    center: NDArray[np.float64]
-    rotation: NDArray[np.float64]
-    size: NDArray[np.float64]
+    center: Array
+    rotation: Array
+    size: Array
     confidence: Confidence | None = None
     attributes: Mapping[str, str] = field(default_factory=dict)
 
@@ -119,18 +119,18 @@ class CapturedModel:
     id: str
     label: str
     file: Path | None
-    world_from_model: NDArray[np.float64]
-    half: NDArray[np.float64]
-    center: NDArray[np.float64]
+    world_from_model: Array
+    half: Array
+    center: Array
     symmetry: Literal["none", "2", "4", "inf"] = "none"
     up: Literal["Y", "Z"] = "Y"
     front: Literal["+X", "-X", "+Y", "-Y"] = "+Y"
-    shifts: tuple[NDArray[np.float64], ...] = ()
+    shifts: tuple[Array, ...] = ()
     radiance: tuple[float, float, float] | None = None
     looks: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
-    def stands(self) -> NDArray[np.float64]:
+    def stands(self) -> Array:
         """(4, 4) the same after all shifts."""
         moved = self.world_from_model.copy()
         moved[:3, 3] += sum(self.shifts, np.zeros(3))
@@ -157,8 +157,8 @@ class CapturedFrame:
     """
 
     id: str
-    world_from_camera: NDArray[np.float64]
-    K: NDArray[np.float64]
+    world_from_camera: Array
+    K: Array
     resolution: tuple[int, int]
     picture: str | None = None
     distortion: tuple[float, ...] = ()
@@ -195,10 +195,10 @@ class Capture:
     """
 
     source: str
-    source_from_world: NDArray[np.float64]
-    floor: NDArray[np.float64] | None = None
+    source_from_world: Array
+    floor: Array | None = None
     height: float | None = None
-    roof: NDArray[np.float64] | None = None
+    roof: Array | None = None
     openings: tuple[CapturedOpening, ...] = ()
     partitions: tuple[CapturedPartition, ...] = ()
     boxes: tuple[CapturedBox, ...] = ()

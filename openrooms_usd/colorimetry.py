@@ -8,13 +8,15 @@ from typing import Any, Final, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.arrays import Array
+
 Float = TypeVar("Float", bound=np.floating[Any])
 
 # Of red, green and blue in the luminance of scene-linear Rec.709 (ITU-R BT.709).
 LUMINANCE: Final = np.array([0.2126, 0.7152, 0.0722])
 
 
-def luminance(radiance: ArrayLike) -> NDArray[np.float64]:
+def luminance(radiance: ArrayLike) -> Array:
     """(...) luminance, nits, of (..., 3) scene-linear Rec.709 radiance in nits."""
     return np.asarray(np.asarray(radiance, dtype=np.float64) @ LUMINANCE)
 

@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.errors import OutputError
 
 _PNG_END: Final = b"IEND\xaeB\x60\x82"
@@ -37,7 +38,7 @@ def write(path: Path, pixels: NDArray[Any], kind: str, attributes: Mapping[str, 
     finish(output, done, path)
 
 
-def write_png(path: Path, pixels: NDArray[np.uint8]) -> None:
+def write_png(path: Path, pixels: Bytes) -> None:
     """Write 8-bit sRGB pixels, with the same bytes for the same pixels.
 
     Args:

@@ -84,11 +84,7 @@ class Ledger:
             self._digests.setdefault(path, set()).add(digest)
 
     def _check_file(self) -> None:
-        """See that appending to the ledger changes nothing but the ledger.
-
-        Raises:
-            OSError: The name is taken by something else.
-        """
+        """See that appending to the ledger changes nothing but the ledger."""
         if not os.path.lexists(self._file):
             return
         found = self._file.lstat()

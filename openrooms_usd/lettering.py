@@ -6,7 +6,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-Ink = NDArray[np.float32]
+from openrooms_usd.arrays import Bytes, Floats
+
+Ink = Floats
 
 _TYPEFACE: Final = "DroidSans"
 # How far letters such as g reach below the line, relative to the size.
@@ -36,7 +38,7 @@ def lettered(text: str, size: int) -> Ink:
 
 
 def stamp(
-    pixels: NDArray[np.uint8], ink: NDArray[Any], column: int, row: int, color: tuple[float, ...]
+    pixels: Bytes, ink: NDArray[Any], column: int, row: int, color: tuple[float, ...]
 ) -> None:
     """Put ink on a picture; what lies beyond its edges is cut off.
 

@@ -78,12 +78,7 @@ class Texts:
 
 
 def _text_from(value: Any) -> Text:
-    """A text as it was kept.
-
-    Raises:
-        ValueError: This is not Python.
-        TypeError: Neither.
-    """
+    """A text as it was kept."""
     digest, imports, files = value
     found = tuple((str(start), tuple(map(str, names))) for start, names in imports)
     return Text(str(digest), found, tuple(map(str, files)))

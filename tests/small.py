@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.light.lights import Portal, connect_portals, define_mesh_light, define_portal
 from openrooms_usd.usd.shading.materials import define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface
@@ -151,9 +152,7 @@ class Stage:
         return path
 
 
-def square(
-    center: ArrayLike, half: float | tuple[float, float], facing: str = "+Z"
-) -> NDArray[np.float64]:
+def square(center: ArrayLike, half: float | tuple[float, float], facing: str = "+Z") -> Array:
     """(4, 3) corners of a rectangle across an axis, counter-clockwise as the axis looks back.
 
     Two halves are along the axes that follow in the cycle X, Y, Z.

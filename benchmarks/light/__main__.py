@@ -6,7 +6,6 @@ grids: hemispheres on a grid: the estimator of the OpenRooms paper, light sampli
 sampling combined by the power heuristic, beside the other methods.
 channels: every channel of light: the estimated error, the true one and the bias; of channels that
 there are for each light, the mean over them.
-complete: sets of channels: how much longer they take than the radiance alone.
 view: all files of a view by the command line.
 fits: the spherical Gaussians of hemispheres: seconds of a full grid, and the root of the squared
 error over that of the light, its mean, median, and mean over the worst tenth.
@@ -32,18 +31,17 @@ from typing import Final
 
 import click
 
-from benchmarks.light.complete import complete, view
 from benchmarks.light.grids import fits, grids
 from benchmarks.light.honesty import channels, hard, honesty
 from benchmarks.light.pictures import Measure, Section, Setting, pictures
 from benchmarks.light.sessions import References, listed
+from benchmarks.light.view import view
 from benchmarks.report import publish
 
 SECTIONS: Final[dict[str, Measure]] = {
     "pictures": pictures,
     "grids": grids,
     "channels": channels,
-    "complete": complete,
     "view": view,
     "fits": fits,
     "hard": hard,

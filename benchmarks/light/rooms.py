@@ -8,16 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from benchmarks.light.hard import CAMERA, CASES
 from benchmarks.scenes import orusd
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.cameras import PinholeCamera, list_cameras, read_camera
 from openrooms_usd.usd.files.layers import open_stage
 
-Pictures = NDArray[np.float64]
+Pictures = Array
 # Noon in March: the sun shines in by a window that looks south.
 _SKY: Final = (
     "{from: sky, latitude: 48.0, longitude: 11.0, date: 2024-03-21, time: '13:00', north: 20}"

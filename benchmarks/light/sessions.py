@@ -10,11 +10,11 @@ from typing import Any, Final
 from unittest.mock import patch
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.light.rooms import Room
 from benchmarks.report import table
 from openrooms_usd import adapters
+from openrooms_usd.arrays import Floats
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
 from openrooms_usd.rendering import Image, RenderRequest
 from openrooms_usd.rendering.channel_plan import ChannelPlan
@@ -29,7 +29,7 @@ from openrooms_usd.usercache import VARIABLE
 # Each is a pair of independent halves, so that their own noise is known and can be taken out of
 # what is measured against them.
 
-Images = dict[str, NDArray[np.float32]]
+Images = dict[str, Floats]
 """By the name of the channel."""
 _KEY_DIGITS: Final = 24
 

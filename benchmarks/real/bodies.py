@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.real.things import PlacedObject, things_of
 from benchmarks.real.truth import Frame, Truth
 from benchmarks.scan.contacts import penetration
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 
 # What counts as wrong, metres: in another thing, and above what carries it.
 DEEP: Final = 0.02
@@ -83,7 +82,7 @@ def body_score(
     )
 
 
-def gap_below(points: Array, others: Sequence[tuple[Array, NDArray[np.int64]]]) -> float:
+def gap_below(points: Array, others: Sequence[tuple[Array, Ints]]) -> float:
     """How far down the first thing below some points is, or the floor at 0; metres."""
     from openrooms_usd.geometry.raycast import RayCaster
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.real.captures import Change, Run
+from openrooms_usd.arrays import Ints
 
 # Letters that are kept of what was said, and of that in a refusal.
 _SAID: Final = 20_000
@@ -141,9 +142,7 @@ def variant(source: Path, change: Change, target: Path) -> None:
     write_ply(target, columns, scanned.faces)
 
 
-def write_ply(
-    target: Path, columns: Mapping[str, NDArray[Any]], faces: NDArray[np.int64] | None = None
-) -> None:
+def write_ply(target: Path, columns: Mapping[str, NDArray[Any]], faces: Ints | None = None) -> None:
     """A binary PLY file: bytes stay bytes, all else becomes float (places: double)."""
     kinds = {
         name: "u1" if values.dtype == np.uint8 else "<f8" if name in "xyz" else "<f4"

@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.real.truth import Truth
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 
 # A size is right within these factors, or within so many metres.
 SIZE: Final = (0.6, 1.6, 0.05)
@@ -39,7 +38,7 @@ class PlacedObject:
     size: tuple[float, float, float]
     middle: Array
     points: Array
-    faces: NDArray[np.int64]
+    faces: Ints
 
 
 @dataclass(frozen=True)
@@ -111,7 +110,7 @@ def _value(prim: Any, name: str) -> Any:
     return attribute.Get() if attribute else None
 
 
-def _mesh(prim: Any, back: Array) -> tuple[Array, NDArray[np.int64]]:
+def _mesh(prim: Any, back: Array) -> tuple[Array, Ints]:
     """The triangles below a prim, in the capture's axes."""
     points, faces, start = [np.zeros((0, 3))], [np.zeros((0, 3), np.int64)], 0
     for some, polygons in _meshes(prim):
@@ -121,7 +120,7 @@ def _mesh(prim: Any, back: Array) -> tuple[Array, NDArray[np.int64]]:
     return np.concatenate(points), np.concatenate(faces)
 
 
-def _meshes(prim: Any) -> Iterator[tuple[Array, NDArray[np.int64]]]:
+def _meshes(prim: Any) -> Iterator[tuple[Array, Ints]]:
     """Points in the world and triangles of each mesh that is drawn."""
     from pxr import Usd, UsdGeom
 
@@ -140,7 +139,7 @@ def _meshes(prim: Any) -> Iterator[tuple[Array, NDArray[np.int64]]]:
         yield local @ matrix[:3, :3] + matrix[3, :3], fans(counts, rows)
 
 
-def fans(counts: NDArray[np.int64], rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def fans(counts: Ints, rows: Ints) -> Ints:
     """(F, 3) triangles of polygons, each a fan around its first point."""
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     many = np.maximum(counts - 2, 0)

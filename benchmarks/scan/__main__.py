@@ -51,8 +51,6 @@ def main(
             for section in sections.values():
                 section.look(case)
     found = {name: section.rows() for name, section in sections.items()}
-    if isinstance(layout := sections.get("layout"), Layout):
-        found["layout, scan by scan"] = layout.each()
     text = "\n\n".join(f"## {name}\n\n{_table(rows)}" for name, rows in found.items())
     publish("scan", {"split": split, **found}, text, target)
 

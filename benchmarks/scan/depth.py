@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.scan.rooms import GLASS, MIRROR, Part, SimulatedRoom
-from openrooms_usd.arrays import Array, Ints
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.scan.points.cloud import Cloud
@@ -73,7 +73,7 @@ class View(NamedTuple):
         part: (H, W) rows of the room's parts; -1 where there is no return.
     """
 
-    depth: NDArray[np.float32]
+    depth: Floats
     K: Array
     part: NDArray[np.int32]
 
@@ -171,7 +171,7 @@ def depth_sigma(depth: Array) -> Array:
 
 def hidden(
     room: SimulatedRoom, missed: frozenset[int], origin: Array, points: Array, how: Scanner
-) -> NDArray[np.bool_]:
+) -> Mask:
     """(R,) whether returns are of the ceiling, or beyond walls, that the scan shall not show."""
     found = np.zeros(len(points), dtype=np.bool_)
     layout = room.truth.rooms[0]

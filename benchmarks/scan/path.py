@@ -4,7 +4,6 @@ from math import hypot
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.scan.rooms import Part, SimulatedRoom
 from openrooms_usd import names
@@ -110,7 +109,7 @@ def stations(free: Array, clearance: Array, random: np.random.Generator) -> Arra
     return np.column_stack([np.array(chosen), free[chosen]])
 
 
-def _tour(places: Array) -> NDArray[np.int64]:
+def _tour(places: Array) -> Ints:
     """Rows of the places, each next to the one before."""
     left, tour = list(range(1, len(places))), [0]
     while left:
@@ -119,7 +118,7 @@ def _tour(places: Array) -> NDArray[np.int64]:
     return places[tour, 0].astype(np.int64)
 
 
-def _route(free: Array, tour: NDArray[np.int64]) -> Array:
+def _route(free: Array, tour: Ints) -> Array:
     """(N, 2) the way over free cells from place to place."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
 from benchmarks.scan.truth import Cad, Truth, moved, pose_of
@@ -204,7 +203,7 @@ TURNS: Final[tuple[tuple[Symmetry, tuple[int, ...]], ...]] = (
 )
 
 
-def symmetry_of(vertices: Array, faces: NDArray[np.int64]) -> Symmetry:
+def symmetry_of(vertices: Array, faces: Ints) -> Symmetry:
     """The symmetry about the vertical through the origin.
 
     Args:
@@ -228,9 +227,7 @@ def turned(points: Array, degrees: float) -> Array:
     return np.asarray(points @ about_z(-np.radians(degrees)))
 
 
-def surface_samples(
-    vertices: Array, faces: NDArray[np.int64], count: int, random: np.random.Generator
-) -> Array:
+def surface_samples(vertices: Array, faces: Ints, count: int, random: np.random.Generator) -> Array:
     """(count, 3) points that are uniform on a surface."""
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)

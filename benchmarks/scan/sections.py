@@ -45,22 +45,6 @@ class Layout:
         whole = summary([score for _, score, _ in self._scores])
         return [{**whole, "seconds": mean(seconds for *_, seconds in self._scores)}]
 
-    def each(self) -> list[Row]:
-        """One row for each scan."""
-        return [
-            {
-                "scan": name,
-                "iou": score.iou,
-                "corners": f"{score.corners.hits}/{score.corners.found}/{score.corners.true}",
-                "edges": f"{score.edges.hits}/{score.edges.found}/{score.edges.true}",
-                "openings": f"{score.openings.hits}/{score.openings.found}/{score.openings.true}",
-                "floor_degrees": score.floor_degrees,
-                "floor_offset": score.floor_offset,
-                "ceiling": score.ceiling,
-            }
-            for name, score, _ in self._scores
-        ]
-
 
 class Openings:
     """Doors and windows with labels and without, on our own walls."""

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Bytes, Floats
 from openrooms_usd.colorimetry import luminance, srgb_from_linear
 from openrooms_usd.errors import StageError
 from openrooms_usd.rendering.bake.layer import ATLAS, IRRADIANCE, SCALE_OFFSET
@@ -22,9 +22,6 @@ from openrooms_usd.usd.shading.textures import read_texture
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Object, numbers
 from orusd_gltf.geometry import Coordinates
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
 
 # The coordinates of lightmaps.
 LIGHTMAP: Final = Coordinates(names.BAKED_ST)
@@ -154,7 +151,7 @@ class BakedLight:
         name, scale_offset = found
         return name, mesh.mesh.uvs[names.BAKED_ST] * scale_offset[:2] + scale_offset[2:]
 
-    def pictures(self) -> dict[str, NDArray[np.uint8]]:
+    def pictures(self) -> dict[str, Bytes]:
         """(H, W, 3) codes of each atlas in sRGB, exposed, the first row on top."""
         radiance = {name: atlas.radiance() for name, atlas in self.atlases.items()}
         if self._exposure is None:
@@ -163,7 +160,7 @@ class BakedLight:
             self._exposure = _MEAN_GREY / mean if mean > 0.0 else 1.0
         return {name: self.shown(values) for name, values in radiance.items()}
 
-    def shown(self, radiance: Floats) -> NDArray[np.uint8]:
+    def shown(self, radiance: Floats) -> Bytes:
         """Nits as codes in sRGB."""
         exposed = np.clip(radiance * (self._exposure or 1.0), 0.0, 1.0)
         return np.round(srgb_from_linear(exposed) * 255.0).astype(np.uint8)

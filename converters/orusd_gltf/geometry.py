@@ -7,11 +7,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.geometry.vectors import unit
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
 
 # From the numbers of vertices beyond this two bytes are too few: the last one has a meaning.
 _SHORT_MOST: Final = 65535

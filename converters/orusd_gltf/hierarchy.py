@@ -3,14 +3,11 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.places.frames import TIME, Z_UP_FROM_Y_UP, local_to_world, world_from_stage
 from orusd_gltf.document import Document, Object, numbers
-
-Array = NDArray[np.float64]
-
 
 EXTENSION: Final = "EXT_mesh_gpu_instancing"
 _AT_REST: Final = {

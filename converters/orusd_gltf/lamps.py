@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.usd.cameras import FLIP, ORTHOGRAPHIC, PinholeCamera, list_cameras, read_camera
@@ -28,9 +28,6 @@ from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.rendersettings import stage_resolution
 from openrooms_usd.usd.shapes.meshes import PlacedMesh
 from orusd_gltf.document import Document, Object, number, numbers
-
-Array = NDArray[np.float64]
-
 
 # Pixels by which an optical axis may miss the centre before it is reported.
 _CENTRED_PX: Final = 1e-3

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import imagefile, untrusted
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.pictures import MAX_SIDE, Picture, load
@@ -191,7 +192,7 @@ class Pictures:
         )
 
 
-def encoded(codes: NDArray[np.uint8], form: str) -> tuple[bytes, str]:
+def encoded(codes: Bytes, form: str) -> tuple[bytes, str]:
     """A picture's file and its type.
 
     Args:

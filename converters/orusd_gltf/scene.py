@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Usd, UsdPhysics
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.exporters import Report
 from openrooms_usd.progress import Progress, each, silent
 from openrooms_usd.rendering.scene.unseen import report_unseen
@@ -68,7 +69,7 @@ class _Translation:
     def __post_init__(self) -> None:
         self._nodes = Hierarchy(self.stage, self.document)
         self._pictures = Pictures(self.document, self.options.pictures)
-        self._emitting: dict[str, NDArray[np.float64]] = {}
+        self._emitting: dict[str, Array] = {}
         self._glowing: dict[str, tuple[str, ...]] = {}
         self._looks = Looks()
         self._told: set[str] = set()

@@ -8,11 +8,9 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.reading import RenderedView
-
-Array = NDArray[np.float64]
 
 OPENGL: Final = np.diag([1.0, -1.0, -1.0])
 """OpenCV's axes in those of Hypersim's cameras."""

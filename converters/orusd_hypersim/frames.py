@@ -7,6 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.rendering.reading import RenderedView
 from orusd_hypersim.cameras import OPENGL
 from orusd_hypersim.hdf5 import write_array
@@ -78,7 +79,7 @@ def _residual(view: RenderedView) -> Pixels:
     return _half(color - reflectance * illumination)
 
 
-def _where_surface(view: RenderedView, pixels: Pixels) -> NDArray[np.float32]:
+def _where_surface(view: RenderedView, pixels: Pixels) -> Floats:
     """Without surface there is no number."""
     there = view.pixels["depth"] > 0.0
     return np.where(there, pixels, np.nan).astype(np.float32)

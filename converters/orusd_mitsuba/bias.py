@@ -11,8 +11,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import definition
 from openrooms_usd.rendering import Image, RenderRequest
 from openrooms_usd.rendering.bias import Bias, SparsePixels, measure
@@ -81,11 +81,7 @@ def with_bias(
 
 
 def _measured(
-    image: Image,
-    found: Image,
-    truth: Image,
-    pixels: SparsePixels,
-    change: NDArray[np.float32] | None,
+    image: Image, found: Image, truth: Image, pixels: SparsePixels, change: Floats | None
 ) -> Bias | None:
     # A pixel may be a tile of the picture, a hemisphere: then its mean counts.
     tile = image.pixels.shape[0] // pixels.height, image.pixels.shape[1] // pixels.width

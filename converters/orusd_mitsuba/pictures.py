@@ -5,13 +5,12 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.rendering import Image
 from openrooms_usd.rendering.estimates import ErrorEstimate
 from openrooms_usd.rendering.halves import HalvedPicture
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.sampling import Halves
 
 Images = dict[str, Image]
@@ -20,7 +19,7 @@ PickOfLight = Callable[[Array, int], Array]
 
 BLOCK_PIXELS: Final = 16
 """Side of the blocks in which changes are measured."""
-Changes = dict[str, NDArray[np.float32]]
+Changes = dict[str, Floats]
 """By image, (blocks down, blocks across, 3): by how much its mean over blocks was changed after its
 samples were taken."""
 

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering import RenderRequest
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.complete import channels as complete
 from orusd_mitsuba.complete.integrator import CompleteIntegrator
 from orusd_mitsuba.complete.smoothed import SmoothedPictures

@@ -7,9 +7,8 @@ from typing import Any, Final
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.rendering import Image, RenderRequest
 from openrooms_usd.rendering.bake.request import Irradiance, IrradianceRequest
@@ -21,7 +20,6 @@ from openrooms_usd.rendering.scene.sources import sources_of
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.bias import measurable, with_bias
 from orusd_mitsuba.cache.room_light import LEAST_BOUNCES, RoomLight
-from orusd_mitsuba.cache.scattered import CachedLight
 from orusd_mitsuba.complete.channels import RECEIVED
 from orusd_mitsuba.complete.denoiser_guides import SAMPLES as GUIDE_SAMPLES
 from orusd_mitsuba.complete.denoiser_guides import GuideIntegrator
@@ -56,7 +54,7 @@ from orusd_mitsuba.transport.path_integrator import PathIntegrator
 from orusd_mitsuba.transport.paths import Paths, TracedPaths
 from orusd_mitsuba.transport.probes import render_probes
 from orusd_mitsuba.transport.sampling import ProgressiveSampler
-from orusd_mitsuba.transport.scattered import ScatteredLight, TracedLight
+from orusd_mitsuba.transport.scattered import ScatteredLight
 from orusd_mitsuba.transport.texels import light_texels
 from orusd_mitsuba.transport.white import white_first
 from orusd_mitsuba.variants import Backend
@@ -159,9 +157,7 @@ class MitsubaSession:
             _give_back()
         return images
 
-    def guides(
-        self, camera: PinholeCamera, request: RenderRequest
-    ) -> Mapping[str, NDArray[np.float32]]:
+    def guides(self, camera: PinholeCamera, request: RenderRequest) -> Mapping[str, Floats]:
         """What a denoiser is guided by; see the core's `GuidingSession`.
 
         Args:
@@ -295,9 +291,7 @@ class MitsubaSession:
                 if light
                 else TracedPaths(self._built, self._index, depth)
             )
-            scattered: ScatteredLight = (
-                CachedLight(paths) if light else TracedLight(self._built, self._index, depth)
-            )
+            scattered = ScatteredLight(paths, is_cheap=light is not None)
             wanted = RequestedOutputs(
                 by_light=by_light,
                 rest=not RECEIVED.issuperset(channels),

@@ -3,17 +3,16 @@
 from functools import cached_property
 from typing import Any, Final
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.rays import RayTracer, Rows
 from openrooms_usd.usd.cameras import PINHOLE, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.sensors import describe_sensor
+from orusd_mitsuba.transport.light_index import registered
 
 # Films that tell shapes compare each pixel's with all that there are.
 _FEW_SHAPES: Final = 1000
@@ -64,16 +63,16 @@ class MitsubaTracer(RayTracer):
         ]
         return np.concatenate([np.zeros(0, np.int64), *parts])
 
-    def _batch(self, origins: NDArray[np.float32], directions: NDArray[np.float32]) -> Rows:
-        registered = [_number(mi.ShapePtr(shape)) for shape in self._built.shapes()]
-        shape_of = np.zeros(np.max(registered) + 1, dtype=np.int64)
-        shape_of[np.concatenate(registered)] = np.arange(len(registered))
+    def _batch(self, origins: Floats, directions: Floats) -> Rows:
+        numbers = [registered(mi.ShapePtr(shape)) for shape in self._built.shapes()]
+        shape_of = np.zeros(np.max(numbers) + 1, dtype=np.int64)
+        shape_of[np.concatenate(numbers)] = np.arange(len(numbers))
         ray = mi.Ray3f(mi.Point3f(origins.T), mi.Vector3f(directions.T))
         hit = self._built.ray_intersect_preliminary(ray, coherent=True)
-        rows = self._starts[shape_of[_number(hit.shape)]] + hit.prim_index.numpy()
+        rows = self._starts[shape_of[registered(hit.shape)]] + hit.prim_index.numpy()
         return np.where(hit.is_valid().numpy(), rows, -1)
 
-    def _one(self, origin: NDArray[np.float32], direction: NDArray[np.float32]) -> int:
+    def _one(self, origin: Floats, direction: Floats) -> int:
         ray = mi.Ray3f(mi.Point3f(origin), mi.Vector3f(direction))
         hit = self._built.ray_intersect_preliminary(ray)
         if not hit.is_valid():
@@ -98,12 +97,6 @@ class MitsubaTracer(RayTracer):
         # Shapes are numbered from 1 here; 0 is nothing.
         shapes, prims = np.moveaxis(np.asarray(film).astype(np.int64), 2, 0)
         return np.where(shapes > 0, self._starts[shapes - 1] + prims, -1)
-
-
-def _number(shapes: Any) -> NDArray[np.uint32]:
-    """The numbers under which Dr.Jit knows shapes."""
-    numbers: Any = dr.reinterpret_array(mi.UInt32, shapes)
-    return np.asarray(numbers.numpy())
 
 
 def _is_vectorized() -> bool:

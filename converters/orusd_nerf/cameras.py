@@ -12,16 +12,14 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.geometry.rotations import inverse, nearest_rotation, pose
 from openrooms_usd.rendering.manifest import write_json
 from openrooms_usd.rendering.reading import RenderedView
-
-Array = NDArray[np.float64]
 
 # OpenGL's camera: x right, y up, z backward.
 _OPENCV_FROM_OPENGL: Final[Array] = np.diag([1.0, -1.0, -1.0, 1.0])

@@ -8,9 +8,9 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims
+from openrooms_usd.arrays import Array, Bytes, Ints
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.progress import Progress, silent
@@ -18,7 +18,7 @@ from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
 from openrooms_usd.rendering.exr import Pixels
 from openrooms_usd.rendering.manifest import write_json
 from openrooms_usd.rendering.reading import RenderedScene
-from orusd_nerf.cameras import Array, Camera, Lens, camera_of, write_matrices
+from orusd_nerf.cameras import Camera, Lens, camera_of, write_matrices
 from orusd_nerf.pictures import (
     DEPTH_STEP_M,
     DEPTHS,
@@ -62,7 +62,7 @@ class Points:
     """
 
     positions: Array
-    colors: NDArray[np.uint8]
+    colors: Bytes
 
     def __len__(self) -> int:
         return len(self.positions)
@@ -77,14 +77,14 @@ class Sightings:
         pixels: (M, 2) where they lie in the picture.
     """
 
-    points: NDArray[np.int64]
+    points: Ints
     pixels: Array
 
 
 NOTHING: Final = Sightings(np.empty(0, np.int64), np.empty((0, 2)))
 
 
-def sample(camera: Camera, depth: Pixels, image: NDArray[np.uint8] | None, views: int) -> Points:
+def sample(camera: Camera, depth: Pixels, image: Bytes | None, views: int) -> Points:
     """Points on a regular grid of a view's pixels.
 
     Args:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic, imagefile
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.rendering import color
 from openrooms_usd.rendering.exr import Pixels
@@ -65,7 +65,7 @@ def survey(render: RenderedScene) -> Survey:
     return Survey(exposure if len(factors) == count else None, depths == count)
 
 
-def write_image(folder: Path, view: RenderedView, exposure: float) -> NDArray[np.uint8]:
+def write_image(folder: Path, view: RenderedView, exposure: float) -> Bytes:
     """Write a view's image.
 
     Args:

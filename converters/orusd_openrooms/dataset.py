@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims, ledger
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError, OrusdError, OutputError, writing
 from openrooms_usd.progress import Progress, silent
 from openrooms_usd.rendering.datasets import DatasetOptions, DatasetSummary
@@ -198,7 +198,7 @@ def _check_views(renders: Sequence[RenderedScene]) -> None:
 
 
 def _same(view: RenderedView, other: RenderedView) -> bool:
-    pairs: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = [
+    pairs: list[tuple[Array, Array]] = [
         (view.K, other.K),
         (view.world_from_camera, other.world_from_camera),
     ]

@@ -9,6 +9,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.folder import LIGHTS_FILE
 from openrooms_usd.rendering.reading import RenderedView
@@ -20,7 +21,7 @@ from orusd_openrooms.lights import Light
 # Its frame is (n x y, y, n) with y the camera's up made orthogonal to n. It is left-handed, so that
 # on a surface that faces the camera the first axis points to the camera's left.
 
-Grid = NDArray[np.float32]
+Grid = Floats
 
 HEMISPHERE: Final = (16, 32)
 
@@ -80,7 +81,7 @@ def irradiance(grid: Grid) -> Grid:
     return lux
 
 
-Pixels = NDArray[np.float32]
+Pixels = Floats
 # Light is stored at a quarter of the picture's resolution, what is direct alone at a sixteenth.
 COARSER: Final = 4
 
@@ -159,7 +160,7 @@ class Frame:
         return bool(reason)
 
 
-def area_mean(pixels: NDArray[Any], rows: int, columns: int) -> NDArray[np.float32]:
+def area_mean(pixels: NDArray[Any], rows: int, columns: int) -> Floats:
     """Average a picture over the pixels of a coarser (or finer) grid that covers it.
 
     Args:
@@ -173,17 +174,15 @@ def area_mean(pixels: NDArray[Any], rows: int, columns: int) -> NDArray[np.float
     down = _overlaps(pixels.shape[0], rows)
     across = _overlaps(pixels.shape[1], columns)
     reduced = np.einsum("rh,hwc->rwc", down, pixels.astype(np.float64), optimize=True)
-    result: NDArray[np.float32] = np.einsum("cw,rwk->rck", across, reduced, optimize=True).astype(
-        np.float32
-    )
+    result: Floats = np.einsum("cw,rwk->rck", across, reduced, optimize=True).astype(np.float32)
     return result
 
 
-def _overlaps(size: int, parts: int) -> NDArray[np.float64]:
+def _overlaps(size: int, parts: int) -> Array:
     """(parts, size) which share of every part a cell covers; rows sum to 1."""
     edges = np.linspace(0.0, size, parts + 1)
     low, high = edges[:-1, None], edges[1:, None]
     cell = np.arange(size)
     covered = np.minimum(high, cell + 1) - np.maximum(low, cell)
-    shares: NDArray[np.float64] = np.clip(covered, 0.0, None) / (high - low)
+    shares: Array = np.clip(covered, 0.0, None) / (high - low)
     return shares

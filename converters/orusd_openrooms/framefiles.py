@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.arrays import Bytes
+from openrooms_usd.arrays import Bytes, Floats
 from openrooms_usd.errors import MissingPackageError, writing
 from orusd_openrooms import images
 from orusd_openrooms.frame import COARSER, Frame, Pixels, coarser, irradiance, stored, tiled
@@ -155,7 +155,7 @@ _FRAME: Final[dict[str, _Made]] = {
 }
 
 
-def write_fit(path: Path, lobes: NDArray[np.float32]) -> None:
+def write_fit(path: Path, lobes: Floats) -> None:
     """Write the data set ``data``, compressed by lzf.
 
     Args:

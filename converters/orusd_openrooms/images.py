@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.arrays import Bytes
+from openrooms_usd.arrays import Bytes, Floats
 from openrooms_usd.imagefile import write_png
 
 Pixels = NDArray[Any]
@@ -78,7 +78,7 @@ _LARGEST: Final = np.float32(1e38)
 _PACKET_BYTES: Final = 128  # bytes that one packet may hold as they are
 
 
-def encode(pixels: NDArray[np.float32]) -> NDArray[np.uint8]:
+def encode(pixels: Floats) -> Bytes:
     """Pixels as mantissas and exponents.
 
     Rounding makes the mean of many pixels right, where cutting off loses half a step of each.
@@ -103,7 +103,7 @@ def encode(pixels: NDArray[np.float32]) -> NDArray[np.uint8]:
     return code
 
 
-def write_rgbe(path: Path, pixels: NDArray[np.float32]) -> None:
+def write_rgbe(path: Path, pixels: Floats) -> None:
     """Write a picture; the same bytes for the same pixels.
 
     Args:
@@ -119,7 +119,7 @@ def write_rgbe(path: Path, pixels: NDArray[np.float32]) -> None:
     atomic.write_bytes(path, HEADER % (height, width) + rows.tobytes())
 
 
-def _packed(code: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _packed(code: Bytes) -> Bytes:
     """Rows in packets that hold their bytes as they are: (height, bytes of a row).
 
     Runs would save space in flat pictures alone; light is noisy.

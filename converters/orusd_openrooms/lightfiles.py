@@ -5,10 +5,9 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.errors import writing
 from openrooms_usd.geometry.raycast import RayCaster
@@ -24,7 +23,6 @@ from orusd_openrooms.pickles import write_pickled
 _SHARP_LOBE: Final = 8.0
 _SIDE_POINTS: Final = 12  # points along a side of the rectangle
 _SPHERE_DIRECTIONS: Final = 256
-Bits = NDArray[np.bool_]
 # Points farther apart are not joined, of a picture whose mean depth is 3 m; of nearer ones too.
 _JOINED_M: Final = 0.12
 _USUAL_DEPTH_M: Final = 3.0
@@ -66,8 +64,8 @@ def _is_in_picture(frame: Frame, window: bool) -> bool:
     )
 
 
-def _mask(frame: Frame, light: Light) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = frame.light("mask", light)[..., 0] > 0.5
+def _mask(frame: Frame, light: Light) -> Mask:
+    found: Mask = frame.light("mask", light)[..., 0] > 0.5
     return found
 
 
@@ -77,7 +75,7 @@ class _MadeOfLight(NamedTuple):
     concerns: Callable[[Light], bool] = lambda light: True
 
 
-def _camera(frame: Frame) -> NDArray[np.float64]:
+def _camera(frame: Frame) -> Array:
     return lights.camera_from_world(frame.view.world_from_camera)
 
 
@@ -173,7 +171,7 @@ _LIGHT: Final[dict[str, _MadeOfLight]] = {
 }
 
 
-def depth_shadow(light: Light, camera: Array, points: Array, K: Array, mask: Bits) -> Array:
+def depth_shadow(light: Light, camera: Array, points: Array, K: Array, mask: Mask) -> Array:
     """The share of a light that reaches each pixel past all that the picture shows.
 
     Args:
@@ -210,7 +208,7 @@ def depth_shadow(light: Light, camera: Array, points: Array, K: Array, mask: Bit
     return np.minimum(share + mask, 1.0) if light.is_window else share
 
 
-def _sheet(points: Array, mask: Bits) -> RayCaster:
+def _sheet(points: Array, mask: Mask) -> RayCaster:
     """The triangles between near points: two of each square, by the diagonal that fits."""
     # A pixel may hold any number.
     points = np.where(np.isfinite(points).all(axis=-1, keepdims=True), points, 0.0)
@@ -221,7 +219,7 @@ def _sheet(points: Array, mask: Bits) -> RayCaster:
     corners = [numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, :-1], numbers[1:, 1:]]
     flat = points.reshape(-1, 3)
 
-    def near(a: int, b: int) -> Bits:
+    def near(a: int, b: int) -> Mask:
         limit = joined * (np.sqrt(2.0) if a + b == 3 else 1.0)
         return np.asarray(np.linalg.norm(flat[corners[a]] - flat[corners[b]], axis=-1) < limit)
 
@@ -260,9 +258,7 @@ def _places(light: Light, camera: Array, draws: Array) -> Array:
     return np.asarray(world @ camera[:3, :3].T + camera[:3, 3])
 
 
-def approximate(
-    light: Light, camera: Array, points: NDArray[np.float32], normals: NDArray[np.float32]
-) -> NDArray[np.float32]:
+def approximate(light: Light, camera: Array, points: Floats, normals: Floats) -> Floats:
     """Irradiance by the lobes of an opening through its rectangle, without occlusion.
 
     Args:

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.rendering.reading import RenderedScene
 from openrooms_usd.rendering.scene.lights import Gaussian, LightKind, LightRecord, LobeName
 
@@ -98,7 +97,7 @@ def camera_from_world(world_from_camera: Array) -> Array:
     return result
 
 
-def box(light: Light, camera: Array, mask: NDArray[np.bool_]) -> dict[str, Any]:
+def box(light: Light, camera: Array, mask: Mask) -> dict[str, Any]:
     """The box of a light, as the loaders want it.
 
     The y axis is the most upright of the box's own and points up; x is the longer of the others; z
@@ -128,7 +127,7 @@ def box(light: Light, camera: Array, mask: NDArray[np.bool_]) -> dict[str, Any]:
     }
 
 
-def _box_2d(mask: NDArray[np.bool_]) -> dict[str, int | None]:
+def _box_2d(mask: Mask) -> dict[str, int | None]:
     """The first and last column and row that show it; None where it is not seen."""
     columns, rows = np.flatnonzero(mask.any(axis=0)), np.flatnonzero(mask.any(axis=1))
     if not len(columns):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import hdf5, untrusted
-from openrooms_usd.arrays import Floats
+from openrooms_usd.arrays import Array, Bytes, Floats, Ints, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.unpickling import read_pickled
 from openrooms_usd.unpickling.arrays import read_array
@@ -34,7 +34,7 @@ def read_light(path: Path) -> Floats:
     return pixels
 
 
-def read_bytes(path: Path) -> NDArray[np.uint8]:
+def read_bytes(path: Path) -> Bytes:
     """An 8-bit picture: (height, width, 3).
 
     Raises:
@@ -67,7 +67,7 @@ def read_normal(path: Path) -> Floats:
     return np.where(there, vectors / np.maximum(length, 1e-6), 0.0).astype(np.float32)
 
 
-def read_mask(path: Path) -> dict[str, NDArray[np.bool_]]:
+def read_mask(path: Path) -> dict[str, Mask]:
     """(height, width) where ``sky``, a ``lamp`` or an ``object`` is, by the loaders' thresholds."""
     share = read_bytes(path)[..., 0] / 255.0
     return {"sky": share < 0.1, "lamp": (share > 0.49) & (share < 0.51), "object": share > 0.9}
@@ -91,7 +91,7 @@ def read_parts(path: Path) -> NDArray[np.int32]:
     return _read_binary(path, "<i4", 3).astype(np.int32)
 
 
-def read_labels(path: Path) -> NDArray[np.int64]:
+def read_labels(path: Path) -> Ints:
     """Numbers of the 45 classes: (height, width).
 
     Raises:
@@ -139,7 +139,7 @@ def _are_lobes(shape: tuple[int, ...], kind: str) -> bool:
     return len(shape) == 4 and shape[-1] == 6 and kind == "f" and math.prod(shape) <= _MOST_PIXELS
 
 
-def read_cameras(path: Path) -> list[NDArray[np.float64]]:
+def read_cameras(path: Path) -> list[Array]:
     """(3, 3) origin, target, up of every camera; Y up, metres.
 
     Raises:
@@ -174,7 +174,7 @@ def read_view_names(path: Path) -> list[str]:
     return found
 
 
-def read_intrinsics(path: Path) -> NDArray[np.float64]:
+def read_intrinsics(path: Path) -> Array:
     """(3, 3) the matrix of a camera, pixels.
 
     Raises:

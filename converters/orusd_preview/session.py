@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.rendering.contract import Image, RenderRequest, ViewProgress
 from openrooms_usd.rendering.scene.arrays import Scene
@@ -23,7 +23,6 @@ BACKGROUND: Final = np.array([0.78, 0.84, 0.92])
 _HEADLIGHT_SHARE: Final = 0.35
 # How much darker soft light is from below than from above.
 _LOSS_FROM_BELOW: Final = 0.35
-Array = NDArray[np.float64]
 
 # Rays begin this far above their surface, metres: single precision puts points below it.
 _LIFT_METRES: Final = 1e-3
@@ -91,7 +90,7 @@ class PreviewSession:
 
     def _drawn(
         self, camera: PinholeCamera, request: RenderRequest, rays: int, progress: ViewProgress
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """(height, width, 3) where 1 is white."""
         fine = replace(camera, K=np.diag([_POINTS_A_SIDE, _POINTS_A_SIDE, 1.0]) @ camera.K)
         width, height = _POINTS_A_SIDE * request.width, _POINTS_A_SIDE * request.height

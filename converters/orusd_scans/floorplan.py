@@ -3,9 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.polygons import CLEARANCE, counter_clockwise, defect
 
@@ -244,7 +243,7 @@ def _bent(corners: Array, arc: Array) -> Array:
     if max(float(distance.min()) for distance in ends) > MAX_GAP_M or nearest[0] == nearest[1]:
         return corners
     off = np.asarray(shapely.distance(shapely.LineString(arc), shapely.points(corners)))
-    keep: NDArray[np.bool_] = off > TWIN_DISTANCE_M
+    keep: Mask = off > TWIN_DISTANCE_M
     keep[nearest] = True
     rest = corners[keep]
     first, last = (int(keep[:i].sum()) for i in nearest)

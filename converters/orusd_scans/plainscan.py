@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, silent
@@ -291,11 +290,7 @@ def with_sensor_origins(cloud: Cloud, frames: tuple[CapturedFrame, ...]) -> Clou
 
 
 def _placed(cloud: Cloud, source: Path) -> Cloud:
-    """The points with finite coordinates.
-
-    Raises:
-        InputError: There are none.
-    """
+    """The points with finite coordinates."""
     finite = np.asarray(np.isfinite(cloud.points).all(axis=1))
     if not finite.any():
         raise InputError("no point has finite coordinates", place=source)
@@ -319,7 +314,7 @@ def _standing(
     return find_standing(placed, asked, source)
 
 
-def _spacing(points: Array, faces: NDArray[np.int64]) -> float:
+def _spacing(points: Array, faces: Ints) -> float:
     """Of samples of a mesh, in its unit, for a certain number of them."""
     corners = points[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

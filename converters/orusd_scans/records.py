@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 
 
@@ -69,7 +69,7 @@ class Node:
             raise found.error(f"a list expected, found {_kind(found.value)}")
         return [Node(value, self.file, f"{found.path}[{i}]") for i, value in enumerate(found.value)]
 
-    def numbers(self, count: int, largest: float) -> NDArray[np.float64]:
+    def numbers(self, count: int, largest: float) -> Array:
         """This list of finite numbers; lists in it are joined, and ``{"x": 1, "y": 2}`` is one.
 
         Args:

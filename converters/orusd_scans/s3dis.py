@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names, untrusted
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.capture import NO_OPTIONS, Capture, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.words import category_of
@@ -99,7 +99,7 @@ def _is_empty(path: Path) -> bool:
         return not stream.read(_LONGEST_NUMBER).strip()
 
 
-def _colors(read: list[Scanned]) -> NDArray[np.uint8] | None:
+def _colors(read: list[Scanned]) -> Bytes | None:
     colors = [one.cloud.colors for one in read if one.cloud.colors is not None]
     return np.concatenate(colors) if len(colors) == len(read) else None
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes, Floats, Ints
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.spelling import listed
@@ -62,7 +62,7 @@ class Scanned:
     """
 
     cloud: Cloud
-    faces: NDArray[np.int64] | None = None
+    faces: Ints | None = None
     up: Up = "Z"
     notes: tuple[str, ...] = ()
     unit: str | None = None
@@ -165,9 +165,7 @@ def cloud_of(columns: Columns, path: Path, notes: list[str], others: Iterable[st
     )
 
 
-def sound_faces(
-    faces: NDArray[np.int64], count: int, path: Path, notes: list[str]
-) -> NDArray[np.int64] | None:
+def sound_faces(faces: Ints, count: int, path: Path, notes: list[str]) -> Ints | None:
     """The triangles whose corners are there; None where there are none.
 
     Args:
@@ -198,13 +196,13 @@ def _double(values: NDArray[Any]) -> Array:
         return values.astype(np.float64, copy=False)
 
 
-def _single(values: NDArray[Any]) -> NDArray[np.float32]:
+def _single(values: NDArray[Any]) -> Floats:
     # What becomes infinite is dropped with other broken normals.
     with np.errstate(over="ignore", invalid="ignore"):
         return values.astype(np.float32)
 
 
-def _colors(values: NDArray[Any], notes: list[str]) -> NDArray[np.uint8]:
+def _colors(values: NDArray[Any], notes: list[str]) -> Bytes:
     """Colours (N, 3) as bytes: fractions are scaled up, 16 bits down; grey if not valid."""
     if values.dtype == np.uint8:
         return values
@@ -243,7 +241,7 @@ def _numbers(
     return values.astype(np.int32)
 
 
-def _confidence(columns: Columns, notes: list[str]) -> NDArray[np.float32] | None:
+def _confidence(columns: Columns, notes: list[str]) -> Floats | None:
     name = next((name for name in _CONFIDENCE if name in columns), None)
     if name is None:
         return None

@@ -4,13 +4,12 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.geometry.vectors import UP, unit
 from openrooms_usd.scan.points.cloud import Cloud
 
-Faces = NDArray[np.int64]
+Faces = Ints
 
 # Spacing of samples, metres; larger where there would be too many.
 SPACING_M: Final = 0.02
@@ -67,7 +66,7 @@ def _barycentric(random: Array) -> Array:
     return np.column_stack([1.0 - root, root * (1.0 - random[:, 1]), root * random[:, 1]])
 
 
-def _smooth(count: int, faces: Faces, cross: Array) -> NDArray[np.float32]:
+def _smooth(count: int, faces: Faces, cross: Array) -> Floats:
     """(N, 3) normals of points: the mean of their triangles', by area; +Z without any."""
     sums = np.column_stack(
         [np.bincount(faces.reshape(-1), np.repeat(cross[:, axis], 3), count) for axis in range(3)]
@@ -84,7 +83,7 @@ def _joined(first: Cloud, second: Cloud) -> Cloud:
     return replace(first, **{name: both(name) for name in names})
 
 
-def fans(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+def fans(corners: Ints) -> Ints:
     """Polygons as fans of triangles.
 
     Args:

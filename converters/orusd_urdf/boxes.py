@@ -5,11 +5,9 @@ from itertools import combinations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.triangulation import TriangleMesh
-
-Array = NDArray[np.float64]
 
 # Relative to the diagonal: points are read in single precision.
 _BOX_TOLERANCE_SHARE: Final = 2e-6

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import (
     DEFAULT_FRICTION,
     DEFAULT_TIMESTEP,
@@ -26,8 +26,6 @@ from orusd_urdf.naming import safe
 from orusd_urdf.packages import needed
 from orusd_urdf.springs import extra_damping, moved_inertia
 from orusd_urdf.urdf import write_bodies
-
-Array = NDArray[np.float64]
 
 # Iterations until the friction of a stack is Coulomb's; Bullet's own 50 leave books creeping.
 _SOLVER_ITERATIONS: Final = 200

@@ -4,15 +4,13 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import StageError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.hulls import volume
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Joint, Link, World
-
-Array = NDArray[np.float64]
 
 # Relative: moments are read in single precision.
 _MOMENT_TOLERANCE: Final = 1e-5

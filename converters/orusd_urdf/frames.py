@@ -1,9 +1,8 @@
 """Frames and numbers as the formats write them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 
 def rpy(turn: Array) -> Array:

@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.physics.world import Visual, World
 from openrooms_usd.usd.shading.surfaces import BARE, PreviewSurface, Texture
@@ -14,7 +14,6 @@ from openrooms_usd.usd.shading.surfaces import BARE, PreviewSurface, Texture
 if TYPE_CHECKING:
     from pxr import Usd
 
-Floats = NDArray[np.float32]
 Color = tuple[float, float, float]
 # (prim path, outcome, reason), as `convert.Report` takes them.
 Loss = tuple[str, str, str]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.engines import DEFAULT_FRICTION, DEFAULT_TIMESTEP, Friction
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import World
@@ -21,8 +22,6 @@ from orusd_urdf.frames import place, text
 from orusd_urdf.looks import Loss, RobotMaterial
 from orusd_urdf.tree import ContactSurface, Tree, joint_name, link_name
 
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Which = Literal["all", "near", "close", "none"]
 Choice = Literal["auto", "all", "near", "close", "none"]
 
@@ -126,7 +125,7 @@ def unequal_pairs(
 
 
 def _others(
-    surfaces: Sequence[ContactSurface], bounds: Array, everywhere: Flags, body: str, reach: float
+    surfaces: Sequence[ContactSurface], bounds: Array, everywhere: Mask, body: str, reach: float
 ) -> NDArray[np.intp]:
     """The numbers of the surfaces of other bodies that may be within reach of some of a body's."""
     own = np.array([surface.body == body for surface in surfaces])

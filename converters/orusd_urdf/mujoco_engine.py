@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import (
     DEFAULT_FRICTION,
     DEFAULT_TIMESTEP,
@@ -27,8 +27,6 @@ from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import Body, Joint, World
 from openrooms_usd.scratch import scratch_folder
 from orusd_urdf.packages import needed
-
-Array = NDArray[np.float64]
 
 # Time constant of contacts, seconds: at least two steps (MuJoCo wants that). Stiffer ones make what
 # is pushed hop, since MuJoCo's friction is convex: what slides is lifted by mu times its speed.

@@ -3,11 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.geometry.vectors import unit
-
-Array = NDArray[np.float64]
-Floats = NDArray[np.float32]
 
 
 def collision_text(mesh: TriangleMesh) -> str:

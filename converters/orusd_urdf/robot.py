@@ -7,8 +7,8 @@ from typing import Final
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import Friction
 from openrooms_usd.physics import pair
 from openrooms_usd.physics.world import Body, Contact, Joint, Link, Shape, Visual
@@ -190,5 +190,5 @@ def _mount(parent: str, child: str) -> Element:
     return element
 
 
-def _origin(frame: NDArray[np.float64]) -> Element:
+def _origin(frame: Array) -> Element:
     return Element("origin", xyz=place(frame[:3, 3]), rpy=place(rpy(frame[:3, :3])))

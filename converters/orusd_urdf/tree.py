@@ -8,9 +8,9 @@ from typing import Final, NamedTuple
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import DEFAULT_TIMESTEP, Friction
 from openrooms_usd.geometry.quaternions import quaternion
 from openrooms_usd.physics.mass import MassProperties
@@ -51,7 +51,7 @@ class ContactSurface(NamedTuple):
     room: bool
     moves: bool
     friction: float
-    bounds: NDArray[np.float64]
+    bounds: Array
 
 
 def link_name(body: Body, link: Link) -> str:
@@ -235,7 +235,7 @@ class Tree:
         return file.stem
 
 
-def _bounds(shape: Shape, M: NDArray[np.float64]) -> NDArray[np.float64]:
+def _bounds(shape: Shape, M: Array) -> Array:
     points = shape.mesh.points @ M[:3, :3].T + M[:3, 3]
     return np.stack([points.min(axis=0), points.max(axis=0)])
 
@@ -287,7 +287,7 @@ def _inertial(mass: MassProperties) -> Element:
     return Element("inertial", pos=text(mass.centre), mass=text(mass.mass), fullinertia=text(six))
 
 
-def _set_place(element: Element, frame: NDArray[np.float64]) -> None:
+def _set_place(element: Element, frame: Array) -> None:
     element.set("pos", place(frame[:3, 3]))
     # MuJoCo has the real part first.
     element.set("quat", text(np.round(np.roll(quaternion(frame[:3, :3]), 1), 15)))

@@ -1,17 +1,16 @@
 """What stands out below a ceiling: beams, coffers, and the bars of a suspended grid."""
 
 from collections.abc import Iterator
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.faces import Face, level, polyhedron, upright
 from openrooms_usd.building.mouldings import EMBED_M
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.polygons import counter_clockwise, triangulated
 
-Array: TypeAlias = NDArray[np.float64]
 Axis = Literal["x", "y"]
 
 # Pieces of bars with less area are left out, square metres.

@@ -2,18 +2,16 @@
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.faces import Face, polyhedron
 from openrooms_usd.building.mouldings import EMBED_M
 from openrooms_usd.building.shell import Hole
 from openrooms_usd.building.walls import Wall
 from openrooms_usd.geometry.mesh import Mesh
-
-Array: TypeAlias = NDArray[np.float64]
 
 _LEAST_M: Final = 1e-3
 

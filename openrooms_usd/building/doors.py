@@ -10,14 +10,12 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.leaves import GAP, LEAF, PIVOT, STYLES, glass_of, handle, swept
 from openrooms_usd.building.windows import EMBED, Span, bar
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import in_plan
-
-Array = NDArray[np.float64]
 
 # Openings wider than this have two leaves, metres.
 TWO_LEAVES_M: Final = 1.3

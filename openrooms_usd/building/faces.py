@@ -3,13 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.polygons import triangulated
-
-Array = NDArray[np.float64]
 
 # A face: (K, 3) corners, counter-clockwise from outside, and (K, 2) texture coordinates, metres.
 Face = tuple[Array, Array]

@@ -10,13 +10,11 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.windows import EMBED, Span, bar, pane
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import cylinder, rounded_box
-
-Array = NDArray[np.float64]
 
 LEAF: Final = 0.04  # thickness of a leaf
 GAP: Final = 0.003  # between leaf and lining

@@ -8,14 +8,12 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.building.wallruns import Run
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.normals import with_normals
-
-Array = NDArray[np.float64]
 
 # Faces of a section that turn by more stay sharp, degrees.
 _CREASE_DEG: Final = 35.0
@@ -95,7 +93,7 @@ def _mitres(path: Array, closed: bool) -> tuple[Array, Array]:
     return along, (left + left_before) / np.maximum(share, 0.05)[:, None]
 
 
-def _cap(section: Array) -> NDArray[np.int64]:
+def _cap(section: Array) -> Ints:
     """(M, 3) triangles of a section, counter-clockwise."""
     import mapbox_earcut
 
@@ -200,7 +198,7 @@ def section(profile: str, depth: float, height: float) -> Array:
     return np.concatenate([[[-EMBED_M, 0.0]], distinct[:-1], [[-EMBED_M, height]]])
 
 
-def _apart(points: Array) -> NDArray[np.bool_]:
+def _apart(points: Array) -> Mask:
     return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-6)
 
 

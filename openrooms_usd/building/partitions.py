@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.walls import MITRE_LIMIT, Wall, half_plane
 from openrooms_usd.geometry.floorplan import inside, wall_distance
-
-Array = NDArray[np.float64]
 
 REACH_M: Final = 0.15
 """Gaps up to this length between a partition's end and what it leads to are closed, metres: real

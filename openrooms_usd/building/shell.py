@@ -9,14 +9,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.faces import Face, level, polyhedron, prism, upright
 from openrooms_usd.building.walls import MITRE_LIMIT, Wall
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.polygons import grown, triangulated
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

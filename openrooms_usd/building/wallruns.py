@@ -1,12 +1,11 @@
 """Where walls run on without a break: the paths of what is fixed along them."""
 
 from collections.abc import Iterator, Sequence
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array: TypeAlias = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # A gap belongs to the face that it lies on within this, metres.
 _ON_FACE_M: Final = 2e-3

@@ -9,11 +9,9 @@ convex, and no outline reaches into the room.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.polygons import turns
-
-Array = NDArray[np.float64]
 
 # A mitre that would reach further out than this times the thickness is cut off.
 MITRE_LIMIT = 2.0
@@ -98,7 +96,7 @@ class Wall:
         return np.stack([offset @ self.along, offset @ self.outward], axis=-1)
 
 
-def walls_of(corners: Array, numbers: NDArray[np.int64], thickness: float) -> tuple[Wall, ...]:
+def walls_of(corners: Array, numbers: Ints, thickness: float) -> tuple[Wall, ...]:
     """The walls around a room.
 
     Args:

@@ -237,11 +237,7 @@ def _finished(store: Store, jobs: list[Job]) -> list[Job]:
 
 
 def _shared_views(renders: list[RenderedScene]) -> list[RenderedScene]:
-    """The renders with the views that all of them have: variants of a scene share them.
-
-    Raises:
-        InputError: There are none.
-    """
+    """The renders with the views that all of them have: variants of a scene share them."""
     names = [name for name in renders[0].views if all(name in one.views for one in renders)]
     if not names:
         raise InputError("no view is finished in all its variants", place=renders[0].folder)

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats, Mask
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.rendering.contract import View
 
@@ -91,7 +91,7 @@ def _measures(view: View) -> Iterator[tuple[str, float | int]]:
         yield "instances", int((numbers > 0).sum())
 
 
-def _where_surface(pixels: Mapping[str, NDArray[np.float32]]) -> NDArray[np.bool_] | None:
+def _where_surface(pixels: Mapping[str, Floats]) -> Mask | None:
     """(height, width) where there is a surface."""
     if "valid" in pixels:
         return pixels["valid"][..., 0] > 0.5

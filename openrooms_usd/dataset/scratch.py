@@ -267,11 +267,7 @@ class Lease:
                 self._remote.remove([LEASE])
 
     def _await_end(self) -> None:
-        """Wait until who has it is gone.
-
-        Raises:
-            OutputError: It is alive.
-        """
+        """Wait until who has it is gone."""
         before = self._remote.read(LEASE)
         if self._is_of_the_dead(before):
             return

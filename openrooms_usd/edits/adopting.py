@@ -158,11 +158,7 @@ def _check_room(out: Path) -> None:
 
 
 def _is_flattened(layer: Sdf.Layer, base: Usd.Stage, out: Path, source: Path) -> bool:
-    """Whether a layer holds the whole room itself, instead of stacking our layers.
-
-    Raises:
-        StageError: It does neither, nor does it speak of this room's prims.
-    """
+    """Whether a layer holds the whole room itself, instead of stacking our layers."""
     ours = {str(path) for path in own_layers(out)}
     if any(real_path(anchored(layer, path)) in ours for path in layer.subLayerPaths):
         return False

@@ -7,9 +7,10 @@ depth, lower and upper height; metres.
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array: TypeAlias = NDArray[np.float64]
+from openrooms_usd.arrays import Array, Mask
+
 Pose: TypeAlias = tuple[float, float, float]
 """x and y in metres, and the yaw in degrees, counter-clockwise."""
 
@@ -34,7 +35,7 @@ def posed(boxes: Array, poses: ArrayLike) -> Array:
     return np.concatenate([np.stack(turned, axis=-1), plain], axis=-1)
 
 
-def overlap(a: Array, b: Array, gap: float = 0.0) -> NDArray[np.bool_]:
+def overlap(a: Array, b: Array, gap: float = 0.0) -> Mask:
     """(..., K) which boxes of (..., 8) ``a`` come nearer than a gap to which of (K, 8) ``b``.
 
     By the separating axes of two rectangles (exact when the gap is 0, a little wary at corners

@@ -5,12 +5,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.ceilings import Axis, across, strips
 from openrooms_usd.description.layout import PolygonLayout
 from openrooms_usd.description.styles import InteriorStyle
 from openrooms_usd.description.trim import Ceiling, Trim
 from openrooms_usd.draws import generator
-from openrooms_usd.generation.boxes import NONE, Array, box
+from openrooms_usd.generation.boxes import NONE, box
 from openrooms_usd.generation.shell import Shell
 from openrooms_usd.library.styles.assignment.weights import drawn
 from openrooms_usd.library.styles.interiors import INTERIORS, PLAIN, ShellStyle

@@ -10,8 +10,9 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import Size
-from openrooms_usd.generation.boxes import Array, overlap
+from openrooms_usd.generation.boxes import overlap
 from openrooms_usd.generation.items import Item
 from openrooms_usd.generation.kit import Kit
 from openrooms_usd.generation.placement import Arrangement

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.generation.boxes import Array, distance, reach
+from openrooms_usd.arrays import Array, Ints, Mask
+from openrooms_usd.generation.boxes import distance, reach
 from openrooms_usd.generation.items import HEADROOM_M, STEP_M
 from openrooms_usd.generation.shell import Shell
 
@@ -58,7 +58,7 @@ class Floor:
         y = self.origin[1] + CELL_M * (j0 + np.arange(shape[0]))
         return x[None, :] + 0.0 * y[:, None], y[:, None] + 0.0 * x[None, :]
 
-    def connected(self) -> NDArray[np.bool_] | None:
+    def connected(self) -> Mask | None:
         """(H, W) the cells that people can reach from all doors.
 
         None when a door is cut off, or floor that is as wide as what can be reached.
@@ -72,7 +72,7 @@ class Floor:
         beyond = self.clear[free & ~reachable].max(initial=0.0)
         return reachable if beyond < self.clear[reachable].max() - _NARROWER_M else None
 
-    def _label(self, labels: NDArray[np.int64], x: float, y: float) -> int:
+    def _label(self, labels: Ints, x: float, y: float) -> int:
         i, j = self._cell(x, y)
         near = labels[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2]
         return int(near.max(initial=0))
@@ -81,7 +81,7 @@ class Floor:
         i, j = np.round((np.array([x, y]) - self.origin) / CELL_M).astype(int).tolist()
         return i, j
 
-    def reaches(self, reachable: NDArray[np.bool_], places: Iterable[tuple[float, float]]) -> bool:
+    def reaches(self, reachable: Mask, places: Iterable[tuple[float, float]]) -> bool:
         """Whether people can come near to all of some places."""
         n = round(REACH_M / CELL_M)
         for x, y in places:
@@ -106,7 +106,7 @@ def floor_of(shell: Shell) -> Floor:
     return Floor(low + 0.5 * CELL_M, clear, np.array(doors).reshape(-1, 2))
 
 
-def components(free: NDArray[np.bool_]) -> NDArray[np.int64]:
+def components(free: Mask) -> Ints:
     """Number the connected parts (4 neighbours) of a mask; 0 is outside of it.
 
     Runs of each row are joined with those that they touch in the row before (union by path).

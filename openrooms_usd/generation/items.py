@@ -6,8 +6,9 @@ from typing import Final, Literal
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import NOTHING_ORDERED, FitOptions, Size
-from openrooms_usd.generation.boxes import NONE, Array, Pose, box
+from openrooms_usd.generation.boxes import NONE, Pose, box
 
 # People walk and stand between these heights: neither a rug nor a high shelf is an obstacle;
 # metres.

@@ -7,8 +7,9 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import NOTHING_ORDERED, FitOptions, Size, category, styles
-from openrooms_usd.generation.boxes import Array, Pose, box, overlap, posed
+from openrooms_usd.generation.boxes import Pose, box, overlap, posed
 from openrooms_usd.generation.items import Group, Item, with_dependants
 from openrooms_usd.generation.shapes import BuiltForm, Foot, Shapes
 from openrooms_usd.generation.sizes import drawn_size

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.generation.boxes import NONE, Array, Pose, overlap, posed, reach
+from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.generation.boxes import NONE, Pose, overlap, posed, reach
 from openrooms_usd.generation.floor import Floor, floor_of
 from openrooms_usd.generation.items import (
     HEADROOM_M,
@@ -155,7 +155,7 @@ class Arrangement:
             taste = taste + 4.0 * ahead - 1.5 * np.abs(away - 2.6) / 2.6
         return poses, taste
 
-    def _fits(self, group: Group, poses: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def _fits(self, group: Group, poses: Array) -> tuple[Mask, Mask]:
         """(P, N) which items can stay, and (P,) whether all needed ones can."""
         boxes = posed(group.boxes, poses)
         hung = np.array([item.on in ("wall", "ceiling") for item in group.items])
@@ -178,7 +178,7 @@ class Arrangement:
         if len(self.zones):
             free &= hung | low | ~overlap(boxes, self.zones).any(axis=-1)
         kept = self._standing(group, free)
-        possible: NDArray[np.bool_] = np.asarray(kept[:, group.required].all(axis=1))
+        possible: Mask = np.asarray(kept[:, group.required].all(axis=1))
         if len(group.zones):
             needed = posed(group.zones, poses)
             clear = ~overlap(needed, self.shell.walls).any(axis=-1)
@@ -188,7 +188,7 @@ class Arrangement:
             possible = possible & clear.all(axis=1)
         return kept, possible
 
-    def _backed(self, boxes: Array) -> NDArray[np.bool_]:
+    def _backed(self, boxes: Array) -> Mask:
         """(P, N) which boxes have a wall behind all of their width, none that ends before."""
         c, s, half, deep = (boxes[..., axis] for axis in (2, 3, 4, 5))
         back = boxes[..., :2] + (deep + _BEHIND_M)[..., None] * np.stack([-s, c], axis=-1)
@@ -196,7 +196,7 @@ class Arrangement:
         room = self.shell.contains
         return np.asarray(~room(back - along) & ~room(back) & ~room(back + along))
 
-    def _standing(self, group: Group, free: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def _standing(self, group: Group, free: Mask) -> Mask:
         if free.all():
             return free
         return np.array([with_dependants(row, group.items) for row in free.tolist()])

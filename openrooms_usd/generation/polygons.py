@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.generation.boxes import Array
+from openrooms_usd.arrays import Array
 
 # No arm of a room is narrower than this, metres.
 MIN_ARM_WIDTH_M: Final = 1.7

@@ -8,9 +8,9 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.draws import generator
 from openrooms_usd.furniture import NOTHING_ORDERED, FitOptions, Size, make
-from openrooms_usd.generation.boxes import Array
 from openrooms_usd.geometry.mesh import Mesh
 
 Foot: TypeAlias = tuple[float, float, float, float]

@@ -6,15 +6,15 @@ from functools import cached_property
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.description.layout import (
     USUAL_OPENINGS,
     Opening,
     PolygonLayout,
     named_partitions,
 )
-from openrooms_usd.generation.boxes import NONE, Array, box
+from openrooms_usd.generation.boxes import NONE, box
 from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.geometry.polygons import counter_clockwise
 
@@ -192,7 +192,7 @@ class Shell:
         """What people come in by."""
         return tuple(gap for gap in self.gaps if gap.kind != "window" and gap.sill < 0.1)
 
-    def contains(self, points: Array) -> NDArray[np.bool_]:
+    def contains(self, points: Array) -> Mask:
         """(...) which of (..., 2) points lie inside."""
         found = inside(self.corners, points.reshape(-1, 2)).reshape(points.shape[:-1])
         return np.asarray(found, dtype=np.bool_)

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from openrooms_usd.arrays import Array, Ints, Mask
+
 Weights = csr_array
 
 
@@ -74,7 +73,7 @@ class Cage:
         return np.where(self.is_open, np.inf, found)
 
     @property
-    def is_open(self) -> NDArray[np.bool_]:
+    def is_open(self) -> Mask:
         """(E,) whether an edge is not between two faces."""
         return np.asarray(self._unique[2] != 2)
 

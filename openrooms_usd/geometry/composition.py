@@ -10,11 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.looks import Rating, Views, ViewThumbnails, look_of
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
-
-Array = NDArray[np.float64]
 
 NO_SUBJECT: Final = -1
 """The subject of triangles of small things, and of what is neither that nor `BARE`."""
@@ -216,7 +215,7 @@ def _median_depth(look: ViewThumbnails) -> Array:
     return np.asarray(np.median(look.depth.reshape(len(look.views), -1), axis=1))
 
 
-def _has_footing(caster: RayCaster, look: ViewThumbnails, floor: float) -> NDArray[np.bool_]:
+def _has_footing(caster: RayCaster, look: ViewThumbnails, floor: float) -> Mask:
     """(C,) whether a person could stand below the camera."""
     eyes = look.views.eyes
     below = caster.first_hit(eyes, np.tile([0.0, 0.0, -1.0], (len(eyes), 1)))
@@ -252,7 +251,7 @@ def focus_distance(
     return float(np.median(depth[at])) if at.any() else 0.0
 
 
-def _of_subject(subjects: Subjects | None, look: ViewThumbnails) -> NDArray[np.bool_]:
+def _of_subject(subjects: Subjects | None, look: ViewThumbnails) -> Mask:
     """(H, W) where the picture shows the subject that fills most of it, by its weight."""
     if subjects is None or not len(subjects.weights):
         return np.zeros_like(look.seen[0])

@@ -1,15 +1,15 @@
 """Polylines: rounding their corners, measuring along them."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from openrooms_usd.arrays import Array
 
 # Corners that turn by less than this (radians) are left alone.
 _STRAIGHT = 1e-6
 
 
-def filleted(
-    points: ArrayLike, radius: float, *, segments: int = 4, closed: bool = False
-) -> NDArray[np.float64]:
+def filleted(points: ArrayLike, radius: float, *, segments: int = 4, closed: bool = False) -> Array:
     """Replace the corners of a polyline by arcs that touch both neighbours.
 
     Args:
@@ -22,7 +22,7 @@ def filleted(
         (M, D) the rounded polyline.
     """
     corners = np.asarray(points, dtype=np.float64)
-    pieces: list[NDArray[np.float64]] = []
+    pieces: list[Array] = []
     for i, corner in enumerate(corners):
         if not closed and i in (0, len(corners) - 1):
             pieces.append(corner[None])
@@ -32,13 +32,7 @@ def filleted(
     return np.concatenate(pieces)
 
 
-def _arc(
-    before: NDArray[np.float64],
-    corner: NDArray[np.float64],
-    after: NDArray[np.float64],
-    radius: float,
-    segments: int,
-) -> NDArray[np.float64]:
+def _arc(before: Array, corner: Array, after: Array, radius: float, segments: int) -> Array:
     back, ahead = before - corner, after - corner
     sides = float(np.linalg.norm(back)), float(np.linalg.norm(ahead))
     room = 0.499 * min(sides)
@@ -56,19 +50,19 @@ def _arc(
     return np.asarray(arc, dtype=np.float64)
 
 
-def rectangle(width: float, depth: float) -> NDArray[np.float64]:
+def rectangle(width: float, depth: float) -> Array:
     """(4, 2) corners of a rectangle about the origin, counter-clockwise."""
     x, y = 0.5 * width, 0.5 * depth
     return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
 
 
-def lengths(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def lengths(points: Array) -> Array:
     """(N,) distance along a polyline from its first point to each of its points."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
-def signed_area(polygon: NDArray[np.float64]) -> float:
+def signed_area(polygon: Array) -> float:
     """Area of a (N, 2) polygon, positive when it runs counter-clockwise."""
     following = np.roll(polygon, -1, axis=0)
     cross = polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]

@@ -1,12 +1,12 @@
 """Questions to a floor polygon: what lies inside, and where its centre is."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array, Mask
 
 
-def inside(polygon: ArrayLike, points: ArrayLike) -> NDArray[np.bool_]:
+def inside(polygon: ArrayLike, points: ArrayLike) -> Mask:
     """(N,) whether points lie inside a simple polygon, by the even-odd rule.
 
     Args:

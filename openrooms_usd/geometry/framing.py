@@ -3,15 +3,14 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.looks import Views
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import Caster
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.geometry.views import FIRST_LOOK, clear, rate_views, sphere_directions
-
-Array = NDArray[np.float64]
 
 FOV_DEG: Final = 60.0  # degrees, horizontal
 FRAME_MARGIN: Final = 1.05  # room around what is framed from outside

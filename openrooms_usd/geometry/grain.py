@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import face_vectors
 from openrooms_usd.geometry.vectors import UP
@@ -24,9 +25,6 @@ _MAX_END_SHARE: Final = 0.15
 _END_COS: Final = 0.95
 # ... there the pores are cut across, so that streaks are shorter by this factor.
 _END_DENSITY: Final = 4.0
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ def _joined(face: Ints, edge: Ints) -> Ints:
         label = nearest
 
 
-def _long(st: NDArray[np.float32], corner: Ints) -> NDArray[np.bool_]:
+def _long(st: Floats, corner: Ints) -> Mask:
     """(C,) which charts are longer along s than along t."""
     number = int(corner.max()) + 1
     low, high = np.full((number, 2), np.inf), np.full((number, 2), -np.inf)
@@ -104,7 +102,7 @@ def _long(st: NDArray[np.float32], corner: Ints) -> NDArray[np.bool_]:
     return np.asarray(s > LONG_RATIO * t)
 
 
-def _steep(mesh: Mesh, chart: Ints) -> NDArray[np.bool_]:
+def _steep(mesh: Mesh, chart: Ints) -> Mask:
     """(C,) on which charts s rises more than t does."""
     faces = _faces(mesh, chart)
     area = np.linalg.norm(faces.vector, axis=1)

@@ -15,7 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array, Floats
 
 # Sine of the angle between normal and up below which the direction of view stands in for up.
 _PARALLEL_SINE: Final = 1e-4
@@ -167,7 +167,7 @@ def _weighted(radiance: NDArray[Any], weights: Array) -> Array:
     return np.asarray(np.einsum("...rc,r->...c", sums, weights))
 
 
-def tiled(grid: NDArray[np.float32]) -> NDArray[np.float32]:
+def tiled(grid: Floats) -> Floats:
     """A grid of hemispheres as one picture.
 
     Args:
@@ -181,9 +181,7 @@ def tiled(grid: NDArray[np.float32]) -> NDArray[np.float32]:
     return tiles.reshape(rows * elevations, columns * azimuths, depth)
 
 
-def untiled(
-    picture: NDArray[np.float32], cells: HemisphereGrid = HEMISPHERE
-) -> NDArray[np.float32]:
+def untiled(picture: Floats, cells: HemisphereGrid = HEMISPHERE) -> Floats:
     """The hemispheres of `tiled`.
 
     Args:

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.polygons import CLEARANCE
 
-Array = NDArray[np.float64]
 Edge = tuple[int, int]
 """The number of a floor, and of the edge from that corner of it to the next one."""
 

@@ -9,11 +9,9 @@ from functools import cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.geometry.hemisphere import HEMISPHERE
-
-Floats = NDArray[np.float32]
 
 CELLS: Final = HEMISPHERE.directions.reshape(-1, 3).astype(np.float32)
 MAX_SHARPNESS: Final = 128.0
@@ -111,7 +109,7 @@ def _all_lobes() -> _Set:
     return _Set(axes, sharpness, shapes, np.ascontiguousarray(pieces))
 
 
-def _lattice(step: int) -> NDArray[np.float64]:
+def _lattice(step: int) -> Array:
     """(A, 3) every so many rows, as many columns as leave axes no closer around than down."""
     found = []
     for row in range(step // 2, HEMISPHERE.rows, step):

@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.geometry.lobe_pursuit import CELLS, MAX_SHARPNESS, Floats, most_wanted, raised
+from openrooms_usd.arrays import Floats, Ints
+from openrooms_usd.geometry.lobe_pursuit import CELLS, MAX_SHARPNESS, most_wanted, raised
 
 _MIN_SHARPNESS: Final = 0.1
 # Steps at most, before the exchange and after it; after two in a row that take less than this share
@@ -56,11 +56,11 @@ class Lobes:
     target: Floats
     loss: Floats
 
-    def of(self, points: NDArray[np.int64]) -> "Lobes":
+    def of(self, points: Ints) -> "Lobes":
         """Those of some points."""
         return Lobes(*(getattr(self, field.name)[points] for field in fields(self)))
 
-    def put(self, points: NDArray[np.int64], lobes: "Lobes") -> None:
+    def put(self, points: Ints, lobes: "Lobes") -> None:
         """Set those of some points."""
         for field in fields(self):
             getattr(self, field.name)[points] = getattr(lobes, field.name)

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.curves import filleted, lengths, rectangle
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import face_vectors, with_normals
@@ -73,14 +74,12 @@ def _seen_from_above(mesh: Mesh) -> Mesh:
     return replace(mesh, st=np.where(corner[:, None], above, mesh.st))
 
 
-def _steps(skin: NDArray[np.float64]) -> NDArray[np.float64]:
+def _steps(skin: Array) -> Array:
     """(R - 1,) mean distance from each ring to the next."""
     return np.asarray(np.linalg.norm(np.diff(skin, axis=0), axis=-1).mean(axis=1))
 
 
-def superellipse(
-    width: float, depth: float, power: float = 2.0, segments: int = 40
-) -> NDArray[np.float64]:
+def superellipse(width: float, depth: float, power: float = 2.0, segments: int = 40) -> Array:
     """(N, 2) points of |2x/width|^p + |2y/depth|^p = 1, counter-clockwise.
 
     The power 2 gives an ellipse, more comes closer to a rectangle.
@@ -92,9 +91,7 @@ def superellipse(
     return np.stack([0.5 * width * radius * c, 0.5 * depth * radius * s], axis=1)
 
 
-def rounded_rectangle(
-    width: float, depth: float, radius: float, segments: int = 4
-) -> NDArray[np.float64]:
+def rounded_rectangle(width: float, depth: float, radius: float, segments: int = 4) -> Array:
     """A rectangle about the origin, counter-clockwise, metres.
 
     Args:
@@ -113,9 +110,7 @@ def rounded_rectangle(
     return filleted(sharp, radius, segments=segments, closed=True)
 
 
-def ring(
-    outline: NDArray[np.float64], z: float, center: ArrayLike = (0.0, 0.0)
-) -> NDArray[np.float64]:
+def ring(outline: Array, z: float, center: ArrayLike = (0.0, 0.0)) -> Array:
     """(N, 3) a flat outline (N, 2) laid at a height, moved sideways, metres."""
     flat = outline + np.asarray(center, dtype=np.float64)
     return np.concatenate([flat, np.full((len(flat), 1), z)], axis=1)
@@ -148,11 +143,11 @@ def vessel(
     segments = 3 if max(corner, hollow) > 0.0 else 0
     middle, core = (0.5 * (x0 + x1), 0.5 * (y0 + y1)), (0.5 * (a0 + a1), 0.5 * (b0 + b1))
 
-    def out(inset: float, z: float) -> NDArray[np.float64]:
+    def out(inset: float, z: float) -> Array:
         flat = rounded_rectangle(x1 - x0 - inset, y1 - y0 - inset, corner, segments)
         return ring(flat, z, middle)
 
-    def within(grow: float, z: float) -> NDArray[np.float64]:
+    def within(grow: float, z: float) -> Array:
         flat = rounded_rectangle(a1 - a0 + grow, b1 - b0 + grow, hollow, segments)
         return ring(flat, z, core)
 

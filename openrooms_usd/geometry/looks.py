@@ -7,11 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.pinhole import intrinsics, pixel_directions, rotations
 from openrooms_usd.geometry.raycast import Caster
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 NEAR: Final = 0.4  # what is nearer than this, in metres, blocks the view
 BLOCKED: Final = 0.1  # largest fraction of pixels that may be blocked
@@ -45,7 +43,7 @@ class Views:
     def __len__(self) -> int:
         return len(self.eyes)
 
-    def __getitem__(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> "Views":
+    def __getitem__(self, rows: Ints | Mask | slice) -> "Views":
         return Views(self.eyes[rows], self.forwards[rows])
 
     def poses(self) -> Array:
@@ -76,7 +74,7 @@ class ViewThumbnails:
     places: Array
 
     @property
-    def seen(self) -> NDArray[np.bool_]:
+    def seen(self) -> Mask:
         """(C, H, W) whether anything is seen."""
         return self.triangles >= 0
 
@@ -87,7 +85,7 @@ Rating = Callable[[ViewThumbnails], Array]
 
 def rated(
     caster: Caster, views: Views, fov: float, resolution: tuple[int, int], rating: Rating
-) -> tuple[Array, NDArray[np.int64]]:
+) -> tuple[Array, Ints]:
     """Scores of views, and what is in them.
 
     Args:
@@ -111,7 +109,7 @@ def rated(
     return scores, np.concatenate(parts)
 
 
-def _rate(look: ViewThumbnails, rating: Rating) -> tuple[Array, NDArray[np.int64]]:
+def _rate(look: ViewThumbnails, rating: Rating) -> tuple[Array, Ints]:
     """Scores, -inf for views that are blocked or empty; and the parts of the room."""
     blocked = (look.seen & (look.depth < NEAR)).mean(axis=(1, 2)) > BLOCKED
     empty = (~look.seen).mean(axis=(1, 2)) > OPEN
@@ -148,13 +146,13 @@ class Sights:
         places: (C, K) which places.
     """
 
-    parts: Flags
-    places: Flags
+    parts: Mask
+    places: Mask
 
-    def __getitem__(self, rows: NDArray[np.int64]) -> "Sights":
+    def __getitem__(self, rows: Ints) -> "Sights":
         return Sights(self.parts[rows], self.places[rows])
 
-    def news(self, known: NDArray[np.int64]) -> Array:
+    def news(self, known: Ints) -> Array:
         """(C,) how much of the room a view shows that some others do not.
 
         The share of all parts that are new in it, and as much for the places, where there are any.
@@ -169,13 +167,13 @@ class Sights:
         return np.asarray(shares[0] + shares[1])
 
 
-def parts_of(points: Array, seen: Flags) -> NDArray[np.int64]:
+def parts_of(points: Array, seen: Mask) -> Ints:
     """(...) the numbers of the parts that points (..., 3) lie in; `NOTHING` where not seen."""
     x, y, z = np.moveaxis(np.floor(points / _PART_M).astype(np.int64) + _PARTS // 2, -1, 0)
     return np.where(seen, (x * _PARTS + y) * _PARTS + z, NOTHING)
 
 
-def sights_of(parts: NDArray[np.int64], places: Flags) -> Sights:
+def sights_of(parts: Ints, places: Mask) -> Sights:
     """What views see, from the parts (C, N) in their pixels and the places (C, K) in them."""
     known, rows = np.unique(parts, return_inverse=True)
     seen = np.zeros((len(parts), len(known)), dtype=np.bool_)
@@ -191,7 +189,7 @@ def visible(
     *,
     fov_degrees: float,
     aspect: float,
-) -> Flags:
+) -> Mask:
     """(C, K) which places are in which pictures, with nothing far before them.
 
     Args:

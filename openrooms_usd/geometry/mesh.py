@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.geometry.vectors import unit
 
 
@@ -21,14 +22,14 @@ class Mesh:
         st: (K, 2) texture coordinates of each corner in metres, or None.
     """
 
-    points: NDArray[np.float64]
+    points: Array
     counts: NDArray[np.int32]
     indices: NDArray[np.int32]
-    normals: NDArray[np.float32] | None = None
-    st: NDArray[np.float32] | None = None
+    normals: Floats | None = None
+    st: Floats | None = None
 
     @property
-    def extent(self) -> NDArray[np.float64]:
+    def extent(self) -> Array:
         """(2, 3) least and greatest coordinates."""
         return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
@@ -45,7 +46,7 @@ class Mesh:
         corners = np.stack([first, first + step + 1, first + step + 2], axis=1)
         return corners.astype(np.int32), faces
 
-    def areas(self) -> NDArray[np.float64]:
+    def areas(self) -> Array:
         """(F,) area of each face, square metres."""
         corners, faces = self.triangles()
         a, b, c = np.moveaxis(self.points[self.indices[corners]], 1, 0)

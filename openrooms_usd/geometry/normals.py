@@ -4,8 +4,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.vectors import UP, unit
 
@@ -13,7 +13,7 @@ from openrooms_usd.geometry.vectors import UP, unit
 _BLOCK = 4_000_000
 
 
-def face_vectors(mesh: Mesh) -> NDArray[np.float64]:
+def face_vectors(mesh: Mesh) -> Array:
     """(F, 3) normal of each face with the length of its area (Newell's method)."""
     if (mesh.counts == 3).all():  # the same sums without the zeros among them, several times faster
         a, b, c = np.moveaxis(mesh.points[mesh.indices.reshape(-1, 3)], 1, 0)
@@ -63,7 +63,7 @@ def with_normals(mesh: Mesh, crease: float = 40.0) -> Mesh:
     return replace(mesh, normals=unit(normals, UP).astype(np.float32))
 
 
-def _blocks(around: NDArray[np.int64]) -> list[slice]:
+def _blocks(around: Ints) -> list[slice]:
     """Runs of corners whose pairs together stay below the block size."""
     number = np.cumsum(around) // _BLOCK
     edges = np.flatnonzero(np.diff(number)) + 1

@@ -6,13 +6,12 @@ Pinholes, panoramas, and parallel rays.
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.geometry.vectors import unit
-
-Array = NDArray[np.float64]
 
 
 def intrinsics(fov_degrees: float, width: int, height: int) -> Array:

@@ -1,8 +1,9 @@
 """Simple polygons in the plan: what is wrong with one, its orientation, growth and triangles."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.curves import signed_area
 
 # A corner that comes nearer than this to an edge or to another corner is a mistake of drawing, and
@@ -43,7 +44,7 @@ def defect(corners: ArrayLike) -> str | None:
     return None
 
 
-def _is_clear(points: NDArray[np.float64]) -> bool:
+def _is_clear(points: Array) -> bool:
     """Whether no edge meets another, and no corner comes near an edge that does not end there."""
     along = np.roll(points, -1, axis=0) - points
     # (N, N, 2) from the beginning of each edge to each corner.
@@ -58,7 +59,7 @@ def _is_clear(points: NDArray[np.float64]) -> bool:
     return not met and bool((far[~(one | np.roll(one, 1, axis=1))] >= CLEARANCE).all())
 
 
-def _first(mask: NDArray[np.bool_]) -> int:
+def _first(mask: Mask) -> int:
     return int(np.argmax(mask))
 
 
@@ -68,7 +69,7 @@ def _place(reason: str) -> str:
     return f"({', '.join(f'{float(n):.3f}' for n in numbers)})" if numbers else reason
 
 
-def counter_clockwise(corners: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def counter_clockwise(corners: ArrayLike) -> tuple[Array, Ints]:
     """Turn a polygon counter-clockwise and remember how its edges were numbered.
 
     Args:
@@ -85,7 +86,7 @@ def counter_clockwise(corners: ArrayLike) -> tuple[NDArray[np.float64], NDArray[
     return points[::-1].copy(), np.roll(numbers[::-1], -1)
 
 
-def turns(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def turns(corners: Array) -> Array:
     """(N,) angle by which a polygon turns left at each corner, radians in (-pi, pi)."""
     onward = np.roll(corners, -1, axis=0) - corners
     before = np.roll(onward, 1, axis=0)
@@ -93,7 +94,7 @@ def turns(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.arctan2(cross, np.einsum("ij,ij->i", before, onward)))
 
 
-def grown(corners: NDArray[np.float64], distance: float, mitre_limit: float) -> NDArray[np.float64]:
+def grown(corners: Array, distance: float, mitre_limit: float) -> Array:
     """The outline of a polygon grown outwards, with mitred corners; gaps that close are filled.
 
     Args:
@@ -112,9 +113,7 @@ def grown(corners: NDArray[np.float64], distance: float, mitre_limit: float) -> 
     return counter_clockwise(ring)[0]
 
 
-def triangulated(
-    outline: NDArray[np.float64], holes: tuple[NDArray[np.float64], ...] = ()
-) -> NDArray[np.float64]:
+def triangulated(outline: Array, holes: tuple[Array, ...] = ()) -> Array:
     """Cut a polygon with holes into triangles that use all of its corners and no others.
 
     Constrained Delaunay triangles keep corners that are collinear across holes (such as windows

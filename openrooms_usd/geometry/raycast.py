@@ -6,10 +6,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.geometry.vectors import doubled_areas
-
-Array = NDArray[np.float64]
 
 # |cos| between a ray and a triangle's plane below which the plane cannot tell the distance.
 GRAZING = 1e-6
@@ -28,7 +27,7 @@ class Hits:
     triangle: NDArray[np.int32]
 
     @property
-    def hit(self) -> NDArray[np.bool_]:
+    def hit(self) -> Mask:
         """(R,) whether the ray meets anything."""
         return self.triangle >= 0
 
@@ -50,7 +49,7 @@ class _Tracer(Protocol):
 
     def first(self, origins: Array, directions: Array) -> tuple[NDArray[np.int32], Array]: ...
 
-    def any(self, origins: Array, directions: Array, reach: Array) -> NDArray[np.bool_]: ...
+    def any(self, origins: Array, directions: Array, reach: Array) -> Mask: ...
 
 
 class RayCaster:
@@ -102,7 +101,7 @@ class RayCaster:
 
     def occluded(
         self, origins: ArrayLike, directions: ArrayLike, reach: ArrayLike = np.inf
-    ) -> NDArray[np.bool_]:
+    ) -> Mask:
         """(R,) whether each ray meets anything within its reach.
 
         Args:
@@ -115,9 +114,7 @@ class RayCaster:
         blocked = self._tracer.any(starts + skipped[:, None] * units, units, left)
         return np.asarray(blocked & usable & (left > 0))
 
-    def _rays(
-        self, origins: ArrayLike, directions: ArrayLike
-    ) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+    def _rays(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Array, Array, Array, Mask]:
         """Rays in the tracer's frame, and what lies between their start and the scene's sphere."""
         given = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
         starts = np.broadcast_to(np.asarray(origins, dtype=np.float64), given.shape) - self._centre
@@ -169,7 +166,7 @@ class _Nothing:
     def first(self, origins: Array, directions: Array) -> tuple[NDArray[np.int32], Array]:
         return np.full(len(origins), -1, dtype=np.int32), np.full(len(origins), np.inf)
 
-    def any(self, origins: Array, directions: Array, reach: Array) -> NDArray[np.bool_]:
+    def any(self, origins: Array, directions: Array, reach: Array) -> Mask:
         return np.zeros(len(origins), dtype=np.bool_)
 
 
@@ -190,7 +187,7 @@ class _Embree:
         )
         return found["primID"], found["tfar"].astype(np.float64)
 
-    def any(self, origins: Array, directions: Array, reach: Array) -> NDArray[np.bool_]:
+    def any(self, origins: Array, directions: Array, reach: Array) -> Mask:
         limits = np.clip(reach, 0.0, 1e30).astype(np.float32)
         found = self._scene.run(
             origins.astype(np.float32), directions.astype(np.float32), limits, query="OCCLUDED"
@@ -226,6 +223,6 @@ class _Tree:
         distance[rays] = np.einsum("ij,ij->i", places - origins[rays], directions[rays])
         return triangle, distance
 
-    def any(self, origins: Array, directions: Array, reach: Array) -> NDArray[np.bool_]:
+    def any(self, origins: Array, directions: Array, reach: Array) -> Mask:
         triangle, distance = self.first(origins, directions)
         return np.asarray((triangle >= 0) & (distance <= reach))

@@ -1,9 +1,9 @@
 """Rotations for column vectors, counter-clockwise, and the rigid poses that they are part of."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 
 def in_plan(radians: ArrayLike) -> Array:

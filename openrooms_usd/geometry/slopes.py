@@ -3,9 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 # Faces whose heights differ by less are level, metres.
 _LEVEL_M: Final = 1e-4

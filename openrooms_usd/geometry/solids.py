@@ -8,15 +8,16 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.curves import filleted, lengths, signed_area
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.topology import weld
 from openrooms_usd.geometry.vectors import UP, unit
 
-Vector = Sequence[float] | NDArray[np.float64]
+Vector = Sequence[float] | Array
 _ORIGIN = (0.0, 0.0, 0.0)
 # Corners that are as near are one point, metres.
 _SAME_M = 1e-9
@@ -50,12 +51,12 @@ def box(size: Vector, center: Vector = _ORIGIN) -> Mesh:
     )
 
 
-def _sharp(half: NDArray[np.float64]) -> Mesh:
+def _sharp(half: Array) -> Mesh:
     return _from_sides([np.array([-h, h]) for h in half], [np.zeros(2)] * 3, 0.0)
 
 
 @cache
-def _cube() -> tuple[Mesh, NDArray[np.int64]]:
+def _cube() -> tuple[Mesh, Ints]:
     """A box of half sizes 1, and (24, 2) the axes along which each corner's texture runs."""
     across = [sorted((u, v)) for _, _, u, v in _SIDES]
     return _sharp(np.ones(3)), np.repeat(np.array(across), 4, axis=0)
@@ -218,14 +219,12 @@ def lathe(profile: ArrayLike, *, segments: int = 32, crease: float = 40.0) -> Me
     return _welded(points, _turned(slopes, turn[columns]), st)
 
 
-def _turned(radial: NDArray[np.float64], turn: NDArray[np.float64]) -> NDArray[np.float64]:
+def _turned(radial: Array, turn: Array) -> Array:
     """Radius and height (..., 2) turned into (..., 3)."""
     return np.concatenate([radial[..., :1] * turn, radial[..., 1:]], axis=-1)
 
 
-def _profile_normals(
-    corners: NDArray[np.float64], crease: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _profile_normals(corners: Array, crease: float) -> tuple[Array, Array]:
     """The normal of each piece of a profile at its start and at its end."""
     along = np.diff(corners, axis=0)
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
@@ -238,24 +237,14 @@ def _profile_normals(
     return _blend(normal, units, before, crease), _blend(normal, units, following, crease)
 
 
-def _blend(
-    normal: NDArray[np.float64],
-    units: NDArray[np.float64],
-    neighbour: NDArray[np.float64],
-    crease: float,
-) -> NDArray[np.float64]:
+def _blend(normal: Array, units: Array, neighbour: Array, crease: float) -> Array:
     """Mean with the neighbouring piece, weighted by length: long flats stay flat."""
     facing = np.einsum("ij,ij->i", units, neighbour) / np.linalg.norm(neighbour, axis=1)
     mean = np.where((facing > crease)[:, None], normal + neighbour, normal)
     return unit(mean)
 
 
-def _lathe_st(
-    corners: NDArray[np.float64],
-    rows: NDArray[np.int64],
-    angle: NDArray[np.float64],
-    points: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _lathe_st(corners: Array, rows: Ints, angle: Array, points: Array) -> Array:
     """Unrolled where the surface is steep, seen from above where it is flat."""
     along = np.diff(corners, axis=0)
     flat = np.abs(along[:, 0]) > np.abs(along[:, 1])
@@ -265,9 +254,7 @@ def _lathe_st(
     return np.where(flat[piece][:, None, None], points[..., :2], unrolled)
 
 
-def _from_sides(
-    core: Sequence[NDArray[np.float64]], angles: Sequence[NDArray[np.float64]], radius: float
-) -> Mesh:
+def _from_sides(core: Sequence[Array], angles: Sequence[Array], radius: float) -> Mesh:
     """A box from a grid on each side, its edges rounded by spheres about the core points."""
     points, normals, st = [], [], []
     for axis, sign, u, v in _SIDES:
@@ -287,9 +274,7 @@ def _from_sides(
     return _welded(np.concatenate(points), np.concatenate(normals), np.concatenate(st))
 
 
-def _welded(
-    points: NDArray[np.float64], normals: NDArray[np.float64], st: NDArray[np.float64]
-) -> Mesh:
+def _welded(points: Array, normals: Array, st: Array) -> Mesh:
     """A mesh from loose quads: equal points are shared, collapsed corners dropped.
 
     Args:

@@ -20,9 +20,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance, spherical
-from openrooms_usd.geometry.lobe_pursuit import CELLS, Floats, pursue, raised
+from openrooms_usd.geometry.lobe_pursuit import CELLS, pursue, raised
 from openrooms_usd.geometry.lobe_refinement import Lobes, refined
 
 LOBES: Final = 12
@@ -81,7 +82,7 @@ def evaluate(lobes: NDArray[Any]) -> Floats:
     return light.reshape(*lobes.shape[:-2], HEMISPHERE.rows, HEMISPHERE.columns, 3)
 
 
-def error(radiance: NDArray[Any], lobes: NDArray[Any]) -> NDArray[np.float64]:
+def error(radiance: NDArray[Any], lobes: NDArray[Any]) -> Array:
     """(...) the root of the mean squared difference over that of the mean square."""
     light = radiance.reshape(-1, *radiance.shape[-3:])
     flat = lobes.reshape(-1, *lobes.shape[-2:])

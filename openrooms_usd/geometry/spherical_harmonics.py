@@ -12,9 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.hemisphere import HemisphereGrid
-
-Array = NDArray[np.float64]
 
 # Nodes of a quadrature across one row of cells: exact to rounding for all orders in use.
 _QUADRATURE_NODES: Final = 12

@@ -4,14 +4,11 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.cages import matrix
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # A cubic piece, or what lies between two knots, is drawn by at least so many lines.
 LINES: Final = 6

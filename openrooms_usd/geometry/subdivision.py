@@ -10,14 +10,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array, eye_array, vstack
 from scipy.sparse.csgraph import connected_components
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.cages import Cage, Weights, matrix
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 # Of each face beside an edge, in its new point; triangles may have the other one, which leaves
 # fewer dents.
@@ -160,7 +157,7 @@ def _triangles(cage: Cage, linear: bool) -> Refinement:
 def _by_rule(cage: Cage, smooth: Weights, along: float) -> Weights:
     """Points by the sharp edges that meet there; ``along`` weighs the middles in a crease."""
 
-    def masks(sharp: NDArray[np.bool_], pinned: NDArray[np.bool_]) -> tuple[Ints, Weights]:
+    def masks(sharp: Mask, pinned: Mask) -> tuple[Ints, Weights]:
         chosen = cage.edges_of_points @ diags_array(sharp.astype(np.float64))
         number = _rows_sum(csr_array(chosen))
         rule = np.where(pinned | (number > 2), 2, np.where(number == 2, 1, 0))

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import filleted, lengths, signed_area
 from openrooms_usd.geometry.mesh import Mesh
@@ -43,11 +44,11 @@ def extrude(polygon: ArrayLike, height: float, *, bevel: float = 0.0, base: floa
     return _prism(corners, rings, rise)
 
 
-def _column(z: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+def _column(z: Array, count: int) -> Array:
     return np.broadcast_to(z[:, None, None], (len(z), count, 1))
 
 
-def _inset(corners: NDArray[np.float64], distance: NDArray[np.float64]) -> NDArray[np.float64]:
+def _inset(corners: Array, distance: Array) -> Array:
     """(R, N, 2) the polygon with its sides moved inwards by each distance."""
     side = _side_normals(corners)
     before = np.roll(side, 1, axis=0)
@@ -56,16 +57,14 @@ def _inset(corners: NDArray[np.float64], distance: NDArray[np.float64]) -> NDArr
     return np.asarray(corners - distance[:, None, None] * mitre)
 
 
-def _side_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _side_normals(corners: Array) -> Array:
     """(N, 2) outward unit normal of the side from each corner to the next."""
     along = np.roll(corners, -1, axis=0) - corners
     normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
     return unit(normal)
 
 
-def _prism(
-    corners: NDArray[np.float64], rings: NDArray[np.float64], rise: NDArray[np.float64]
-) -> Mesh:
+def _prism(corners: Array, rings: Array, rise: Array) -> Mesh:
     rows, count = rings.shape[:2]
     i, j = (a.ravel() for a in np.indices((rows - 1, count)))
     following = (j + 1) % count
@@ -89,7 +88,7 @@ def _prism(
     return _capped(sides, rings, count)
 
 
-def _rounded_sides(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _rounded_sides(corners: Array) -> tuple[Array, Array]:
     """Normals at the start and end of each side: shared where sides turn by less than 40 deg."""
     side = _side_normals(corners)
     weight = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1, keepdims=True)
@@ -101,7 +100,7 @@ def _rounded_sides(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], N
     return start, end
 
 
-def _capped(sides: Mesh, rings: NDArray[np.float64], count: int) -> Mesh:
+def _capped(sides: Mesh, rings: Array, count: int) -> Mesh:
     """Close the first and the last ring by triangles."""
     import mapbox_earcut
 
@@ -167,7 +166,7 @@ def tube(
     return with_normals(body if closed else _round_caps(body, len(axis), segments), crease=50.0)
 
 
-def _tube_offsets(axis: NDArray[np.float64], segments: int, closed: bool) -> NDArray[np.float64]:
+def _tube_offsets(axis: Array, segments: int, closed: bool) -> Array:
     """(N, S, 3) unit circle slid along each piece of the path onto its mitre plane."""
     pieces = unit(np.diff(np.concatenate([axis, axis[:1]]), axis=0), UP)
     if not closed:
@@ -247,7 +246,7 @@ def sheet(grid: ArrayLike, thickness: float) -> Mesh:
     return with_normals(board, crease=50.0)
 
 
-def _running(grid: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
+def _running(grid: Array, axis: int) -> Array:
     """Mean distance along one axis of a grid of points, broadcast over the other."""
     steps = np.linalg.norm(np.diff(grid, axis=axis), axis=-1).mean(axis=1 - axis)
     run = np.concatenate([[0.0], np.cumsum(steps)])

@@ -5,13 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.mesh import Mesh
 
-Ints = NDArray[np.int64]
-Indices = NDArray[np.int64]
 
-
-def weld(points: NDArray[np.float64], tolerance: float) -> tuple[Ints, Ints]:
+def weld(points: Array, tolerance: float) -> tuple[Ints, Ints]:
     """Which points are one.
 
     Those are that lie in one cell of a grid. It begins at their least coordinates: far from the
@@ -92,7 +90,7 @@ def is_closed(mesh: Mesh) -> bool:
     return bool((np.diff(forward) > 0).all() and np.array_equal(forward, backward))
 
 
-def distinct_rows(rows: NDArray[Any]) -> tuple[Indices, Indices]:
+def distinct_rows(rows: NDArray[Any]) -> tuple[Ints, Ints]:
     """The distinct rows of an array in lexicographic order, as `numpy.unique` has them, but faster.
 
     Args:

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.geometry.vectors import crossed
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 # Sine of the angle by which a corner must turn the wrong way to count as reflex.
@@ -53,13 +53,13 @@ class TriangleMesh:
     points: Array
     triangles: Ints
     faces: Ints
-    normals: NDArray[np.float32] | None = None
-    uvs: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+    normals: Floats | None = None
+    uvs: Mapping[str, Floats] = field(default_factory=dict)
     corners: Ints | None = None
-    colors: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+    colors: Mapping[str, Floats] = field(default_factory=dict)
 
     @property
-    def st(self) -> NDArray[np.float32] | None:
+    def st(self) -> Floats | None:
         """(M, 3, 2) the texture coordinates named ``st``, or else the first; None without any."""
         return self.uvs.get("st", next(iter(self.uvs.values()), None))
 
@@ -93,7 +93,7 @@ def triangulate(points: Array, counts: Ints, indices: Ints) -> tuple[Ints, Ints]
     return corners[solid].astype(np.int32), faces[solid].astype(np.int32)
 
 
-def has_area(triangles: Array) -> NDArray[np.bool_]:
+def has_area(triangles: Array) -> Mask:
     """(M,) whether each of (M, 3, 3) triangles is more than a line or a point."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     sides = b - a, c - a, c - b
@@ -113,7 +113,7 @@ def _dots(a: Array, b: Array) -> Array:
     return np.asarray(np.einsum("ij,ij->i", a, b))
 
 
-def _where(condition: NDArray[np.bool_]) -> list[int]:
+def _where(condition: Mask) -> list[int]:
     return [int(row) for row in np.flatnonzero(condition)]
 
 
@@ -121,7 +121,7 @@ def _faces(counts: Ints) -> Ints:
     return np.repeat(np.arange(len(counts), dtype=np.int32), counts)
 
 
-def _reflex(points: Array, counts: Ints, indices: Ints, firsts: Ints) -> NDArray[np.bool_]:
+def _reflex(points: Array, counts: Ints, indices: Ints, firsts: Ints) -> Mask:
     """(K,) corners at which a face of four or more turns against its own normal."""
     if not (counts > 3).any():
         return np.zeros(len(indices), dtype=np.bool_)
@@ -143,7 +143,7 @@ def _reflex(points: Array, counts: Ints, indices: Ints, firsts: Ints) -> NDArray
     return np.asarray((turn < -REFLEX * scale) & (size > 3))
 
 
-def _reflex_of_alike(here: Array) -> NDArray[np.bool_]:
+def _reflex_of_alike(here: Array) -> Mask:
     """(F, N) the same of (F, N, 3) faces of as many corners each, which takes half the time."""
     after = np.roll(here, -1, axis=1)
     out = after - here
@@ -156,7 +156,7 @@ def _reflex_of_alike(here: Array) -> NDArray[np.bool_]:
     return np.asarray(turn < -REFLEX * scale)
 
 
-def _apexes(counts: Ints, firsts: Ints, reflex: NDArray[np.bool_]) -> Ints:
+def _apexes(counts: Ints, firsts: Ints, reflex: Mask) -> Ints:
     """(F,) the corner, within its face, that sees all others: the reflex one, if there is one."""
     faces = _faces(counts)
     apexes = np.zeros(len(counts), dtype=np.int32)
@@ -166,7 +166,7 @@ def _apexes(counts: Ints, firsts: Ints, reflex: NDArray[np.bool_]) -> Ints:
 
 
 def _fans(
-    counts: Ints, firsts: Ints, apexes: Ints, chosen: NDArray[np.bool_]
+    counts: Ints, firsts: Ints, apexes: Ints, chosen: Mask
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     size = np.where(chosen, np.maximum(counts - 2, 0), 0)
     faces = np.repeat(np.arange(len(counts)), size)

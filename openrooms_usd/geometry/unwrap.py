@@ -3,63 +3,21 @@
 The charts are xatlas' (MIT; after Sander et al. 2002 and Levy et al. 2002); the extra ``bake``.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.errors import MissingPackageError
-from openrooms_usd.geometry.mesh import Mesh
 
 if TYPE_CHECKING:
     from types import ModuleType
 
 
-Ints = NDArray[np.int64]
-
 # Two places of a corner that are nearer than this are the same.
 _SAME_PLACE_TEXELS: Final = 1e-2
-
-
-def triangulated(mesh: Mesh) -> Mesh:
-    """The mesh in triangles: a polygon may be cut where it has no corner."""
-    corners, _ = mesh.triangles()
-    flat = corners.reshape(-1)
-    return replace(
-        mesh,
-        counts=np.full(len(corners), 3, dtype=np.int32),
-        indices=mesh.indices[flat],
-        normals=None if mesh.normals is None else mesh.normals[flat],
-        st=None if mesh.st is None else mesh.st[flat],
-    )
-
-
-def unwrapped(
-    mesh: Mesh, *, resolution: int = 1024, padding: int = 2
-) -> tuple[Mesh, NDArray[np.float32]]:
-    """Lay out a mesh in the unit square without overlaps.
-
-    The same mesh always gives the same layout. Triangles without an area get a place without one.
-
-    Args:
-        mesh: Convex polygons of any size.
-        resolution: Pixels of the picture that will be baked, along its longer side.
-        padding: Pixels that are kept free between charts.
-
-    Returns:
-        The mesh in triangles, and the (K, 2) coordinates in 0..1 of their corners.
-
-    Raises:
-        MissingPackageError: xatlas is not installed.
-    """
-    cut = triangulated(mesh)
-    layout = np.zeros((len(cut.indices), 2), dtype=np.float32)
-    laid = np.flatnonzero(cut.areas() > 0.0)
-    if len(laid):
-        rows = (3 * laid[:, None] + np.arange(3)).reshape(-1)
-        layout[rows] = _charts(cut, rows, resolution, padding)
-    return cut, layout
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +30,11 @@ class Layout:
     """
 
     size: tuple[int, int]
-    places: NDArray[np.float64]
+    places: Array
 
 
 def laid_out(
-    points: NDArray[np.float64],
+    points: Array,
     triangles: NDArray[np.int32],
     faces: NDArray[np.int32],
     *,
@@ -111,8 +69,8 @@ def laid_out(
 
 
 def _packed(
-    points: NDArray[np.float64], triangles: NDArray[np.int64], density: float, padding: int
-) -> tuple[tuple[int, int], NDArray[np.float64]]:
+    points: Array, triangles: Ints, density: float, padding: int
+) -> tuple[tuple[int, int], Array]:
     """Size and (M, 3, 2) places of the charts of xatlas; NaN for what it cannot place."""
     xatlas = _xatlas()
     low, high = points.min(axis=0), points.max(axis=0)
@@ -131,9 +89,7 @@ def _packed(
     return (size[0] + padding, size[1] + padding), places + 0.5 * padding
 
 
-def _cut(
-    faces: NDArray[np.int32], rows: NDArray[np.int64], places: NDArray[np.float64]
-) -> NDArray[np.int32]:
+def _cut(faces: NDArray[np.int32], rows: Ints, places: Array) -> NDArray[np.int32]:
     """The polygons of which a corner has several places, or none."""
     pairs = np.stack([np.repeat(faces, 3), rows.reshape(-1)], axis=1)
     corners, which = np.unique(pairs, axis=0, return_inverse=True)
@@ -147,8 +103,8 @@ def _cut(
 
 
 def _flat(
-    corners: NDArray[np.float64], faces: NDArray[np.int32], density: float, padding: int
-) -> tuple[tuple[int, int], NDArray[np.float64]]:
+    corners: Array, faces: NDArray[np.int32], density: float, padding: int
+) -> tuple[tuple[int, int], Array]:
     """Size and (M, 3, 2) places of polygons that are each seen along their own normal."""
     places = np.zeros((*corners.shape[:2], 2))
     polygons = [faces == face for face in np.unique(faces)]
@@ -165,24 +121,6 @@ def _flat(
     for rows, corner in zip(polygons, at, strict=True):
         places[rows] += corner
     return size, places
-
-
-def _charts(mesh: Mesh, rows: NDArray[np.int64], size: int, padding: int) -> NDArray[np.float32]:
-    """(K, 2) places of the chosen corners."""
-    xatlas = _xatlas()
-    points, indices = np.unique(mesh.points[mesh.indices[rows]], axis=0, return_inverse=True)
-    # Tolerances of the package are absolute.
-    low, high = points.min(axis=0), points.max(axis=0)
-    small = ((points - low) / (high - low).max()).astype(np.float32)
-    options = xatlas.PackOptions()
-    options.resolution, options.padding = size, padding
-    options.bilinear = True
-    atlas = xatlas.Atlas()
-    atlas.add_mesh(small, indices.reshape(-1, 3).astype(np.uint32))
-    atlas.generate(xatlas.ChartOptions(), options)
-    _, corners, places = atlas.get_mesh(0)
-    layout: NDArray[np.float32] = np.asarray(places, dtype=np.float32)[corners.reshape(-1)]
-    return layout
 
 
 def _xatlas() -> "ModuleType":

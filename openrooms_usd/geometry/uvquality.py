@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
-
-Array = NDArray[np.float64]
 
 # A triangle so much thinner in the texture than the mean, in some direction, has no area there.
 _NO_AREA_RATIO: Final = 1e-3

@@ -3,9 +3,9 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 UP: Final = (0.0, 0.0, 1.0)
 

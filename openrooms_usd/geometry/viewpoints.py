@@ -8,15 +8,14 @@ squarely.
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.floorplan import inside, room_centre
 from openrooms_usd.geometry.looks import Views
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.geometry.views import sample_views
-
-Array = NDArray[np.float64]
 
 # Degrees above the horizon: a little down, so that it lies above the picture's middle.
 PITCH_DEG: Final = (-10.0, -2.0)

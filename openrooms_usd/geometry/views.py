@@ -10,8 +10,9 @@ room, and do not all look into its most furnished corner.
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.floorplan import inside, room_centre
@@ -25,8 +26,6 @@ from openrooms_usd.geometry.looks import (
     visible,
 )
 from openrooms_usd.geometry.raycast import Caster
-
-Array = NDArray[np.float64]
 
 YAW: Final = 45.0  # degrees to either side of the centre
 PITCH: Final = (-60.0, 20.0)  # degrees above the horizon
@@ -144,7 +143,7 @@ def select_views(
     return short
 
 
-def clear(caster: Caster, eyes: Array, clearance: float = CLEARANCE) -> NDArray[np.bool_]:
+def clear(caster: Caster, eyes: Array, clearance: float = CLEARANCE) -> Mask:
     """(C,) which points have no surface within the clearance and are not inside a solid."""
     around = sphere_directions(64)
     origins = np.repeat(eyes, len(around), axis=0)
@@ -178,7 +177,7 @@ def paper_scores(look: ViewThumbnails) -> Array:
 
 def differing(
     views: Views, scores: Array, count: int, sights: Sights | None = None, spare: int = 0
-) -> NDArray[np.int64]:
+) -> Ints:
     """Rows of the best views, each apart from all better ones.
 
     Greedy; where too few are apart, less and less distance is asked for until there are enough.
@@ -222,7 +221,7 @@ def _separations(views: Views, others: list[int]) -> Array:
     return np.asarray((moved / APART + np.degrees(np.arccos(cosines)) / TURNED).min(axis=1))
 
 
-def _ranked(scores: Array) -> NDArray[np.int64]:
+def _ranked(scores: Array) -> Ints:
     """Rows from the best to the worst, without those that are out of the question."""
     order = np.argsort(-scores, kind="stable")
     return order[scores[order] > -np.inf]

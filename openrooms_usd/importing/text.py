@@ -6,15 +6,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, get_args
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedModel
 from openrooms_usd.description.room import RoomType
 from openrooms_usd.description.scanned import CAPTURES
 from openrooms_usd.furniture.words import plain
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from openrooms_usd.steps.alignment.captured import Captured
 
 
@@ -277,7 +275,7 @@ def _cameras(capture: Capture) -> str:
     return _FRAMES.format(count=count, every=every).rstrip("\n")
 
 
-def _middle(floor: "NDArray[np.float64]") -> tuple[float, float]:
+def _middle(floor: "Array") -> tuple[float, float]:
     """The centroid of a floor, or where it is widest if the centroid is not well inside."""
     import shapely
 

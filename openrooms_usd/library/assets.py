@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.atomic import replacing_folder
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.errors import InputError
@@ -63,10 +63,10 @@ class Model:
     double_sided: bool = False
     licence: str = ""
     joints: tuple[Joint, ...] = ()
-    file_from_object: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    file_from_object: Array = field(default_factory=lambda: np.eye(4))
 
     @property
-    def extent(self) -> NDArray[np.float64]:
+    def extent(self) -> Array:
         """(2, 3) least and greatest coordinates, metres."""
         extents = np.stack([mesh.extent for mesh in self.parts.values()])
         return np.stack([extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)])

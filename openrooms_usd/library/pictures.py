@@ -7,17 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, imagefile
+from openrooms_usd.arrays import Bytes, Floats
 
 # PNG_FILTER_UP of libpng: rows are stored as their differences from those above.
 _PNG_FILTER_UP: Final = 0x20
 
 
 def write_png(
-    path: Path,
-    pixels: NDArray[np.uint8] | NDArray[np.uint16],
-    *,
-    is_color: bool,
-    description: str = "",
+    path: Path, pixels: Bytes | NDArray[np.uint16], *, is_color: bool, description: str = ""
 ) -> None:
     """Write pixels of eight or sixteen bits.
 
@@ -42,7 +39,7 @@ def write_png(
     _write(path, pixels, str(pixels.dtype), attributes)
 
 
-def write_exr(path: Path, pixels: NDArray[np.float32], *, half: bool = False) -> None:
+def write_exr(path: Path, pixels: Floats, *, half: bool = False) -> None:
     """Write scene-linear Rec.709 pixels.
 
     Args:

@@ -8,12 +8,12 @@ import hashlib
 import json
 from contextlib import suppress
 from dataclasses import asdict
-from typing import Final, TypeAlias
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.codedigest import code_digest
 from openrooms_usd.colorimetry import linear_from_srgb, srgb_from_linear
 from openrooms_usd.errors import OutputError
@@ -21,8 +21,6 @@ from openrooms_usd.imagefile import is_whole, write_png
 from openrooms_usd.library.textures import Color, Material, TextureSet, make
 from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usercache import cache_folder
-
-Array: TypeAlias = NDArray[np.float64]
 
 SIZE: Final = 72
 """Pixels along each side."""
@@ -66,7 +64,7 @@ def thumbnail(
     return data
 
 
-def ball(maps: TextureSet) -> NDArray[np.uint8]:
+def ball(maps: TextureSet) -> Bytes:
     """(SIZE, SIZE, 4) a ball that wears a material, encoded as sRGB.
 
     Args:

@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import CHANNELS, definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.sample import Sample, is_label
@@ -113,7 +114,7 @@ def _image(view: RenderedView, name: str) -> NDArray[Any]:
     return view.pixels[name]
 
 
-def _grid(view: RenderedView, name: str) -> NDArray[np.float32]:
+def _grid(view: RenderedView, name: str) -> Floats:
     found = view.grid(name)
     if found is None:
         raise _missing(view.folder, name)

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.channels import CHANNELS, Channel, definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.loading.sample import Array, Floats, Sample, is_in_picture, is_light
@@ -103,7 +103,7 @@ def area_mean(pixels: Array, count: int, axis: int) -> Array:
     return total
 
 
-def _nearest(there: int, count: int) -> NDArray[np.int64]:
+def _nearest(there: int, count: int) -> Ints:
     """The pixels that hold the centres of the new ones."""
     return np.asarray(((np.arange(count) + 0.5) * there / count).astype(np.int64))
 

@@ -3,14 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.topology import connected, directed_edges, open_edges
 from openrooms_usd.geometry.vectors import doubled_areas
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +22,8 @@ class Neighbours:
 
     first: Ints
     second: Ints
-    manifold: Bools
-    against: Bools
+    manifold: Mask
+    against: Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +55,7 @@ def neighbours(faces: Ints) -> Neighbours:
     )
 
 
-def components(faces: Ints) -> tuple[Ints, Bools, Bools]:
+def components(faces: Ints) -> tuple[Ints, Mask, Mask]:
     """Parts of a mesh that hang together by edges.
 
     Two copies of each triangle, as it is and turned, are joined where they agree along an edge. A
@@ -124,7 +120,7 @@ def _sums(labels: Ints, vectors: Array, count: int) -> Array:
     return np.stack([sums(labels, vectors[:, axis], count) for axis in range(3)], axis=1)
 
 
-def _fewer(labels: Ints, turned: Bools) -> Bools:
+def _fewer(labels: Ints, turned: Mask) -> Mask:
     """The same choice or its opposite in each component: what turns the fewer triangles."""
     share = np.bincount(labels, turned) / np.bincount(labels)
     return np.asarray(turned ^ (share > 0.5)[labels])

@@ -6,13 +6,11 @@ from math import sqrt
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import Component
 from openrooms_usd.physics.solid import Solid
-
-Array = NDArray[np.float64]
 
 # How close the bounds of distances are brought, metres.
 RESOLUTION_M: Final = 1e-3

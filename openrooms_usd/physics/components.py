@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry import topology
 from openrooms_usd.geometry.topology import distinct_rows
@@ -16,7 +17,6 @@ from openrooms_usd.geometry.vectors import crossed, doubled_areas
 from openrooms_usd.physics.borders import lids
 from openrooms_usd.physics.hulls import finite_points
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 # Corners closer than this are one, metres.

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.components import WELD_M, Component
@@ -15,9 +15,6 @@ from openrooms_usd.physics.hulls import outside_others, quick_hull
 from openrooms_usd.physics.merging import Cluster, merged
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import FEW_CANDIDATES, bisected, is_level
-
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # How far apart hulls are looked at, as shares of their sizes: first at few places, then at more.
 SPACINGS: Final = (0.5, 0.25, 0.125, 0.0625)
@@ -163,7 +160,7 @@ def _merged(pieces: Sequence[Piece], solid: Solid, limits: Limits) -> list[Piece
 
 
 def _clusters(clusters: list[Cluster], solid: Solid, limits: Limits, contact: str) -> list[Cluster]:
-    def may(points: Array) -> Bools:
+    def may(points: Array) -> Mask:
         return _fits(points, limits.side, solid, contact)
 
     def off(faces: Sequence[Array]) -> list[float]:
@@ -206,7 +203,7 @@ def _size(corners: Array) -> float:
     return float(np.linalg.norm(np.ptp(corners.reshape(-1, 3), axis=0))) if len(corners) else 0.0
 
 
-def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> tuple[Array, Bools]:
+def _off(corners: Array, solid: Solid, limits: Limits, contact: str) -> tuple[Array, Mask]:
     """(N,) how far the middles of triangles lie outside the solid; what lifts counts more.
 
     Also (N,) whether all of a triangle is certain to be within the limits.
@@ -241,7 +238,7 @@ def _faces(hull: TriangleMesh) -> Array:
     return np.asarray(hull.points[hull.triangles])
 
 
-def _fits(points: Array, limit: float, solid: Solid, contact: str) -> Bools:
+def _fits(points: Array, limit: float, solid: Solid, contact: str) -> Mask:
     """(N,) whether each point is within a limit of the solid."""
     near, limits = solid.surface(contact).near(points).distance, np.full(len(points), limit)
     return np.asarray(_outside(points, near, limits, solid, contact) <= limit)

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import has_area
 from openrooms_usd.geometry.vectors import doubled_areas
-
-Array = NDArray[np.float64]
 
 # Judges the hulls of pieces: how far each is off, metres.
 Judge = Callable[[Sequence[Array]], Sequence[float]]
@@ -191,7 +189,7 @@ def _faces(
     return [(float(places[inner][row]), float(c)) for row, c in zip(first, covers, strict=True)]
 
 
-def _volume(points: Array, edges: NDArray[np.int64], heights: Array, enough: float) -> float:
+def _volume(points: Array, edges: Ints, heights: Array, enough: float) -> float:
     """The volume of the hulls of both sides; of one alone where that is enough, cubic metres."""
     start, end = heights[edges[:, 0]], heights[edges[:, 1]]
     crossing = start * end < 0.0

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.collision_error import RESOLUTION_M, as_solid
@@ -23,7 +23,6 @@ from openrooms_usd.physics.hulls import convex_hull, half_spaces, oriented_box, 
 from openrooms_usd.physics.solid import Solid
 from openrooms_usd.physics.surfaces import squared_distances
 
-Array = NDArray[np.float64]
 Method = Literal["auto", "hull", "box"]
 
 METHODS: Final[tuple[Method, ...]] = get_args(Method)

@@ -8,15 +8,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.topology import weld
 from openrooms_usd.physics.borders import components, lids, sums, vector_areas
-
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # Corners nearer than this share of the diagonal are one point.
 _WELD_SHARE: Final = 1e-6
@@ -53,7 +50,7 @@ class Enclosure:
     lid_labels: Ints
     areas: Array
     volumes: Array
-    two_sided: Bools
+    two_sided: Mask
     notes: tuple[str, ...]
 
     @property

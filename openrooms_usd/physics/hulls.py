@@ -4,15 +4,13 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.topology import distinct_rows
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
 from openrooms_usd.geometry.vectors import crossed, doubled_areas, unit
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 # PhysX cooks at most 255; Bullet and MuJoCo are faster with few.
 MOST_VERTICES: Final = 64
@@ -208,7 +206,7 @@ def _sides(local: Array, thickness: float) -> Array:
     return np.stack([low - missing, high + missing])
 
 
-def _closed(points: Array) -> tuple[Array, Rows]:
+def _closed(points: Array) -> tuple[Array, Ints]:
     """The corners of the hull, and its triangles seen from outside."""
     from scipy.spatial import ConvexHull, QhullError
 
@@ -231,7 +229,7 @@ def _closed(points: Array) -> tuple[Array, Rows]:
     return box.points, box.triangles.astype(np.int64)
 
 
-def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
+def _between(corners: Array, triangles: Ints) -> Mask:
     """(N,) which corners lie on the line between the two others of a triangle."""
     a, b, c = np.moveaxis(corners[triangles], 1, 0)
     # Each edge has the place of the corner that it faces.
@@ -245,14 +243,14 @@ def _between(corners: Array, triangles: Rows) -> NDArray[np.bool_]:
     return flat
 
 
-def _outward(points: Array, triangles: Rows, inside: Array) -> Rows:
+def _outward(points: Array, triangles: Ints, inside: Array) -> Ints:
     a, b, c = np.moveaxis(points[triangles] - inside, 1, 0)
     wrong = np.einsum("ij,ij->i", a, crossed(b, c)) < 0.0
     triangles[wrong] = triangles[wrong][:, ::-1]
     return triangles
 
 
-def _is_closed(triangles: Rows) -> bool:
+def _is_closed(triangles: Ints) -> bool:
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     width = int(edges.max()) + 1
     forward = np.sort(edges[:, 0] * width + edges[:, 1])
@@ -287,7 +285,7 @@ def _farthest(corners: Array, most: int, wide: bool) -> Array:
     return np.asarray(corners[np.sort(chosen)])
 
 
-def _lowest_face(corners: Array) -> Rows:
+def _lowest_face(corners: Array) -> Ints:
     """Some corners of the lowest face: things stand level on theirs, and on the highest one."""
     lowest = np.flatnonzero(corners[:, 2] <= corners[:, 2].min() + WELD_SHARE)
     angles = np.arange(_LEVEL_CORNERS) * (2.0 * np.pi / _LEVEL_CORNERS)
@@ -299,7 +297,7 @@ _LEVEL_CORNERS: Final = 12
 _DIAGONALS: Final = np.array([[1, 1, 1], [1, 1, -1], [1, -1, 1], [1, -1, -1]], dtype=np.float64)
 
 
-def _ordered(points: Array, triangles: Rows) -> TriangleMesh:
+def _ordered(points: Array, triangles: Ints) -> TriangleMesh:
     """Corners in lexicographic order, each triangle from its least corner, triangles sorted."""
     order = np.lexsort(points.T[::-1])
     rank = np.empty(len(order), dtype=np.int64)

@@ -11,15 +11,13 @@ Properties", JGT 1 (1996); D. Eberly, "Polyhedral Mass Properties (Revisited)" (
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.physics.borders import sums, vector_areas
 from openrooms_usd.physics.enclosure import Enclosure, examined
 from openrooms_usd.physics.mass import MassProperties, combined, from_moments
-
-Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 # The length of the mean normal of a corner below which it is too sharp to be moved by its share.
 _MIN_MEAN_NORMAL: Final = 0.5
@@ -105,8 +103,8 @@ def _positive(value: float, what: str, unit: str) -> None:
 
 def _weighed(
     surface: Enclosure,
-    full: Bools,
-    closed: Bools,
+    full: Mask,
+    closed: Mask,
     density: float,
     thickness: float,
     walls: list[MassProperties],
@@ -121,7 +119,7 @@ def _weighed(
     return MassProperties(whole.mass, whole.centre + surface.origin, whole.inertia, surface.notes)
 
 
-def _bodies(surface: Enclosure, full: Bools, density: float) -> list[MassProperties]:
+def _bodies(surface: Enclosure, full: Mask, density: float) -> list[MassProperties]:
     corners = np.concatenate(
         [surface.corners[full[surface.labels]], surface.lids[full[surface.lid_labels]]]
     )
@@ -141,7 +139,7 @@ def enclosed(corners: Array, density: float = 1.0) -> MassProperties:
 
 
 def _sheets(
-    surface: Enclosure, chosen: Bools, density: float, thickness: float
+    surface: Enclosure, chosen: Mask, density: float, thickness: float
 ) -> list[MassProperties]:
     """Plates along triangles, half on each side; sheets that show both sides count once."""
     rows = chosen[surface.labels]
@@ -180,7 +178,7 @@ def _sunk(surface: Enclosure, depth: float) -> tuple[Array, Array]:
     return moved, np.einsum("ij,ij->i", vector_areas(moved), units)
 
 
-def _filled(surface: Enclosure, sheets: list[tuple[Array, Array]], thickness: float) -> Bools:
+def _filled(surface: Enclosure, sheets: list[tuple[Array, Array]], thickness: float) -> Mask:
     """(K,) whether a wall leaves nothing hollow.
 
     That is so at the depth where the parallel surface has no area, or where the layers above it

@@ -6,11 +6,10 @@ from itertools import pairwise, permutations, product
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
-
-Array = NDArray[np.float64]
 
 # Moments that differ by less than this share of the largest are one.
 _SAME_MOMENT_SHARE: Final = 1e-7

@@ -5,12 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.hulls import quick_hull
 
-Array = NDArray[np.float64]
 Pair = tuple[int, int]
 
 
@@ -38,7 +37,7 @@ class Cluster:
 def merged(
     clusters: Sequence[Cluster],
     tolerance: float,
-    may: Callable[[Array], NDArray[np.bool_]],
+    may: Callable[[Array], Mask],
     judge: Callable[[Sequence[Array]], Sequence[float]],
 ) -> list[Cluster]:
     """Merge in rounds, the pairs first that add the least volume, until none is good enough.
@@ -92,7 +91,7 @@ def _pairs(alive: dict[int, Cluster], fresh: set[int], near: float) -> list[Pair
 
 
 def _possible(
-    alive: dict[int, Cluster], pairs: list[Pair], may: Callable[[Array], NDArray[np.bool_]]
+    alive: dict[int, Cluster], pairs: list[Pair], may: Callable[[Array], Mask]
 ) -> list[Pair]:
     """Pairs for which the middles between the outermost corners of both may be filled."""
     if not pairs:

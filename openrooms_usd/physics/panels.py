@@ -5,8 +5,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.physics.hulls import volume
@@ -14,7 +14,6 @@ from openrooms_usd.physics.hulls import volume
 if TYPE_CHECKING:
     from shapely import Geometry
 
-Array = NDArray[np.float64]
 
 # Corners that lie nearer to each other are on one line, metres.
 _SAME_LINE_M: Final = 1e-6

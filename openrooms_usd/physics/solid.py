@@ -4,15 +4,11 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.physics.components import Component
 from openrooms_usd.physics.surfaces import TriangleSurface, balls, halved, squared_distances
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # Triangles that are bounded at once, and how often, while the farthest point is searched.
 TRIANGLES_PER_ROUND: Final = 3_000
@@ -37,7 +33,7 @@ class Solid:
         self._closed = [c.corners for c in self.components if c.closed]
         self._low = np.array([c.min(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
         self._high = np.array([c.max(axis=(0, 1)) for c in self._closed]).reshape(-1, 3)
-        self._surfaces: dict[str | None, tuple[TriangleSurface, Rows]] = {}
+        self._surfaces: dict[str | None, tuple[TriangleSurface, Ints]] = {}
         self._casters: dict[int, RayCaster] = {}
         self._planes = [c.planes for c in self.components if c.closed]
 
@@ -45,7 +41,7 @@ class Solid:
         """All its triangles, or those of one contact material."""
         return self._surface_and_components(contact)[0]
 
-    def _surface_and_components(self, contact: str | None) -> tuple[TriangleSurface, Rows]:
+    def _surface_and_components(self, contact: str | None) -> tuple[TriangleSurface, Ints]:
         """A surface, and the closed component that each of its triangles is of; -1 for none."""
         if contact is not None and all(c.contact == contact for c in self.components):
             contact = None
@@ -58,7 +54,7 @@ class Solid:
             self._surfaces[contact] = surface, np.repeat(owners, sizes)
         return self._surfaces[contact]
 
-    def inside(self, points: Array) -> Bools:
+    def inside(self, points: Array) -> Mask:
         """(N,) whether points (N, 3) lie in a closed component."""
         found = np.zeros(len(points), dtype=np.bool_)
         low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
@@ -70,7 +66,7 @@ class Solid:
                 found[rows] = self._in_one(int(k), points[rows])
         return found
 
-    def _swallows(self, corners: Array) -> Bools:
+    def _swallows(self, corners: Array) -> Mask:
         """(M,) whether all corners of a triangle lie in one convex component, hence all of it."""
         found = np.zeros(len(corners), dtype=np.bool_)
         low, high = corners.min(axis=1), corners.max(axis=1)
@@ -85,7 +81,7 @@ class Solid:
                 found[rows] = inside.reshape(-1, 3).all(axis=1)
         return found
 
-    def _off_convex(self, corners: Array, owners: Rows) -> Array:
+    def _off_convex(self, corners: Array, owners: Ints) -> Array:
         """(M,) how far triangles reach outside the components nearest to them, where convex.
 
         The distance to a convex set is a convex function, hence greatest at a corner.
@@ -101,7 +97,7 @@ class Solid:
             found[rows] = np.sqrt(squared.reshape(-1, 3).max(axis=1))
         return found
 
-    def _in_one(self, k: int, points: Array) -> Bools:
+    def _in_one(self, k: int, points: Array) -> Mask:
         planes = self._planes[k]
         if planes is not None:
             return np.asarray((points @ planes[:, :3].T + planes[:, 3] < -SKIN_M).all(axis=1))
@@ -166,7 +162,7 @@ class Solid:
         return most, least
 
 
-def _enclosed(points: Array, caster: RayCaster) -> Bools:
+def _enclosed(points: Array, caster: RayCaster) -> Mask:
     """(N,) whether most rays meet the surface of a closed component from within first."""
     count = len(DIRECTIONS)
     directions = np.repeat(DIRECTIONS, len(points), axis=0)

@@ -6,13 +6,10 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.vectors import doubled_areas
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 # Samples that a surface is found by: more make distances faster and the surface slower to make.
 SAMPLES: Final = 8_000
@@ -37,7 +34,7 @@ class Nearest:
     """
 
     distance: Array
-    triangle: Rows
+    triangle: Ints
     least: Array
 
 
@@ -60,7 +57,7 @@ class TriangleSurface:
         self._tree = cKDTree(centres, balanced_tree=False, compact_nodes=False)
 
     @cached_property
-    def level(self) -> Bools:
+    def level(self) -> Mask:
         """(M,) which of its triangles look up along +Z."""
         return is_level(self.corners)
 
@@ -119,7 +116,7 @@ class TriangleSurface:
             distance[rows] = least[rows] = np.sqrt(squared.min(axis=1, initial=np.inf))
         return Nearest(distance, triangle, least)
 
-    def farthest(self, corners: Array, triangle: Rows) -> Array:
+    def farthest(self, corners: Array, triangle: Ints) -> Array:
         """(N,) how far (N, 3, 3) triangles reach from one each of this surface, metres.
 
         The distance to a triangle is a convex function, hence greatest at a corner.
@@ -127,18 +124,18 @@ class TriangleSurface:
         squared = _squared(corners.T, self._table[:, None, triangle])
         return np.asarray(np.sqrt(squared.max(axis=0)))
 
-    def _squared(self, points: Array, triangles: Rows) -> Array:
+    def _squared(self, points: Array, triangles: Ints) -> Array:
         """(N, k) squared distances of each of (N, 3) points to (N, k) triangles."""
         return _squared(points.T[:, :, None], self._table[:, triangles])
 
 
-def is_level(corners: Array) -> Bools:
+def is_level(corners: Array) -> Mask:
     """(M,) whether (M, 3, 3) triangles look up along +Z."""
     normals = doubled_areas(corners)
     return np.asarray(normals[:, 2] > UPWARD_COS * np.linalg.norm(normals, axis=1))
 
 
-def bisected(corners: Array, size: ArrayLike) -> tuple[Array, Rows]:
+def bisected(corners: Array, size: ArrayLike) -> tuple[Array, Ints]:
     """Triangles halved across their longest edge until none is longer than ``size``.
 
     Args:
@@ -165,7 +162,7 @@ def halved(corners: Array) -> Array:
     return _halves(corners, _longest(corners)[1])
 
 
-def _halves(corners: Array, edge: Rows) -> Array:
+def _halves(corners: Array, edge: Ints) -> Array:
     at = np.arange(len(corners))
     a, b, c = corners[at, edge], corners[at, (edge + 1) % 3], corners[at, (edge + 2) % 3]
     middle = (a + b) / 2.0
@@ -243,7 +240,7 @@ def _to_segment(squared: Array, product: Array, length: Array) -> Array:
     return np.asarray(squared - share * (2.0 * product - share * length))
 
 
-def _longest(corners: Array) -> tuple[Array, Rows]:
+def _longest(corners: Array) -> tuple[Array, Ints]:
     """(M,) the length of the longest edge of each triangle, and the corner that it starts from."""
     edges = corners[:, [1, 2, 0]] - corners
     squared = np.einsum("ijk,ijk->ij", edges, edges)
@@ -251,7 +248,7 @@ def _longest(corners: Array) -> tuple[Array, Rows]:
     return np.sqrt(squared[np.arange(len(edge)), edge]), edge
 
 
-def _cells(corners: Array, size: float) -> tuple[Array, Rows, float]:
+def _cells(corners: Array, size: float) -> tuple[Array, Ints, float]:
     """Triangles cut into cells of some size.
 
     Returns:
@@ -294,13 +291,13 @@ def _right_angled(corners: Array) -> Array:
     return found
 
 
-def _parts(vectors: Array, shares: Array | float, size: float) -> Rows:
+def _parts(vectors: Array, shares: Array | float, size: float) -> Ints:
     """Into how many parts no longer than a size shares of some vectors are cut."""
     lengths = np.linalg.norm(vectors, axis=1) * shares
     return np.asarray(np.maximum(np.ceil(lengths / size), 1.0), dtype=np.int64)
 
 
-def _counted(numbers: Rows) -> tuple[Rows, Rows]:
+def _counted(numbers: Ints) -> tuple[Ints, Ints]:
     """Each row as often as its number says, and the numbers from 0 for each."""
     rows = np.repeat(np.arange(len(numbers)), numbers)
     return rows, np.arange(len(rows)) - np.repeat(np.cumsum(numbers) - numbers, numbers)

@@ -8,12 +8,11 @@ from dataclasses import dataclass, field
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.mass import MassProperties
 
-Array = NDArray[np.float64]
 Motion = Literal["hinge", "rail", "fixed"]
 
 STANDARD_GRAVITY: Final = 9.81

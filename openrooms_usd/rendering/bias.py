@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array, Ints
 
 # Blocks of the picture, across and down; each is halved by brightness.
 _BLOCKS: Final = (5, 4)
@@ -86,7 +86,7 @@ class SparsePixels:
         numbers = (at_y * width + at_x).ravel().astype(np.uint32)
         return SparsePixels(width, height, numbers, (columns * rows).ravel().astype(np.float64))
 
-    def groups(self, values: Array) -> NDArray[np.int64]:
+    def groups(self, values: Array) -> Ints:
         """(N,) the number of each pixel's group: its block of the picture, halved by a value."""
         rows, columns = np.divmod(self.numbers.astype(np.int64), self.width)
         across, down = _BLOCKS
@@ -132,7 +132,7 @@ def measure(
 
 
 def _worst_tenth(
-    found: Array, reference: Array, weights: Array, groups: NDArray[np.int64]
+    found: Array, reference: Array, weights: Array, groups: Ints
 ) -> tuple[float, float] | None:
     """The mean size of the bias where it is worst, and its standard error.
 
@@ -159,9 +159,7 @@ def _worst_tenth(
     return 0.5 * (x + y), float(np.hypot(x_error, y_error) / np.sqrt(2.0))
 
 
-def _worst_groups(
-    found: Array, reference: Array, weights: Array, groups: NDArray[np.int64]
-) -> Array:
+def _worst_groups(found: Array, reference: Array, weights: Array, groups: Ints) -> Array:
     """(G,) the sign of the bias of the groups that are the worst tenth; 0 for others.
 
     A group whose bias may be noise counts less: b^3 / (b^2 + s^2) with its standard error s. Here
@@ -186,9 +184,7 @@ def _ratio(values: Array, scale: Array, weights: Array) -> tuple[float, float] |
     return None if np.isnan(ratio) else (ratio, error)
 
 
-def _ratios(
-    values: Array, scale: Array, weights: Array, groups: NDArray[np.int64], count: int
-) -> Array:
+def _ratios(values: Array, scale: Array, weights: Array, groups: Ints, count: int) -> Array:
     """(G, 2) ratios of two weighted sums over the independent pixels of groups, and their errors.
 
     Where the lower sum has much noise, the plain ratio is too large in the mean; Beale's estimator

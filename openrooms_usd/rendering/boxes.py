@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.rotations import about_z
 from openrooms_usd.progress import Progress, each, silent
@@ -21,7 +21,6 @@ from openrooms_usd.usd.places.frames import local_to_world, world_from_stage
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, read_meshes
 from openrooms_usd.version import __version__
 
-Array = NDArray[np.float64]
 Plain = dict[str, Any]
 
 # Nearer to the camera's plane nothing is projected, metres.
@@ -101,11 +100,7 @@ def _view(render: RenderedScene, view: RenderedView, things: dict[str, _Thing]) 
 
 
 def _row(
-    render: RenderedScene,
-    view: RenderedView,
-    things: dict[str, _Thing],
-    instance: int,
-    mask: NDArray[np.bool_],
+    render: RenderedScene, view: RenderedView, things: dict[str, _Thing], instance: int, mask: Mask
 ) -> Plain:
     path = render.legend("instance")[instance]
     camera_from_world: Array = np.linalg.inv(view.world_from_camera).astype(np.float64)

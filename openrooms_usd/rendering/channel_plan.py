@@ -8,6 +8,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import FLOWS, definition, each
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.rendering.contract import DenoisedImage, Image, Renderer, View
@@ -161,7 +162,7 @@ def with_denoised_light(view: View, denoiser: Denoiser) -> View:
 
 
 def _denoised(
-    name: str, image: Image, guides: Mapping[str, NDArray[np.float32]], denoiser: Denoiser
+    name: str, image: Image, guides: Mapping[str, Floats], denoiser: Denoiser
 ) -> DenoisedImage:
     kind = definition(name).name
     if kind not in REFLECTED and "base_color" in guides:
@@ -171,9 +172,7 @@ def _denoised(
     return DenoisedImage(pixels, asdict(energy_change(image.pixels, pixels, image.halves)))
 
 
-def energy_change(
-    raw: NDArray[np.float32], denoised: NDArray[np.float32], halves: KeptHalves | None
-) -> EnergyChange:
+def energy_change(raw: Floats, denoised: Floats, halves: KeptHalves | None) -> EnergyChange:
     """By how much the mean of a picture has changed, over all of it and in blocks.
 
     Args:
@@ -200,7 +199,7 @@ def energy_change(
     )
 
 
-def _summed(plane: NDArray[np.float64]) -> NDArray[Any]:
+def _summed(plane: Array) -> NDArray[Any]:
     """Sums over blocks; those at the right and at the bottom may be smaller."""
     rows, columns = (range(0, side, _BLOCK_PIXELS) for side in plane.shape)
     return np.add.reduceat(np.add.reduceat(plane, [*rows], axis=0), [*columns], axis=1)

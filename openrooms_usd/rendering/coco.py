@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Mask
 from openrooms_usd.channels import CLASS_CHANNELS
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.record import UNLABELED
@@ -141,7 +141,7 @@ def _category(name: str, number: int, taxonomy: str) -> Plain:
     return {"id": number, "name": name, "supercategory": above}
 
 
-def masks(render: RenderedScene, view: RenderedView) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+def masks(render: RenderedScene, view: RenderedView) -> Iterator[tuple[int, Mask]]:
     """The numbers of the instances that a view shows, each with its (height, width) pixels.
 
     Raises:
@@ -172,7 +172,7 @@ def _class(
     render: RenderedScene,
     view: RenderedView,
     instance: int,
-    mask: NDArray[np.bool_],
+    mask: Mask,
     channel: str | None,
     numbers: Mapping[str, int],
 ) -> int:
@@ -201,7 +201,7 @@ def _image(view: RenderedView, place: str, number: int) -> Plain:
     }
 
 
-def _annotation(mask: NDArray[np.bool_], prim: str, instance: int) -> Plain:
+def _annotation(mask: Mask, prim: str, instance: int) -> Plain:
     left, top, right, bottom = tight_box(mask)
     return {
         "prim": prim,

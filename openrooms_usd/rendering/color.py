@@ -8,10 +8,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Bytes, Mask
 from openrooms_usd.colorimetry import LUMINANCE, srgb_from_linear
 
 Array = NDArray[np.floating[Any]]
-Bytes = NDArray[np.uint8]
 
 _LUMINANCE: Final = LUMINANCE.astype(np.float32)
 MIDDLE_GREY: Final = 0.18
@@ -74,7 +74,7 @@ def block_means(values: Array) -> Array:
     return np.asarray(cut.reshape(rows, high, columns, wide).mean(axis=(1, 3)))
 
 
-def lit_blocks(radiance: Array) -> NDArray[np.bool_]:
+def lit_blocks(radiance: Array) -> Mask:
     """Which of a picture's blocks show something that is lit: finite, and hardly black anywhere.
 
     Where none is so, in noise for instance, those that are not black throughout.

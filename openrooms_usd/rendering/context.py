@@ -8,10 +8,9 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import each
 from openrooms_usd.description.rendering import Method, RenderSettings
 from openrooms_usd.errors import RenderError
@@ -39,7 +38,6 @@ from openrooms_usd.rendering.scene.framing import framed, is_framed_here
 from openrooms_usd.rendering.scene.light_records import light_records
 from openrooms_usd.rendering.scene.lights import LightRecord
 from openrooms_usd.rendering.scene.moving import MovingScene
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.rays import CastingTracer, RayTracer
 from openrooms_usd.rendering.scene.sources import sources_of
 from openrooms_usd.usd.cameras import (
@@ -309,9 +307,7 @@ class RenderContext:
             guides=self.guides(camera, request) if request.guides else {},
         )
 
-    def guides(
-        self, camera: PinholeCamera, request: RenderRequest
-    ) -> Mapping[str, NDArray[np.float32]]:
+    def guides(self, camera: PinholeCamera, request: RenderRequest) -> Mapping[str, Floats]:
         """What a denoiser is guided by: means over whole pixels (`contract.GUIDES`).
 
         Args:

@@ -5,9 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import definition
 from openrooms_usd.description.rendering import CACHE as CACHE
 from openrooms_usd.description.rendering import DEFAULT_BOUNCES as DEFAULT_BOUNCES
@@ -91,7 +89,7 @@ class Image:
         robust_error: Estimated robust error, which no single pixel dominates; as ``error``.
     """
 
-    pixels: NDArray[np.float32]
+    pixels: Floats
     samples: int
     seconds: float
     error: float | None
@@ -111,7 +109,7 @@ class DenoisedImage:
             (`openrooms_usd.rendering.channel_plan.EnergyChange`).
     """
 
-    pixels: NDArray[np.float32]
+    pixels: Floats
     change: Mapping[str, float | None]
 
 
@@ -136,15 +134,15 @@ class View:
     camera: str | None
     width: int
     height: int
-    K: NDArray[np.float64]
-    world_from_camera: NDArray[np.float64]
+    K: Array
+    world_from_camera: Array
     exposure: float | None
     images: Mapping[str, Image]
     denoised: Mapping[str, DenoisedImage] = field(default_factory=dict)
-    guides: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+    guides: Mapping[str, Floats] = field(default_factory=dict)
     projection: "Projection" = "pinhole"
 
-    def denoised_of(self, scope: str) -> dict[str, NDArray[np.float32]]:
+    def denoised_of(self, scope: str) -> dict[str, Floats]:
         """The denoised pixels of the channels of a scope, by name."""
         return {
             name: image.pixels
@@ -213,9 +211,7 @@ class MovingSession(Protocol):
 class GuidingSession(Protocol):
     """A session that can say what surfaces look like over whole pixels; else the core does."""
 
-    def guides(
-        self, camera: "PinholeCamera", request: RenderRequest
-    ) -> Mapping[str, NDArray[np.float32]]:
+    def guides(self, camera: "PinholeCamera", request: RenderRequest) -> Mapping[str, Floats]:
         """Base colour and shading normal, the means over what a pixel and the lens see.
 
         Args:

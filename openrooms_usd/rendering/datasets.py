@@ -222,11 +222,7 @@ def _rooms(renders: Sequence[Path], subset: Subset) -> Iterator[FinishedRoom]:
 
 
 def _room_names(renders: Sequence[Path]) -> list[str]:
-    """Those of the folders; where two have the same, their paths below what they have in common.
-
-    Raises:
-        InputError: A render is given twice.
-    """
+    """Those of the folders; where two have the same, their paths below what they have in common."""
     paths = [folder.resolve() for folder in renders]
     if len(set(paths)) < len(paths):
         raise InputError("a render is given twice", place="renders", remedy="give each once")

@@ -15,8 +15,8 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.errors import InputError, MissingPackageError, RenderError
 from openrooms_usd.rendering import contract
 from openrooms_usd.rendering.contract import Image, View
@@ -27,8 +27,6 @@ SOURCE: Final = "radiance"
 _FILTER_NAMES: Final = dict(zip(contract.GUIDES, ("albedo", "normal"), strict=True))
 # Pixels that are added around: at its edges the network makes a pattern of its own.
 _BORDER_PIXELS: Final = 16
-
-Pixels = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -65,8 +63,8 @@ class Denoiser:
         return replace(view, images={**view.images, DENOISED: denoised})
 
     def denoise(
-        self, radiance: Pixels, guides: Mapping[str, Pixels], *, hdr: bool = True
-    ) -> Pixels:
+        self, radiance: Floats, guides: Mapping[str, Floats], *, hdr: bool = True
+    ) -> Floats:
         """Denoise a picture.
 
         Args:
@@ -80,7 +78,7 @@ class Denoiser:
         Raises:
             RenderError: The denoiser failed, such as for lack of memory.
         """
-        color: Pixels = np.maximum(np.nan_to_num(radiance, posinf=0.0, neginf=0.0), 0.0)
+        color: Floats = np.maximum(np.nan_to_num(radiance, posinf=0.0, neginf=0.0), 0.0)
         mean = float(color.mean(dtype=np.float64))
         if mean <= 0.0:
             return np.zeros_like(radiance)
@@ -137,7 +135,7 @@ def _package() -> ModuleType:
         ) from error
 
 
-def _mirrored(pixels: Pixels) -> Pixels:
+def _mirrored(pixels: Floats) -> Floats:
     """The picture with a border that mirrors it."""
     around = ((_BORDER_PIXELS, _BORDER_PIXELS), (_BORDER_PIXELS, _BORDER_PIXELS), (0, 0))
     return np.pad(pixels, around, mode="symmetric").astype(np.float32)

@@ -18,9 +18,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering import rare_light
-
-Array = NDArray[np.float64]
 
 # Of pixels unlike a neighbour, so many are at an edge that their samples may have missed.
 _EDGES_SHARE: Final = 0.02

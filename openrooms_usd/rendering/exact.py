@@ -6,14 +6,13 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import FLOWS, numbered
 from openrooms_usd.rendering.contract import GUIDES, Image, RenderRequest, View
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.first_hits import Hits, first_hits, hits_along
 from openrooms_usd.rendering.scene.ground_truth import GroundTruth
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.rendering.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.cameras import PinholeCamera
@@ -97,7 +96,7 @@ def fine_guides(
     picture: Callable[[PinholeCamera, RenderRequest], View],
     camera: PinholeCamera,
     request: RenderRequest,
-) -> dict[str, NDArray[np.float32]]:
+) -> dict[str, Floats]:
     """What a denoiser is guided by, where the renderer does not give it: means over whole pixels.
 
     Args:
@@ -128,7 +127,7 @@ def optical_flow(
     camera: PinholeCamera,
     after: PinholeCamera,
     size: tuple[int, int],
-) -> dict[str, NDArray[np.float32]]:
+) -> dict[str, Floats]:
     """The flow from one frame to the next.
 
     Args:
@@ -174,7 +173,7 @@ def optical_flow(
 
 def light_masks(
     scene: Scene, sources: Sequence[Source], camera: PinholeCamera, hits: Hits
-) -> NDArray[np.float32]:
+) -> Floats:
     """Where the pixels' centres see each light.
 
     A lamp is seen where its object is. An opening is seen where the ray leaves through its

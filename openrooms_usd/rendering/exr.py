@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any, Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import imagefile
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import definition
 from openrooms_usd.errors import InputError
 from openrooms_usd.untrusted import checked
 
-Pixels = NDArray[np.float32]
+Pixels = Floats
 
 # Written at once: a multiple of the 16 rows that zip compression packs together, and few where
 # there are many channels.

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Floats
 from openrooms_usd.errors import writing
 from openrooms_usd.geometry import spherical_gaussians, spherical_harmonics
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, irradiance
@@ -19,7 +20,7 @@ _MOST_HALF: Final = 65504.0
 
 
 def write_fits(
-    folder: Path, grid: NDArray[np.float32], order: int = ORDER, *, compact: bool = False
+    folder: Path, grid: Floats, order: int = ORDER, *, compact: bool = False
 ) -> dict[str, Any]:
     """Fit the environment maps of a view and write the fits.
 
@@ -65,11 +66,11 @@ def write_fits(
     }
 
 
-def _halved(values: NDArray[np.float32]) -> NDArray[Any]:
+def _halved(values: Floats) -> NDArray[Any]:
     """In half precision, unless some number is too large for that."""
     return values.astype(np.float16) if np.abs(values).max(initial=0.0) < _MOST_HALF else values
 
 
-def harmonics(grid: NDArray[np.float32], order: int = ORDER) -> NDArray[np.float32]:
+def harmonics(grid: Floats, order: int = ORDER) -> Floats:
     """(rows, columns, (order + 1)^2, 3) spherical harmonics of hemispheres, in their frames."""
     return spherical_harmonics.project(grid, HEMISPHERE, order).astype(np.float32)

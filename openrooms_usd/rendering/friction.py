@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import CHANNELS
 from openrooms_usd.library.friction import friction_of
 from openrooms_usd.library.friction.references import SUBSTANCES
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 FRICTION: Final = "friction"
 SOURCES: Final = ("base_color", "roughness", "material", "valid")
-
-Pixels = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -36,7 +34,7 @@ class Material:
     substance: "Substance | None" = None
     authored: float | None = None
 
-    def static(self, albedo: Pixels, roughness: Pixels) -> NDArray[np.float64]:
+    def static(self, albedo: Floats, roughness: Floats) -> Array:
         """(P,) static coefficients of (P, 3) base colours and (P,) roughnesses."""
         if self.authored is not None:
             return np.full(roughness.shape, self.authored)
@@ -84,7 +82,7 @@ class FrictionMap:
         images = {**view.images, FRICTION: made}
         return replace(view, images={name: images[name] for name in channels})
 
-    def pixels(self, albedo: Pixels, roughness: Pixels, material: Pixels, valid: Pixels) -> Pixels:
+    def pixels(self, albedo: Floats, roughness: Floats, material: Floats, valid: Floats) -> Floats:
         """The static coefficient of every pixel.
 
         Args:

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.rendering.estimates import ErrorEstimate, Halves, estimate_of_ratio
 
 _MOST_OF_HALF_PRECISION: Final = 65504.0
@@ -28,12 +29,12 @@ class HalvedPicture:
         b: The other.
     """
 
-    pixels: NDArray[np.float32]
+    pixels: Floats
     a: NDArray[np.float16]
     b: NDArray[np.float16]
 
     @staticmethod
-    def blank(pixels: NDArray[np.float32]) -> "HalvedPicture":
+    def blank(pixels: Floats) -> "HalvedPicture":
         """A picture whose halves are like it, until they are filled in."""
         return HalvedPicture(pixels, *(np.zeros(pixels.shape, np.float16) for _ in range(2)))
 
@@ -76,13 +77,13 @@ class KeptHalves:
         samples: Samples a pixel in each half.
     """
 
-    pixels: NDArray[np.float32]
+    pixels: Floats
     a: NDArray[np.float16]
     b: NDArray[np.float16]
     samples: tuple[int, int]
 
     @staticmethod
-    def made(pixels: NDArray[np.float32], halves: Halves) -> "KeptHalves":
+    def made(pixels: Floats, halves: Halves) -> "KeptHalves":
         """What is kept of the halves of a picture."""
         kept = HalvedPicture.blank(pixels)
         kept.fill(slice(None), halves.a, halves.b)
@@ -140,5 +141,5 @@ class Deviation:
         """Height, width, components."""
         return self.kept.pixels.shape
 
-    def __getitem__(self, which: slice) -> NDArray[np.float32]:
+    def __getitem__(self, which: slice) -> Floats:
         return self.kept.rows(which).halves.deviation.astype(np.float32)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, names
+from openrooms_usd.arrays import Array
 from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.rendering.contract import Image, RenderRequest, RenderSession, View
@@ -27,8 +28,6 @@ from openrooms_usd.rendering.scene.legend import Legend
 from openrooms_usd.rendering.scene.lights import LightRecord, plain
 from openrooms_usd.rendering.storage import Storing
 from openrooms_usd.version import __version__
-
-Array = NDArray[np.float64]
 
 # Nearer to the camera's plane nothing is projected, metres.
 _NEAR_PLANE_M: Final = 1e-3
@@ -260,8 +259,8 @@ def write_json(path: Path, data: Plain) -> None:
 
 def view_lights(
     records: Sequence[LightRecord],
-    K: NDArray[np.float64],
-    world_from_camera: NDArray[np.float64],
+    K: Array,
+    world_from_camera: Array,
     size: tuple[int, int],
     masks: Mapping[int, NDArray[Any]],
 ) -> list[dict[str, Any]]:

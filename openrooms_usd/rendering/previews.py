@@ -8,17 +8,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Bytes, Floats, Mask
 from openrooms_usd.channels import definition
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.rendering import PHOTOGRAPH, ToneName
 from openrooms_usd.geometry.hemisphere import tiled, untiled
 from openrooms_usd.rendering import color
 from openrooms_usd.rendering.tone import Balance, Tone, fitted_tone
-
-Pixels = NDArray[np.float32]
-Bytes = NDArray[np.uint8]
 
 # Hemispheres across in the preview of a grid.
 _COLUMNS: Final = 20
@@ -39,7 +36,7 @@ class Preview:
 
 def preview(
     name: str,
-    pixels: Pixels,
+    pixels: Floats,
     exposure: float | None = None,
     tone: ToneName | Tone = PHOTOGRAPH,
     balance: Balance | None = None,
@@ -67,21 +64,21 @@ def preview(
     return shown if finite.all() else Preview(_marked(shown.pixels, ~finite), shown.shows)
 
 
-def _sparse(tiles: Pixels) -> Pixels:
+def _sparse(tiles: Floats) -> Floats:
     """Every so many hemispheres of a grid, so that people see a few of them."""
     grid = untiled(tiles)
     step = max(1, grid.shape[1] // _COLUMNS)
     return tiled(grid[step // 2 :: step, step // 2 :: step])
 
 
-def _marked(pixels: Bytes, bad: NDArray[np.bool_]) -> Bytes:
+def _marked(pixels: Bytes, bad: Mask) -> Bytes:
     colored = np.repeat(pixels, 3, axis=-1) if pixels.shape[-1] == 1 else pixels.copy()
     colored[bad] = color.NONFINITE
     return colored
 
 
 def _light(
-    pixels: Pixels, exposure: float | None, tone: ToneName | Tone, balance: Balance | None
+    pixels: Floats, exposure: float | None, tone: ToneName | Tone, balance: Balance | None
 ) -> Preview:
     if isinstance(tone, Tone):
         fitted, whose = tone, "given"
@@ -92,7 +89,7 @@ def _light(
     return Preview(picture, f"{fitted.told()}, exposure {fitted.exposure:.3g} ({whose})")
 
 
-def _length(pixels: Pixels) -> Preview:
+def _length(pixels: Floats) -> Preview:
     lengths = pixels[..., 0]
     surface = lengths > 0
     near, far = np.percentile(lengths[surface], (0.5, 99.5)) if surface.any() else (0.0, 1.0)
@@ -101,7 +98,7 @@ def _length(pixels: Pixels) -> Preview:
     return Preview(picture, f"{near:.2f} m (bright) to {far:.2f} m (dark)")
 
 
-def _position(pixels: Pixels) -> Preview:
+def _position(pixels: Floats) -> Preview:
     surface = (pixels != 0).any(axis=-1)
     seen = pixels[surface] if surface.any() else np.zeros((1, 3), np.float32)
     low, high = np.percentile(seen, (0.5, 99.5), axis=0)
@@ -111,21 +108,21 @@ def _position(pixels: Pixels) -> Preview:
     return Preview(picture, ", ".join(spans))
 
 
-def _direction(pixels: Pixels) -> Preview:
+def _direction(pixels: Floats) -> Preview:
     picture = color.quantize(0.5 * (pixels + 1))
     picture[(pixels == 0).all(axis=-1)] = 0
     return Preview(picture, "0.5 (n + 1)")
 
 
-def _reflectance(pixels: Pixels) -> Preview:
+def _reflectance(pixels: Floats) -> Preview:
     return Preview(color.quantize(srgb_from_linear(pixels)), "sRGB")
 
 
-def _ratio(pixels: Pixels) -> Preview:
+def _ratio(pixels: Floats) -> Preview:
     return Preview(color.quantize(pixels), "black 0, white 1")
 
 
-def _flow(pixels: Pixels) -> Preview:
+def _flow(pixels: Floats) -> Preview:
     lengths = np.linalg.norm(pixels, axis=-1)
     most = max(float(np.percentile(lengths, 99)), 1e-6)
     share = np.clip(lengths / most, 0.0, 1.0)[..., None]
@@ -135,12 +132,12 @@ def _flow(pixels: Pixels) -> Preview:
     return Preview(color.quantize(share * hue), f"hue: where to, full at {most:.1f} px")
 
 
-def _label(pixels: Pixels) -> Preview:
+def _label(pixels: Floats) -> Preview:
     return Preview(color.palette(pixels[..., 0].astype(np.int64)), "a colour for every number")
 
 
 _LIGHT: Final = frozenset({"nit", "lux"})
-_Show = Callable[[Pixels], Preview]
+_Show = Callable[[Floats], Preview]
 _SHOWN: Final[dict[tuple[str, str], _Show]] = {
     ("m", "Y"): _length,
     ("m", "XYZ"): _position,

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from openrooms_usd import claims, names
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.description.rendering import DEFAULT_BOUNCES, DEFAULT_SAMPLES, RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry import spherical_harmonics
@@ -231,7 +232,7 @@ def _entry(place: Place, image: Image) -> dict[str, Any]:
     return entry
 
 
-def harmonics(panorama: NDArray[np.float32], order: int = ORDER) -> NDArray[np.float64]:
+def harmonics(panorama: Floats, order: int = ORDER) -> Array:
     """((order + 1)^2, 3) of a panorama's radiance, in world axes.
 
     Args:
@@ -242,7 +243,7 @@ def harmonics(panorama: NDArray[np.float32], order: int = ORDER) -> NDArray[np.f
     return spherical_harmonics.turned(local, PANORAMA)
 
 
-def irradiance(panorama: NDArray[np.float32], normal: ArrayLike) -> NDArray[np.float64]:
+def irradiance(panorama: Floats, normal: ArrayLike) -> Array:
     """(3,) lux on a surface with a normal, from a panorama.
 
     Args:
@@ -264,6 +265,6 @@ def _check(at: Sequence[tuple[float, float, float]], resolution: tuple[int, int]
         )
 
 
-def _three(vector: NDArray[np.float64]) -> tuple[float, float, float]:
+def _three(vector: Array) -> tuple[float, float, float]:
     x, y, z = (float(value) for value in vector)
     return x, y, z

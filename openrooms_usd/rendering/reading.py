@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, untiled
 from openrooms_usd.rendering.compact import CompactChannels, Numbered, is_compact, unscaled
@@ -58,7 +58,7 @@ class RenderedView:
         return self.entry.resolution[1]
 
     @property
-    def K(self) -> NDArray[np.float64]:  # noqa: N802
+    def K(self) -> Array:  # noqa: N802
         """(3, 3) intrinsics in pixels; the centre of the top-left pixel is (0.5, 0.5).
 
         Raises:
@@ -73,7 +73,7 @@ class RenderedView:
         return np.array(self.entry.K, dtype=np.float64)
 
     @property
-    def world_from_camera(self) -> NDArray[np.float64]:
+    def world_from_camera(self) -> Array:
         """(4, 4) from the OpenCV camera frame to the world, metres."""
         return np.array(self.entry.world_from_camera, dtype=np.float64)
 
@@ -92,7 +92,7 @@ class RenderedView:
             return {}
         return read_channels(self.folder / CHANNELS_FILE, self.entry.resolution)
 
-    def labels(self, channel: str) -> NDArray[np.int64]:
+    def labels(self, channel: str) -> Ints:
         """(height, width) the numbers of a label channel.
 
         Raises:

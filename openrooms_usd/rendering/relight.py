@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import claims, names
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.rendering import exr
@@ -54,8 +54,8 @@ class Relit:
         manifest: What is said of it, as plain data.
     """
 
-    radiance: NDArray[np.float32]
-    factors: Mapping[str, NDArray[np.float64]]
+    radiance: Floats
+    factors: Mapping[str, Array]
     exposure: float | None
     manifest: dict[str, Any]
 
@@ -125,9 +125,7 @@ def write_relit(out: Path, picture: Relit) -> dict[str, Any]:
     return entry
 
 
-def relit(
-    contributions: Mapping[int, NDArray[np.float32]], factors: Mapping[int, NDArray[np.float64]]
-) -> NDArray[np.float32]:
+def relit(contributions: Mapping[int, Floats], factors: Mapping[int, Array]) -> Floats:
     """The sum of what the lights cause, each times its factor.
 
     Args:
@@ -143,7 +141,7 @@ def relit(
 
 def light_factors(
     lights: Sequence[LightRecord], relighting: Relighting, place: Path
-) -> dict[int, NDArray[np.float64]]:
+) -> dict[int, Array]:
     """(3,) what each light's red, green and blue are multiplied by, by its number.
 
     Args:
@@ -164,7 +162,7 @@ def light_factors(
     }
 
 
-def blackbody(kelvin: float) -> NDArray[np.float64]:
+def blackbody(kelvin: float) -> Array:
     """(3,) scene-linear Rec.709 of a black body, luminance 1, as UsdLux colours its lights."""
     from pxr import UsdLux
 
@@ -189,7 +187,7 @@ def _check_light(name: str, known: Mapping[str, LightRecord], place: Path) -> No
         )
 
 
-def _scale(scale: float, name: str, place: Path) -> NDArray[np.float64]:
+def _scale(scale: float, name: str, place: Path) -> Array:
     if not 0.0 <= scale < np.inf:
         raise InputError(
             f"the light {name!r} cannot be {scale} times as bright",
@@ -199,7 +197,7 @@ def _scale(scale: float, name: str, place: Path) -> NDArray[np.float64]:
     return np.full(3, scale)
 
 
-def _tint(light: LightRecord, wanted: float | None, place: Path) -> NDArray[np.float64]:
+def _tint(light: LightRecord, wanted: float | None, place: Path) -> Array:
     if wanted is None:
         return np.ones(3)
     name, was = light.name, light.kelvin
@@ -238,7 +236,7 @@ def _open(view: Path) -> tuple[RenderedScene, RenderedView]:
     )
 
 
-def _contributions(scene: RenderedScene, view: RenderedView) -> Mapping[int, NDArray[np.float32]]:
+def _contributions(scene: RenderedScene, view: RenderedView) -> Mapping[int, Floats]:
     found = view.lights.get("radiance", {})
     missing = [light.name for light in scene.lights if light.number not in found]
     if missing or not found:
@@ -258,10 +256,7 @@ def _contributions(scene: RenderedScene, view: RenderedView) -> Mapping[int, NDA
 
 
 def _entry(
-    scene: RenderedScene,
-    view: RenderedView,
-    relighting: Relighting,
-    factors: Mapping[int, NDArray[np.float64]],
+    scene: RenderedScene, view: RenderedView, relighting: Relighting, factors: Mapping[int, Array]
 ) -> dict[str, Any]:
     lights = [
         {

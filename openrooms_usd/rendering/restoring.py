@@ -6,12 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.channels import CHANNELS, definition, numbered
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.rendering.shading import RULES
-
-Pixels = NDArray[np.float32]
-Array = NDArray[np.float64]
 
 # OpenCV axes (right, down, forward) in OpenGL's (right, up, backward).
 _OPENGL: Final = np.diag([1.0, -1.0, -1.0])
@@ -64,7 +62,7 @@ def sources_of(name: str) -> tuple[str, ...]:
     return tuple(numbered(one, int(light)) if one.endswith("_i") else one for one in found)
 
 
-def restored(name: str, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array) -> Pixels:
+def restored(name: str, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array) -> Floats:
     """A channel from those that it follows from.
 
     Args:
@@ -88,7 +86,7 @@ def restored(name: str, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array
 
 
 def follows(
-    name: str, pixels: Pixels, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array
+    name: str, pixels: Floats, parts: Mapping[str, NDArray[Any]], K: Array, pose: Array
 ) -> bool:
     """Whether a channel can be left out: what would be worked out is what was rendered.
 

@@ -1,14 +1,15 @@
 """Masks as run lengths, the way COCO stores them (Lin et al. 2014; maskApi of its own tools)."""
 
 import numpy as np
-from numpy.typing import NDArray
+
+from openrooms_usd.arrays import Mask
 
 # A character carries five bits, a sixth says that more follow, and 48 makes all of them printable.
 _BITS, _MORE, _FIRST = 5, 0x20, 48
 _SIGN = 1 << (_BITS - 1)
 
 
-def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
+def run_lengths(mask: Mask) -> list[int]:
     """The lengths of alternating runs of zeros and ones, column after column, zeros first.
 
     Args:
@@ -43,7 +44,7 @@ def _number(value: int) -> str:
             return text
 
 
-def tight_box(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
+def tight_box(mask: Mask) -> tuple[int, int, int, int]:
     """Left, top, right and bottom edge of the pixels of a mask that is not empty.
 
     Args:

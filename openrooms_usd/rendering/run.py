@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import definition, each
 from openrooms_usd.description.rendering import COMPACT, COMPLETE, PHOTOGRAPH, StorageName, ToneName
 from openrooms_usd.errors import RenderError
@@ -194,7 +194,7 @@ def _error_files(target: Path, view: View) -> list[tuple[Any, ...]]:
 
 
 def _stored_files(
-    target: Path, pixels: Mapping[str, NDArray[np.float32]], ways: Mapping[str, Way]
+    target: Path, pixels: Mapping[str, Floats], ways: Mapping[str, Way]
 ) -> list[tuple[Any, ...]]:
     """What writes channels as they shall lie on disk: functions and their arguments."""
     jobs: list[tuple[Any, ...]] = []

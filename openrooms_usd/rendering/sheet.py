@@ -7,9 +7,10 @@ from typing import Final
 import numpy as np
 
 from openrooms_usd import atomic
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.lettering import lettered, stamp
-from openrooms_usd.rendering.previews import Bytes, Preview
+from openrooms_usd.rendering.previews import Preview
 
 MAIN: Final = (
     "radiance",

@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import Channel, definition
 from openrooms_usd.description.rendering import COMPLETE, StorageName
 from openrooms_usd.rendering.contract import View
@@ -30,8 +31,6 @@ from openrooms_usd.rendering.folder import (
     grid_file,
 )
 from openrooms_usd.rendering.restoring import follows, sources_of
-
-Pixels = NDArray[np.float32]
 
 DIGITS: Final = {"view": 6, "light": 5, "grid": 2}
 """Binary digits of light behind the first one, by the scope of its channel."""
@@ -62,7 +61,7 @@ class Way:
     bound: float = 0.0
     sources: tuple[str, ...] = ()
 
-    def rows(self, pixels: Pixels) -> Rows:
+    def rows(self, pixels: Floats) -> Rows:
         """The channel as it is stored."""
         if not self.bound:
             return pixels
@@ -145,7 +144,7 @@ def _complete(name: str) -> Way:
     return Way(file, sample=row.storage)
 
 
-def _compact(name: str, pixels: Pixels) -> Way:
+def _compact(name: str, pixels: Floats) -> Way:
     row = definition(name)
     if not _is_light(row):
         return Way(MASKS_FILE if row.scope == "light" else CHANNELS_FILE, sample=row.storage)
@@ -157,12 +156,12 @@ def _is_light(row: Channel) -> bool:
     return row.kind == "light" or row.unit in ("nit", "lux")
 
 
-def _rounded(name: str, pixels: Pixels) -> tuple[str, float, float]:
+def _rounded(name: str, pixels: Floats) -> tuple[str, float, float]:
     """Sample type, scale and bound of light."""
     return "half", scale_of(pixels), 0.5 ** (DIGITS[definition(name).scope] + 1)
 
 
-def scale_of(pixels: Pixels) -> float:
+def scale_of(pixels: Floats) -> float:
     """The power of two that brings a channel's mean well inside the range of halves.
 
     Args:
@@ -177,7 +176,7 @@ def scale_of(pixels: Pixels) -> float:
     return float(2.0 ** max(-_MOST_EXPONENT, min(_MOST_EXPONENT, wanted)))
 
 
-def _left_out(name: str, images: Mapping[str, Pixels], view: View) -> Way | None:
+def _left_out(name: str, images: Mapping[str, Floats], view: View) -> Way | None:
     """The way of a channel that follows from others of the view."""
     sources = sources_of(name)
     if not sources or not {*sources} <= {*images}:
@@ -188,5 +187,5 @@ def _left_out(name: str, images: Mapping[str, Pixels], view: View) -> Way | None
     return Way(sources=sources)
 
 
-def _as_stored(name: str, pixels: Pixels) -> NDArray[Any]:
+def _as_stored(name: str, pixels: Floats) -> NDArray[Any]:
     return pixels.astype(np.float16) if definition(name).storage == "half" else pixels

@@ -152,11 +152,7 @@ def read_found(path: Path, digest: str) -> FoundScan:
 
 
 def _checked(arrays: Mapping[str, NDArray[Any]]) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Arrays of the right types and sizes.
-
-    Raises:
-        ValueError: One of them has others, or there are no points.
-    """
+    """Arrays of the right types and sizes."""
     count = len(arrays["points"])
     for name, values in arrays.items():
         kind, width = _OF_POINTS[name]

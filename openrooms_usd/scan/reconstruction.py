@@ -163,9 +163,6 @@ def _storey(cloud: Cloud, stands: Level, wanted: int | None) -> tuple[Level, Sto
         cloud: In the scan's frame.
         stands: The level frame on the lowest floor.
         wanted: Which one, from below; None: the main one.
-
-    Raises:
-        InputError: There is no such storey.
     """
     found = storeys(surfels(cloud.moved(stands.level_from_scan)))
     if wanted is not None and wanted >= len(found):

@@ -10,9 +10,8 @@ from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.floorplan import inside
 from openrooms_usd.scan.results import FoundOpening, FoundRoom
 
@@ -60,7 +59,7 @@ def shown(points: Array, rooms: Sequence[FoundRoom]) -> Shown:
     return Shown(*(round(float(part.mean()), 4) for part in (seen_floor, seen_walls, both)))
 
 
-def _is_observed(tree: Any, cells: Array, inward: Array) -> NDArray[np.bool_]:
+def _is_observed(tree: Any, cells: Array, inward: Array) -> Mask:
     """(C,) whether a point lies at each cell, or in the way to it."""
     found = np.zeros(len(cells), dtype=bool)
     # Steps of half a sphere's width: between spheres that only touch, a table's top would be lost.
@@ -99,9 +98,7 @@ def _wall_cells(room: FoundRoom) -> Iterator[tuple[Array, Array]]:
         yield np.column_stack([plan, z[free]]), np.array([-way[1], way[0], 0.0]) / length
 
 
-def _within(
-    opening: FoundOpening, start: Array, along: Array, u: Array, z: Array
-) -> NDArray[np.bool_]:
+def _within(opening: FoundOpening, start: Array, along: Array, u: Array, z: Array) -> Mask:
     """(C,) whether cells of a wall lie in an opening's rectangle."""
     across = (opening.corners[:, :2] - start[:2]) @ along
     levels = opening.corners[:, 2]

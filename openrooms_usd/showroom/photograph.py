@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.rendering.denoise import DENOISED, SOURCE
-from openrooms_usd.rendering.previews import Bytes, preview
+from openrooms_usd.rendering.previews import preview
 
 if TYPE_CHECKING:
     from openrooms_usd.rendering.context import RenderContext

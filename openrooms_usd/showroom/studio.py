@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.composing import compose_room
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.geometry.solids import box
@@ -29,8 +29,6 @@ from openrooms_usd.usd.places.frames import author_placement
 from openrooms_usd.usd.semantics import read_label
 from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
 from openrooms_usd.usd.shapes.meshes import define_mesh
-
-Array = NDArray[np.float64]
 
 # What previews multiply luminance by: a white sheet in the studio comes out a little below white.
 EXPOSURE: Final = 1.0 / 850.0
@@ -193,7 +191,7 @@ def _define_backdrop(stage: Usd.Stage, spots: Sequence[_Spot]) -> None:
         UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
 
 
-def softboxes() -> NDArray[np.float32]:
+def softboxes() -> Floats:
     """(128, 256, 3) nits: a grey tent, a large key light at the right and a strip at the left."""
     way = directions(128)
     tent = 150.0 + 250.0 * np.clip(way[..., 2], 0.0, 1.0)

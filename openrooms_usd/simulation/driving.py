@@ -5,13 +5,11 @@ from math import atan2, hypot, pi
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import Simulation
 from openrooms_usd.errors import InputError
 from openrooms_usd.simulation.robots import LEFT, RIGHT, WHEEL_DISTANCE, WHEEL_RADIUS
-
-Array = NDArray[np.float64]
 
 # Radians a second that wheels turn at most and at least, and how fast what is left of a turn is
 # taken up, 1/s.

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
 from openrooms_usd.engines import Simulation
 from openrooms_usd.errors import MissingPackageError
@@ -35,8 +35,6 @@ from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.files import layers
 from openrooms_usd.usd.shading.materials import PreviewSurface, define_preview_surface
 from openrooms_usd.usd.shapes.meshes import define_mesh
-
-Array = NDArray[np.float64]
 
 RGB: Final = "radiance"
 RESOLUTION: Final = (160, 120)

@@ -8,7 +8,6 @@ from math import inf, pi
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.rotations import about_z, pose
@@ -16,8 +15,6 @@ from openrooms_usd.geometry.solids import box
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Contact, Joint, Link, Shape, Visual, World
-
-Array = NDArray[np.float64]
 
 CAMERA: Final = "camera"
 # The pusher's rails, and the wheels of the rover.

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import adapters
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import (
     DEFAULT_FRICTION,
     DEFAULT_TIMESTEP,
@@ -25,8 +25,6 @@ from openrooms_usd.progress import Progress, silent
 if TYPE_CHECKING:
     from openrooms_usd.usd.places.settled import Motion
 
-
-Array = NDArray[np.float64]
 
 # How often it is looked whether something has exploded, seconds.
 _CHECK_EVERY_S: Final = 0.05

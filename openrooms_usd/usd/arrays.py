@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Tf, Usd, UsdGeom
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.usd.files.diagnostics import NO_TYPE
 from openrooms_usd.usd.places.frames import TIME
 
@@ -52,17 +53,17 @@ def number_of(value: Any) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
-def vector_of(value: Any, width: int) -> NDArray[np.float64] | None:
+def vector_of(value: Any, width: int) -> Array | None:
     """(width,) the numbers of one vector; None where there is no value, or another type."""
     found = array_of(None if value is None else [value], np.float64, width)
     return found[0] if len(found) else None
 
 
-def numbers(attribute: Usd.Attribute, width: int | None = None) -> NDArray[np.float64]:
+def numbers(attribute: Usd.Attribute, width: int | None = None) -> Array:
     """(N, width) the numbers of an attribute, or (N,)."""
     return array_of(attribute.Get(TIME), np.float64, width)
 
 
-def integers(attribute: Usd.Attribute, width: int | None = None) -> NDArray[np.int64]:
+def integers(attribute: Usd.Attribute, width: int | None = None) -> Ints:
     """(N, width) the whole numbers of an attribute, or (N,)."""
     return array_of(attribute.Get(TIME), np.int64, width)

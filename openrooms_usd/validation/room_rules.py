@@ -8,10 +8,10 @@ from itertools import islice
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import category
 from openrooms_usd.furniture.registry import BUILT, record
 from openrooms_usd.geometry.raycast import RayCaster
@@ -20,8 +20,6 @@ from openrooms_usd.scan.placement.penetration import penetration
 from openrooms_usd.validation import carrying
 from openrooms_usd.validation.model import Complaint, Subject
 from openrooms_usd.validation.roomview import RoomObject, RoomView
-
-Array = NDArray[np.float64]
 
 # What reaches farther into walls, floor or ceiling stands in them, metres: plaster, skirtings and
 # what people measure are off by less.

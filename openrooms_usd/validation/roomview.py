@@ -6,11 +6,10 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
 from openrooms_usd import names
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.slopes import heights_over, sloping
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.placement.bodies import Body, solid
@@ -107,7 +106,7 @@ class Reveal:
     width: float
     height: float
 
-    def holds(self, points: Array) -> NDArray[np.bool_]:
+    def holds(self, points: Array) -> Mask:
         """(N,) which of (N, 3) places are in it."""
         x, y, z = (points @ self.local_from_world[:3, :3].T + self.local_from_world[:3, 3]).T
         across = (2.0 * np.abs(x) <= self.width) & (2.0 * np.abs(z) <= self.height)

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.composing import compose_room
 from openrooms_usd.description import load_room
 from openrooms_usd.description.furniture import ScanFurniture
@@ -30,7 +30,6 @@ from openrooms_usd.view.app import Command, Nothing
 from openrooms_usd.view.fields import Fields
 from openrooms_usd.view.targets import Edits, Target
 
-Array: TypeAlias = NDArray[np.float64]
 Row: TypeAlias = dict[str, Any]
 _DIGITS: Final = 4
 

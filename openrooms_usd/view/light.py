@@ -9,9 +9,9 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdLux
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, LIGHTS
 from openrooms_usd.rendering.scene.lamps import environment
@@ -20,8 +20,6 @@ from openrooms_usd.usd.light.lights import read_lights, read_portals
 from openrooms_usd.usd.places.frames import TIME
 from openrooms_usd.usd.shading.textures import read_texture
 from openrooms_usd.view.moments import Moment, atlases_of
-
-Floats = NDArray[np.float32]
 
 # The brightest value becomes this; half floats end at 65504.
 _LARGEST: Final = 32768.0
@@ -100,11 +98,7 @@ def light_of(
 
 
 def _maps(atlas: Sdf.Path, moments: Sequence[Moment]) -> list[Floats]:
-    """The lightmaps of all lights at all moments.
-
-    Raises:
-        InputError: They are of different sizes.
-    """
+    """The lightmaps of all lights at all moments."""
     maps: list[Floats] = []
     for moment in moments:
         prim = moment.stage.GetPrimAtPath(atlas)
@@ -119,7 +113,7 @@ def _maps(atlas: Sdf.Path, moments: Sequence[Moment]) -> list[Floats]:
     return maps
 
 
-def _sky(stage: Usd.Stage) -> tuple[Floats, NDArray[np.float64]] | None:
+def _sky(stage: Usd.Stage) -> tuple[Floats, Array] | None:
     """(H, W, 3) nits of the surroundings, and the (3, 3) rotation to the world from them."""
     dome = next((one for one in read_lights(stage) if isinstance(one, DomeLight)), None)
     if dome is None:

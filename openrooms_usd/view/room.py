@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.model import Model
 from openrooms_usd.errors import InputError
 from openrooms_usd.exporters import write_stage
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from pxr import Usd
 
 
-Array = NDArray[np.float64]
 # Corners of an opening in its own frame, in halves of its width and height.
 _RECTANGLE = np.array([[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]])
 _OF_A_BAKE: Final = (

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Bytes, Floats
 from openrooms_usd.capture import read_capture
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.color import quantize, ramp
@@ -19,7 +19,7 @@ _MOST_POINTS: Final = 500_000
 _SHOWN_PERCENTILES: Final = (1.0, 99.0)
 
 
-def packed(points: NDArray[np.float64], colors: NDArray[np.uint8] | None) -> bytes:
+def packed(points: Array, colors: Bytes | None) -> bytes:
     """Points for a page: the count as uint32, (N, 3) float32 metres, (N, 3) uint8 sRGB.
 
     Args:
@@ -32,7 +32,7 @@ def packed(points: NDArray[np.float64], colors: NDArray[np.uint8] | None) -> byt
     return np.uint32(len(kept)).tobytes() + kept.tobytes() + np.ascontiguousarray(painted).tobytes()
 
 
-def _by_height(points: NDArray[np.float32]) -> NDArray[np.uint8]:
+def _by_height(points: Floats) -> Bytes:
     low, high = np.percentile(points[:, 2], _SHOWN_PERCENTILES)
     return quantize(ramp(np.clip((points[:, 2] - low) / max(high - low, 1e-6), 0.0, 1.0)))
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.model import Model, Number, Switch, Whole
 from openrooms_usd.description.rendering import PHOTOGRAPH, REFERENCE, RenderSettings
@@ -26,7 +26,6 @@ from openrooms_usd.usd.cameras import PinholeCamera
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.view.app import STAGES, Nothing
 
-Floats = NDArray[np.float32]
 Row = Annotated[list[Number], Field(min_length=4, max_length=4)]
 Three = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Matrix = Annotated[list[Row], Field(min_length=4, max_length=4)]
@@ -205,7 +204,7 @@ def _camera(asked: Trace) -> PinholeCamera:
     return PinholeCamera(K, np.array(asked.world_from_camera))
 
 
-def _light(view: View, opened: RenderContext, asked: Trace) -> NDArray[np.float64]:
+def _light(view: View, opened: RenderContext, asked: Trace) -> Array:
     """(H, W, 3) nits, each light as the page has it."""
     if not asked.weights:
         return view.images["radiance"].pixels.astype(np.float64)

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.usd.places.frames import TIME
@@ -18,7 +18,6 @@ from tests.anystage.properties import digest, scene_of
 from tests.anystage.stages import random_stage
 from tests.anystage.test_any_stage import batches
 
-Array = NDArray[np.float64]
 SEEDS = [seed for batch in batches() for seed in batch]
 
 

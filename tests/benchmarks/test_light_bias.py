@@ -4,10 +4,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+
+from openrooms_usd.arrays import Array
 
 SIZE = (48, 64, 3)
-Pictures = NDArray[np.float64]
+Pictures = Array
 
 
 def noisy(mean: Pictures, spread: float, seed: int) -> tuple[Pictures, Pictures]:

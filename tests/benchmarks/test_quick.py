@@ -54,32 +54,6 @@ def room(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_radiance(room, tmp_path):
-    _, data = run("radiance", tmp_path / "r.json", "--stage", room)
-    few, more, reference = data["rows"]
-    assert (few["samples"], more["samples"], reference["samples"]) == (2, 8, 64)
-    # Four times the samples have a quarter of the error.
-    assert 2.5 < few["relative_mse"] / more["relative_mse"] < 6.0
-    assert reference["relative_mse"] is None
-
-
-@pytest.mark.long
-def test_radiance_with_denoising(room, tmp_path):
-    said, data = run("radiance", tmp_path / "r.json", "--stage", room, "--denoise")
-    few, more, reference = data["rows"]
-    assert few["denoised_mse"] < few["relative_mse"]
-    assert few["seconds_with_denoising"] > 0
-    assert reference["denoised_mse"] is None
-    bias = data["denoiser"]
-    assert all(np.isfinite(value) for value in bias.values()) and "mean signed" in said
-    # Two references of 64 samples are alike; a denoiser leaves their mean nearly alone.
-    assert 0 < bias["raw reference, relative MSE"] < more["relative_mse"]
-    assert abs(bias["denoised, mean signed difference"]) < 0.05
-    assert 20 < data["backends"][0]["memory_MB"] < 4000
-    assert "| scalar | 8 |" in said
-
-
-@pytest.mark.slow
 def test_first_picture(vectorized, room, tmp_path):
     words = ("--stage", room, "--variant", "llvm")
     _, data = run("first_picture", tmp_path / "f.json", *words)
@@ -103,7 +77,6 @@ def test_generate(tmp_path):
     assert data["rooms"] == 2 and data["violations"] == []
     seconds = sum(row["generate_s"] + row["compose_s"] for row in data["timed"])
     assert data["rooms_per_minute"] == pytest.approx(60 * len(data["timed"]) / seconds)
-    assert data["objects_per_asset"] >= 1
     assert "| apartment | 1 |" in said
 
 
@@ -111,7 +84,7 @@ def test_generate(tmp_path):
 def test_variety(tmp_path):
     said, data = run("variety", tmp_path / "v.json")
     assert data["rooms"] == 4 and 0 < data["equal in a room"] < 1
-    assert data["most kettles in a room"] <= 1 and "| share of tube monitors |" in said
+    assert 0 <= data["equal beside each other"] < 1 and "| objects in a room |" in said
 
 
 @pytest.mark.long
@@ -124,15 +97,6 @@ def test_materials(vectorized, tmp_path):
     first = data["albedo"]["rows"][0]
     assert first["ours"] == pytest.approx(0.55, abs=0.003)
     assert "## albedo" in said
-
-
-def test_relative_mse_of_a_known_error():
-    from benchmarks.radiance import relative_mse
-
-    reference = np.full((5, 6, 3), [1.0, 2.0, 4.0])
-    for factor in (0.5, 1.1, 3.0):
-        expected = (factor - 1) ** 2 / 1.01
-        assert relative_mse(factor * reference, reference) == pytest.approx(expected)
 
 
 def test_the_hall_has_as_many_objects_as_asked_for(tmp_path):
@@ -194,7 +158,6 @@ def test_dataset(tmp_path):
     (beside,) = data["beside_others"]
     # 700 s of the clock for 640 x 480 pixels.
     assert beside["us_a_pixel"] * beside["paper_times"] == pytest.approx(700e6 / (640 * 480))
-    assert data["planning"]["units"] == 10_000
 
 
 @pytest.mark.long

@@ -5,17 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, Vt
 from scipy.spatial import KDTree
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.shapes.meshes import read_meshes
 from openrooms_usd.usd.shapes.subdivided import LEVELS
 from tests.blender.conftest import Blender
 
 pytestmark = pytest.mark.slow
 
-Array = NDArray[np.float64]
 # Blender's words for interpolateBoundary and faceVaryingLinearInterpolation.
 BOUNDARIES = {"ALL": "edgeOnly", "PRESERVE_CORNERS": "edgeAndCorner"}
 SEAMS = {

@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdShade
 
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.composing import compose_room
 from openrooms_usd.demo import copy_example
 from openrooms_usd.description.rendering import RenderSettings
@@ -36,7 +37,7 @@ class Shown:
     def manifest(self) -> dict[str, Any]:
         return json.loads((self.out / "manifest.json").read_text())  # type: ignore[no-any-return]
 
-    def __getitem__(self, view: str) -> dict[str, NDArray[np.float32]]:
+    def __getitem__(self, view: str) -> dict[str, Floats]:
         return read_exr(self.out / view / "channels.exr")
 
     @property
@@ -50,7 +51,7 @@ class Shown:
         return np.vectorize(legend.__getitem__, otypes=[object])(numbers).astype(str)
 
 
-def read_exr(path: Path) -> dict[str, NDArray[np.float32]]:
+def read_exr(path: Path) -> dict[str, Floats]:
     """(height, width, components) by channel."""
     source: Any = OpenImageIO.ImageInput.open(str(path))
     names = source.spec().channelnames
@@ -213,16 +214,16 @@ def cast() -> Callable[..., "Seen"]:
 class Seen:
     """What the centres of pixels see, by plain USD and numpy; arrays are (height, width, ...)."""
 
-    position: NDArray[np.float64]
-    distance: NDArray[np.float64]
-    depth: NDArray[np.float64]
-    normal: NDArray[np.float64]
-    st: NDArray[np.float64]
+    position: Array
+    distance: Array
+    depth: Array
+    normal: Array
+    st: Array
     prims: NDArray[Any]
     """The mesh that is hit, or None."""
 
     @property
-    def hit(self) -> NDArray[np.bool_]:
+    def hit(self) -> Mask:
         return np.isfinite(self.distance)
 
 
@@ -282,9 +283,7 @@ def ray_cast(stage: Usd.Stage, camera: str, width: int, height: int) -> Seen:
     )
 
 
-def triangles(
-    mesh: UsdGeom.Mesh, cache: UsdGeom.XformCache
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def triangles(mesh: UsdGeom.Mesh, cache: UsdGeom.XformCache) -> tuple[Array, Array]:
     """(T, 3, 3) world corners and (T, 3, 2) st of a mesh: each face as a fan."""
     matrix = np.array(cache.GetLocalToWorldTransform(mesh.GetPrim()))
     points = np.array(mesh.GetPointsAttr().Get(), dtype=np.float64)
@@ -302,9 +301,7 @@ def triangles(
     return world[indices[np.array(fan)]], np.array(primvar.ComputeFlattened())[np.array(fan)]
 
 
-def meet(
-    corners: NDArray[np.float64], eye: NDArray[np.float64], directions: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
+def meet(corners: Array, eye: Array, directions: Array) -> tuple[Array, Ints, Array]:
     """Distance, triangle and barycentric coordinates of each ray's first hit."""
     a, b, c = np.moveaxis(corners, 1, 0)
     p = np.cross(directions[:, None], (c - a)[None])

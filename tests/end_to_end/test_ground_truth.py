@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 import pytest
-from numpy.typing import NDArray
 from pxr import Usd, UsdShade
+
+from openrooms_usd.arrays import Array
 
 WIDTH, HEIGHT = 40, 30
 
@@ -105,7 +106,7 @@ def value(shader: UsdShade.Shader, name: str, fallback: object) -> object:
     return fallback if not given or given.Get() is None else given.Get()
 
 
-def looked_up(texture: UsdShade.Shader, st: NDArray[np.float64]) -> NDArray[np.float64]:
+def looked_up(texture: UsdShade.Shader, st: Array) -> Array:
     """Bilinear values of a repeating texture, decoded, with t upwards, at (R, 2) st."""
     placed = source(texture, "st")
     assert placed is not None

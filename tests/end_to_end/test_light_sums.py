@@ -5,13 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.rendering import render_stage
 from openrooms_usd.rendering.reading import RenderedView, read_render
 
-Array = NDArray[np.float64]
 SIZE = (24, 18)
 CHANNELS = (
     "radiance emission direct indirect irradiance irradiance_direct irradiance_indirect "

@@ -4,8 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import (
     CATEGORIES,
@@ -137,7 +137,7 @@ def test_doors_and_drawers_have_gaps_between_them() -> None:
     assert gaps == pytest.approx([0.003] * len(gaps), abs=1e-6)
 
 
-def freed(parts: Parts) -> NDArray[np.float64]:
+def freed(parts: Parts) -> Array:
     """(3,) the share of a bulb's light that passes all other parts: downwards, level, upwards."""
     parts = dict(parts)
     bulb = parts.pop("light_bulb")

@@ -3,15 +3,14 @@
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.composition import BARE, NO_SUBJECT, Subjects, photographic_rating
 from openrooms_usd.geometry.looks import Views, rated
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.viewpoints import PITCH_DEG, photographers_views
 from tests.geometry.test_views import ROOM, SQUARE, cuboids
 
-Array = NDArray[np.float64]
 L_SHAPE = np.array([[0.0, 0], [6, 0], [6, 3], [3, 3], [3, 6], [0, 6]])
 # A sofa, 2 m wide.
 SOFA = ((1.0, 3.0, 0.0), (3.0, 3.9, 0.8), False)

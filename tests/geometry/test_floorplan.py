@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.floorplan import inside, room_centre, wall_distance
 
 L_SHAPE = np.array([[0.0, 0], [6, 0], [6, 1.5], [1.5, 1.5], [1.5, 6], [0, 6]])
@@ -15,9 +15,7 @@ SLANTED = np.array([[0.0, 1], [3, 0], [6, 2], [4, 3], [5, 6], [2, 4], [1, 5]])
 
 @pytest.mark.parametrize("corners", [L_SHAPE, L_SHAPE[::-1], SLANTED])
 @pytest.mark.parametrize("offset", [0.0, 1.0e5])
-def test_inside_and_distance_agree_with_shapely(
-    corners: NDArray[np.float64], offset: float
-) -> None:
+def test_inside_and_distance_agree_with_shapely(corners: Array, offset: float) -> None:
     polygon = corners + offset
     points = np.random.default_rng(0).uniform(-1, 7, (500, 2)) + offset
     shape = shapely.Polygon(polygon)

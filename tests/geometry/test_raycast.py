@@ -4,12 +4,10 @@ import sys
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError, MissingPackageError
 from openrooms_usd.geometry.raycast import RayCaster
-
-Array = NDArray[np.float64]
 
 BACKENDS = ("embree", "tree")
 

@@ -4,13 +4,11 @@ from itertools import product
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.geometry.cages import Cage
 from openrooms_usd.geometry.subdivision import limit, refine, smooth_normals
-
-Array = NDArray[np.float64]
 
 BOX = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)], float)
 SIDES = np.array(
@@ -19,14 +17,14 @@ SIDES = np.array(
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
 
 
-def polygons(faces: NDArray[np.int64], sharp: float = 0.0) -> Cage:
+def polygons(faces: Ints, sharp: float = 0.0) -> Cage:
     """Faces of equal corners whose edges are all as sharp."""
     indices = faces.reshape(-1)
     zeros = np.zeros(indices.max() + 1)
     return Cage(np.full(len(faces), faces.shape[1]), indices, np.full(indices.shape, sharp), zeros)
 
 
-def grid(side: int) -> NDArray[np.int64]:
+def grid(side: int) -> Ints:
     first = np.array([j * side + i for j in range(side - 1) for i in range(side - 1)])
     return first[:, None] + [0, 1, side + 1, side]
 
@@ -62,7 +60,7 @@ def test_a_boundary_is_a_cubic_b_spline() -> None:
     ("scheme", "faces"), [("catmullClark", SIDES), ("loop", TETRAHEDRON)], ids=str
 )
 @pytest.mark.parametrize("sharp", [0.0, 0.6, 1.7])
-def test_refinement_tends_to_the_limit(scheme: str, faces: NDArray[np.int64], sharp: float) -> None:
+def test_refinement_tends_to_the_limit(scheme: str, faces: Ints, sharp: float) -> None:
     cage = polygons(faces, sharp)
     points = np.random.default_rng(3).normal(size=(len(cage.corners), 3))
     expected = limit(cage, scheme) @ points

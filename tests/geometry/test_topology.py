@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.geometry.topology import connected, open_edges, parts, weld
 
 CUBE = trimesh.creation.box()
@@ -37,7 +37,7 @@ def test_soup_of_a_mesh_is_welded_to_its_points() -> None:
     assert not len(open_edges(places.reshape(-1, 3))[0])
 
 
-def by_hand(count: int, links: NDArray[np.int64]) -> list[set[int]]:
+def by_hand(count: int, links: Ints) -> list[set[int]]:
     """Components by merging sets."""
     found = [{node} for node in range(count)]
     for a, b in links.tolist():

@@ -8,9 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box, has_area, triangulate
-
-Array = NDArray[np.float64]
 
 
 def star(rng: np.random.Generator, corners: int) -> Array:

@@ -1,17 +1,13 @@
 """The second set: nothing overlaps (counted pixel by pixel), nothing is stretched far."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from pxr import Usd, UsdGeom
 
 from openrooms_usd.geometry import unwrap
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, rounded_box, sphere
-from openrooms_usd.geometry.unwrap import laid_out, unwrapped
+from openrooms_usd.geometry.unwrap import Layout, laid_out
 from openrooms_usd.geometry.uvquality import uv_quality
-from openrooms_usd.usd.shapes.meshes import define_mesh
 
 pytest.importorskip("xatlas", reason="xatlas has no wheel for this Python")
 
@@ -44,36 +40,29 @@ SHAPES = {
 }
 
 
-@pytest.mark.parametrize("name", SHAPES)
-def test_no_two_places_of_the_surface_share_one_in_the_texture(name: str) -> None:
-    mesh = SHAPES[name]
-    cut, st = unwrapped(mesh, resolution=SIZE)
-    assert st.shape == (len(cut.indices), 2)
-    assert st.min() >= 0.0 and st.max() <= 1.0
-    counts = _coverage(st)
-    assert counts.max() == 1
-    assert (counts == 1).mean() > 0.35  # the square is not wasted
-    quality = uv_quality(replace(cut, st=st))
-    assert quality.stretch < 1.1
-    assert quality.folded == 0.0
-    assert cut.areas().sum() == pytest.approx(mesh.areas().sum())
-
-
 def test_the_same_mesh_has_the_same_layout() -> None:
-    first, second = (unwrapped(SHAPES["apart"])[1] for _ in range(2))
-    assert first.tobytes() == second.tobytes()
+    first, second = (_layout(SHAPES["apart"], 40)[1] for _ in range(2))
+    assert first.places.tobytes() == second.places.tobytes()
 
 
-@pytest.mark.parametrize("name", ["box", "ball", "apart"])
-def test_layouts_are_as_large_as_the_surface_and_keep_polygons_whole(name: str) -> None:
-    mesh = SHAPES[name]
+def _layout(mesh: Mesh, density: float) -> tuple[np.ndarray, Layout]:
+    """The corners of its triangles, and where they lie."""
     corners, faces = mesh.triangles()
     rows = mesh.indices[corners]
-    layout = laid_out(mesh.points, rows, faces, texels_per_metre=40)
+    return corners, laid_out(mesh.points, rows, faces, texels_per_metre=density)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_layouts_are_as_large_as_the_surface_and_keep_polygons_whole(name: str) -> None:
+    mesh, density = SHAPES[name], {"tiny": 4e4, "huge": 4e-2}.get(name, 40.0)
+    corners, layout = _layout(mesh, density)
     assert (layout.places >= 0.5).all() and (layout.places <= np.array(layout.size) - 0.5).all()
     counts = _coverage(layout.places / SIZE)
     assert counts.max() == 1
-    assert (counts == 1).sum() == pytest.approx(mesh.areas().sum() * 40**2, rel=0.1)
+    assert (counts == 1).sum() == pytest.approx(mesh.areas().sum() * density**2, rel=0.1)
+    threes, flat = np.full(len(corners), 3, np.int32), mesh.indices[corners].reshape(-1)
+    quality = uv_quality(Mesh(mesh.points, threes, flat, st=layout.places.reshape(-1, 2)))
+    assert quality.stretch < 1.1 and quality.folded == 0.0
     of_corner: dict[int, np.ndarray] = {}
     for corner, place in zip(corners.ravel(), layout.places.reshape(-1, 2), strict=True):
         np.testing.assert_allclose(of_corner.setdefault(corner, place), place, atol=0.02)
@@ -88,29 +77,3 @@ def test_a_polygon_that_is_cut_becomes_a_chart_of_its_own() -> None:
     assert (places >= 1.0).all() and (places <= np.array(size) - 1.0).all()
     places[0] += 5.0
     assert unwrap._cut(faces, triangles.astype(np.int64), places).tolist() == [0]
-
-
-def test_degenerate_triangles_get_a_place_without_an_area() -> None:
-    mesh = sphere(1, segments=12)
-    cut = unwrap.triangulated(mesh)
-    worse = Mesh(
-        cut.points,
-        np.full(len(cut.counts) + 2, 3, np.int32),
-        np.concatenate([[0, 0, 1], cut.indices, [2, 2, 2]]).astype(np.int32),
-    )
-    _, st = unwrapped(worse, resolution=SIZE)
-    assert not st[:3].any() and not st[-3:].any()
-    assert _coverage(st).max() == 1
-    nothing = Mesh(cut.points, np.array([3], np.int32), np.zeros(3, np.int32))
-    assert not unwrapped(nothing)[1].any()
-
-
-def test_a_prim_carries_both_sets() -> None:
-    stage = Usd.Stage.CreateInMemory()
-    cut, st = unwrapped(SHAPES["box"])
-    prim = define_mesh(stage, "/box", cut, baked_st=st)
-    primvars = UsdGeom.PrimvarsAPI(prim)
-    for name, values in (("st", cut.st), ("st1", st)):
-        primvar = primvars.GetPrimvar(name)
-        assert primvar.GetInterpolation() == "faceVarying"
-        np.testing.assert_array_equal(np.array(primvar.Get()), values)

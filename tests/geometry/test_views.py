@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.looks import NOTHING, Sights, Views, parts_of, sights_of, visible
 from openrooms_usd.geometry.raycast import RayCaster
@@ -22,7 +22,6 @@ from openrooms_usd.geometry.views import (
     sphere_directions,
 )
 
-Array = NDArray[np.float64]
 SQUARE = np.array([[0.0, 0], [5, 0], [5, 4], [0, 4]])
 QUADS = np.array(
     [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import OpenImageIO
 import pytest
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 import openrooms_usd as ou
 from openrooms_usd import names
+from openrooms_usd.arrays import Floats
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.demo import copy_example
 from openrooms_usd.rendering.reading import read_render
@@ -81,7 +81,7 @@ def test_the_validator_sees_what_is_wrong(composed_demo: Path, node: Node, tmp_p
     assert report["issues"]["numErrors"] > 0
 
 
-def picture(path: Path) -> NDArray[np.float32]:
+def picture(path: Path) -> Floats:
     return np.asarray(OpenImageIO.ImageBuf(str(path)).get_pixels("float"))[..., :3]
 
 

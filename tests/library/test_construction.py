@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import CATEGORIES, make, part_of
 from openrooms_usd.furniture.construction import ANY, GENERAL
 from openrooms_usd.furniture.registry import records
@@ -29,8 +29,6 @@ from openrooms_usd.library.styles.finishes import FINISHES, finishes_of
 from openrooms_usd.library.timber import grained
 from openrooms_usd.physics.mass import MassProperties, combined
 from tests.furniture.pieces import piece
-
-Array = NDArray[np.float64]
 
 
 def mass_range(category: str, style: str | None = None) -> tuple[float, float] | None:
@@ -179,7 +177,7 @@ def test_joints_take_a_hand_and_not_a_crowbar():
         assert joint_damping_of(category, "hinge").damping > 0
 
 
-def grain(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def grain(mesh: Mesh) -> tuple[Array, Array]:
     """Where t runs on each triangle, by inverting its map from the texture; and its area."""
     corners, _ = mesh.triangles()
     p, st = mesh.points[mesh.indices[corners]], mesh.st[corners].astype(np.float64)  # type: ignore[index]
@@ -190,12 +188,12 @@ def grain(mesh: Mesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return along / np.linalg.norm(along, axis=1, keepdims=True), area[kept]
 
 
-def principal(mesh: Mesh) -> NDArray[np.float64]:
+def principal(mesh: Mesh) -> Array:
     """The axis along which a mesh is longest, by the spread of its points."""
     return np.linalg.svd(mesh.points - mesh.points.mean(axis=0))[2][0]
 
 
-def share_along(mesh: Mesh, axis: NDArray[np.float64], within: float = 15.0) -> float:
+def share_along(mesh: Mesh, axis: Array, within: float = 15.0) -> float:
     """The part of the surface whose grain runs along an axis."""
     along, area = grain(mesh)
     return float(area[np.abs(along @ axis) > np.cos(np.radians(within))].sum() / area.sum())

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.ownmaterials import (
     OwnMaterial,
@@ -290,7 +290,6 @@ def test_names_that_say_nothing(stem: str) -> None:
 
 
 SIDE = 64
-Array = NDArray[np.float64]
 
 
 def write(path: Path, pixels: Array, kind: str) -> str:

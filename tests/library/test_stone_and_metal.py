@@ -4,8 +4,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.library.textures import metal, rough_stone, specular_stone
 from openrooms_usd.library.textures.base.cells import hexagons, scales, scattered_cells
 from openrooms_usd.library.textures.base.courses import bond, random_courses
@@ -16,7 +16,7 @@ from openrooms_usd.library.textures.base.strewn import chips, lines, pits
 from openrooms_usd.library.textures.metal.metals import ALUMINIUM, COPPER, IRON, SILVER
 from openrooms_usd.library.textures.rough_stone.masonry import JOINT, STANDARD, english_bond
 
-Field = NDArray[np.float64]
+Field = Array
 
 FAMILIES: dict[str, Family] = {**rough_stone.FAMILIES, **specular_stone.FAMILIES, **metal.FAMILIES}
 

@@ -9,8 +9,8 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description import families
 from openrooms_usd.description.substances import Substance
@@ -169,7 +169,7 @@ def test_unknown_names_are_refused() -> None:
 LARGE_PATTERNS = {"damask", "houndstooth", "seersucker", "tartan", "ticking", "stitched_leather"}
 
 
-def clouds(picture: NDArray[np.uint8], size: float, longest: float) -> NDArray[np.float64]:
+def clouds(picture: Bytes, size: float, longest: float) -> Array:
     """The long waves of a picture's brightness, by a filter in the frequency domain."""
     spectrum = np.fft.fft2(picture.astype(np.float64).mean(axis=2))
     frequency = np.fft.fftfreq(len(picture), size / len(picture))
@@ -232,8 +232,6 @@ def test_every_family_says_how_often_it_is_laid() -> None:
             assert family.laid in (1, 2, 4), name
             assert family.repeat == pytest.approx(family.size * family.laid)
 
-
-Array = NDArray[np.float64]
 
 NAMES = [name for families in FAMILIES.values() for name in families]
 RESOLUTION = 128

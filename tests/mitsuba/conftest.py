@@ -4,11 +4,10 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Usd
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.rendering import View
 from orusd_mitsuba import variants
 from tests.mitsuba.rendering import session_of, shown
@@ -112,9 +111,7 @@ class Lit:
         eye = self.camera(*size, path=how.pop("path", "/Camera"))
         return PathIntegrator(self.built, self.index, eye, *size, self.scene.origin, depth, **how)
 
-    def direct(
-        self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)
-    ) -> NDArray[np.float32]:
+    def direct(self, samples: int, seed: int = 0, size: tuple[int, int] = (16, 16)) -> Floats:
         """(4 L, height, width, 3) of `DirectIntegrator`."""
         from orusd_mitsuba.direct.integrator import DirectIntegrator
 

@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 import OpenImageIO
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -25,10 +24,10 @@ class Client:
 
     corners: Array
     places: Array
-    pictures: NDArray[np.int64]
+    pictures: Ints
     files: tuple[str, ...]
 
-    def irradiance(self, rows: NDArray[np.int64], points: Array) -> Array:
+    def irradiance(self, rows: Ints, points: Array) -> Array:
         """(P, 3) lux at points on triangles, bilinear; NaN where there is no lightmap."""
         a, b, c = np.moveaxis(self.corners[rows], 1, 0)
         sides = np.stack([b - a, c - a], axis=2)

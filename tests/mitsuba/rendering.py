@@ -4,14 +4,14 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering import RenderRequest
 from orusd_mitsuba import MitsubaRenderer
 from tests.opening import open_with
 
-Pictures = dict[str, NDArray[np.float64]]
+Pictures = dict[str, Array]
 SIZE = (24, 18)
 SEEDS = 12
 
@@ -39,7 +39,7 @@ def pictures(
     }
 
 
-def of_lights(found: Pictures, channel: str) -> list[NDArray[np.float64]]:
+def of_lights(found: Pictures, channel: str) -> list[Array]:
     """A channel of every light, by number."""
     stem = channel.removesuffix("i")
     return [found[f"{stem}{n}"] for n in range(len(found)) if f"{stem}{n}" in found]
@@ -50,6 +50,6 @@ def passes(integrator: Any, count: int = 12, samples: int = 16, seed: int = 100)
     return np.stack([integrator(samples, seed + n) for n in range(count)]).astype(np.float64)
 
 
-def radiance(session: Any, **how: Any) -> NDArray[np.float32]:
+def radiance(session: Any, **how: Any) -> Floats:
     """(height, width, 3) of one view."""
     return np.asarray(shown(session, "radiance", **how).images["radiance"].pixels)

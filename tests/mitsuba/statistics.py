@@ -1,9 +1,9 @@
 """Whether two sets of independent renders have the same means, and light in closed form."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 
 def z_of(a: Array, b: Array) -> Array:

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
+
 UP = (0.0, 0.0, 1.0)
 
 

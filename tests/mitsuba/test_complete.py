@@ -58,11 +58,12 @@ def test_sums_take_no_more_room_for_more_samples(lit: Any, monkeypatch: Any) -> 
     """Equal seeds give equal bits, and a pixel has few strands for any number of samples."""
     from orusd_mitsuba.complete import integrator as complete
     from orusd_mitsuba.complete.meeting import CompleteScene
-    from orusd_mitsuba.transport.scattered import TracedLight
+    from orusd_mitsuba.transport.paths import TracedPaths
+    from orusd_mitsuba.transport.scattered import ScatteredLight
 
     room = lit(furnished().stage)
     scene = CompleteScene(room.scene, room.built, room.builder, room.sources, room.index)
-    traced = TracedLight(room.built, room.index, 8)
+    traced = ScatteredLight(TracedPaths(room.built, room.index, 8), is_cheap=False)
     made = complete.CompleteIntegrator(scene, traced, room.camera(*SIZE), *SIZE, 8)
     sizes: list[int] = []
     real = complete.WholeAccumulator

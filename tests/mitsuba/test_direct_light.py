@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.light.lights import Portal
 from tests import small
 from tests.small import square
 
-Array = NDArray[np.float64]
 NITS = 100.0
 
 

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import UsdLux
 
+from openrooms_usd.arrays import Array
 from tests import small
 from tests.mitsuba.rendering import radiance
 from tests.pictures import save_picture
 
-Array = NDArray[np.float64]
 # Directions of the integral, from pole to pole and around.
 ROWS, COLUMNS = 720, 1440
 

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.stats import kstest
+
+from openrooms_usd.arrays import Array
 
 PIXELS = 3000
 
@@ -18,7 +19,7 @@ def draw(vectorized: str) -> Any:
     mi.set_variant(vectorized)
     from orusd_mitsuba.transport.lattice import FirstDimensions
 
-    def drawn(samples: int, seed: int = 0) -> NDArray[np.float64]:
+    def drawn(samples: int, seed: int = 0) -> Array:
         sampler = mi.load_dict({"type": "independent"})
         sampler.seed(seed, PIXELS)
         found = FirstDimensions(samples, PIXELS * samples, sampler)

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
 from tests import small
 from tests.mitsuba.rendering import Pictures, pictures, session_of, shown
 from tests.mitsuba.rooms import closed_room
-from tests.mitsuba.statistics import Array, blocks, lambert, z_of
+from tests.mitsuba.statistics import blocks, lambert, z_of
 from tests.small import square
 
 pytestmark = pytest.mark.usefixtures("vectorized")
@@ -39,7 +39,7 @@ def cube(made: small.Stage, turned: float = 0.0) -> None:
     mesh.AddRotateXYZOp().Set((turned, turned / 2, turned / 3))
 
 
-def inner(normals: Array) -> NDArray[np.bool_]:
+def inner(normals: Array) -> Mask:
     """(H, W) pixels whose neighbours have the same normal, so that no edge crosses them."""
     same = np.ones(normals.shape[:2], dtype=bool)
     for axis in (0, 1):

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering import RenderRequest
 
 SIZE = (32, 24)
 EYE = "/World/Camera"
-Passes = NDArray[np.float64]
+Passes = Array
 
 
 @pytest.fixture

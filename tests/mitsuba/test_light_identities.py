@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.hemisphere import irradiance, irradiance_bound, untiled
 from tests.mitsuba.rendering import Pictures, of_lights, pictures, session_of
 from tests.mitsuba.rooms import LAMPS, WINDOW, furnished
-from tests.mitsuba.statistics import Array, assert_alike
+from tests.mitsuba.statistics import assert_alike
 
 SEEDS, OTHERS = range(12), range(100, 112)
 RECEIVED = ("irradiance", "irradiance_direct", "irradiance_indirect", "irradiance_i")

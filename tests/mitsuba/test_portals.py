@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pxr import UsdLux
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.light.lights import read_portals
 from tests import small
 from tests.mitsuba.statistics import lambert
@@ -75,7 +76,7 @@ def interaction(mi: ModuleType, at: ArrayLike, count: int) -> Any:
 PLACES = [(0.0, 0.0, 0.0), (0.1, 0.9, 0.1), (0.6, 0.98, -0.9), (0.2, 1.2, 0.1), (0.0, 3.0, 0.0)]
 
 
-def sphere_grid(rows: int) -> tuple[NDArray[np.float64], float]:
+def sphere_grid(rows: int) -> tuple[Array, float]:
     z = (np.arange(rows) + 0.5) / rows * 2 - 1
     phi = (np.arange(2 * rows) + 0.5) / rows * np.pi
     z, phi = (grid.ravel() for grid in np.meshgrid(z, phi, indexing="ij"))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from pxr import Gf, UsdGeom, UsdLux
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.scene.models import without_shaping
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.light.profiles import parse_profile
@@ -14,7 +15,7 @@ from openrooms_usd.usd.light.shaping import define_shaping
 from orusd_mitsuba.plugins.light_weights import flux_of
 from tests import small
 from tests.mitsuba.rendering import passes, pictures, session_of
-from tests.mitsuba.statistics import Array, blocks, z_of
+from tests.mitsuba.statistics import blocks, z_of
 from tests.small import square
 
 POLAR = (0, 10, 20, 40, 60, 90, 180)

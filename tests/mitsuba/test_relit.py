@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import UsdLux
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.rendering.relight import Relighting, light_factors, relit
 from openrooms_usd.usd.light.lights import Portal, define_mesh_light, define_portal
 from tests import small
@@ -32,7 +32,7 @@ def room_with_lamps(factors: dict[str, float], kelvin: float = 4000.0) -> Any:
     return room.stage
 
 
-def render(session: Any, channel: str, seed: int) -> dict[str, NDArray[np.float32]]:
+def render(session: Any, channel: str, seed: int) -> dict[str, Floats]:
     return {
         name: image.pixels
         for name, image in shown(

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from tests import small
 from tests.mitsuba.rooms import little_room
 from tests.small import square
@@ -13,7 +13,7 @@ from tests.small import square
 PATHS = 4096
 
 
-def _sums(room: Any, run: Any) -> NDArray[np.float32]:
+def _sums(room: Any, run: Any) -> Floats:
     """(kinds and lights, 3, paths) of what is added for rays of the camera."""
     import mitsuba as mi
 
@@ -37,7 +37,8 @@ def test_it_is_the_rest_of_a_path(lit: Any) -> None:
     import mitsuba as mi
 
     from orusd_mitsuba.transport.path_tracing import trace
-    from orusd_mitsuba.transport.scattered import TracedLight
+    from orusd_mitsuba.transport.paths import TracedPaths
+    from orusd_mitsuba.transport.scattered import ScatteredLight
 
     room = lit(little_room())
 
@@ -48,7 +49,7 @@ def test_it_is_the_rest_of_a_path(lit: Any) -> None:
         def run(sampler: Any, ray: Any, sums: Any) -> None:
             si = room.built.ray_intersect(ray)
             crossed = room.index.crossed(ray.o, ray.d, si.t, mi.UInt32(room.index.elsewhere))
-            light = TracedLight(room.built, room.index, 4 + before)
+            light = ScatteredLight(TracedPaths(room.built, room.index, 4 + before), is_cheap=False)
             color = mi.Color3f(throughput)
             light.add(sampler, ray, si, color, mi.UInt32(before), crossed, sums, mi.Bool(True))
 
@@ -71,7 +72,8 @@ def test_what_goes_straight_through_is_not_theirs(lit: Any, opacity: float) -> N
     """Half of a clear sheet's light, as if all of it were there."""
     import mitsuba as mi
 
-    from orusd_mitsuba.transport.scattered import TracedLight
+    from orusd_mitsuba.transport.paths import TracedPaths
+    from orusd_mitsuba.transport.scattered import ScatteredLight
 
     means = []
     for clear in (1.0, opacity):
@@ -85,7 +87,7 @@ def test_what_goes_straight_through_is_not_theirs(lit: Any, opacity: float) -> N
 
         def run(sampler: Any, ray: Any, sums: Any, room: Any = room) -> None:
             si = room.built.ray_intersect(ray)
-            light = TracedLight(room.built, room.index, 8)
+            light = ScatteredLight(TracedPaths(room.built, room.index, 8), is_cheap=False)
             elsewhere = mi.UInt32(room.index.elsewhere)
             light.add(
                 sampler, ray, si, mi.Color3f(1.0), mi.UInt32(0), elsewhere, sums, mi.Bool(True)

@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.physics.inertia import shell, solid
 from openrooms_usd.physics.mass import MassProperties, combined
 
-Array = NDArray[np.float64]
 SIZE = np.array([0.3, 0.5, 1.1])
 SOMEWHERE = np.array([2.0, -3.0, 0.7])
 SOMEHOW = Rotation.from_euler("xyz", [0.3, -1.1, 2.0]).as_matrix()

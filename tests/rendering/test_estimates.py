@@ -22,6 +22,12 @@ def test_errors_against_a_reference_are_those_of_the_conventions():
     assert robust_error(picture, reference) == pytest.approx((near + 1.0) / 2)
 
 
+@pytest.mark.parametrize("factor", [0.5, 1.1, 3.0])
+def test_a_common_factor_is_an_error_in_every_color(factor: float) -> None:
+    reference = np.full((5, 6, 3), [1.0, 2.0, 4.0])
+    assert relative_mse(factor * reference, reference) == pytest.approx((factor - 1) ** 2 / 1.01)
+
+
 def test_a_pixel_costs_the_robust_error_its_share_at_most():
     reference = np.ones((10, 10, 3))
     spiked = reference.copy()

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel, Symmetry, Up
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundRoom, Pose
 
-Array = NDArray[np.float64]
 Block = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 # Blocks by least and greatest corner: Z up, metres, front towards -Y, base at z = 0.

@@ -5,13 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.rooms.layout import find_layout
 from openrooms_usd.scan.rooms.levelling import level
-
-Array = NDArray[np.float64]
 
 WALL, FLOOR, CABINET, DOOR, CEILING = 1, 2, 3, 8, 22
 SQUARE = ((0.0, 0.0), (4.2, 0.0), (4.2, 3.1), (0.0, 3.1))

@@ -9,16 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import read_capture
 from openrooms_usd.scan.openings.detection import find_openings
 from openrooms_usd.scan.points.thinning import thin
 from openrooms_usd.scan.reconstruction import VOXEL_M, FoundLayout, find_rooms
 from openrooms_usd.scan.results import FoundOpening
 from openrooms_usd.steps.layout.scanned import in_metres
-
-Array = NDArray[np.float64]
 
 
 def truth_of(folder: Path, name: str) -> dict[str, Any]:

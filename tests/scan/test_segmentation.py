@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.reconstruction import find_rooms
@@ -19,7 +20,6 @@ from openrooms_usd.scan.segmentation.contract import Segments, checked
 from openrooms_usd.scan.segmentation.naming import UNNAMED, things_of, with_labels
 from orusd_scans.plainscan import ScanImporter
 
-Array = NDArray[np.float64]
 # x, y, z from and to, metres.
 Block = tuple[float, float, float, float, float, float]
 

@@ -4,12 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.openings.cellcounts import WallFace, faces_of
 from openrooms_usd.scan.points.cloud import Cloud
-
-Array = NDArray[np.float64]
 
 HEIGHT = 2.6
 CORNERS = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
@@ -38,7 +36,7 @@ class Sheet:
     label: int = WALL
     cuts: bool = True
 
-    def covers(self, x: Array, z: Array) -> NDArray[np.bool_]:
+    def covers(self, x: Array, z: Array) -> Mask:
         return (x > self.x[0]) & (x < self.x[1]) & (z > self.z[0]) & (z < self.z[1])
 
 
@@ -93,7 +91,7 @@ def room(
     )
 
 
-Part = tuple[Array, Array, NDArray[np.int64]]
+Part = tuple[Array, Array, Ints]
 
 
 def _grid(x: tuple[float, float], z: tuple[float, float]) -> tuple[Array, Array]:

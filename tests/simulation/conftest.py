@@ -5,9 +5,9 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from openrooms_usd import adapters
+from openrooms_usd.arrays import Array
 from openrooms_usd.engines import Simulation
 from openrooms_usd.geometry.solids import box
 from openrooms_usd.physics.mass import MassProperties
@@ -15,7 +15,6 @@ from openrooms_usd.physics.world import Body, Contact, Link, Shape, World
 from openrooms_usd.simulation.robots import triangles
 from tests.engines import ENGINES
 
-Array = NDArray[np.float64]
 Opener = Callable[..., Simulation]
 
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, Vt
 
 from openrooms_usd import names
@@ -25,7 +24,6 @@ from openrooms_usd.usd.files.layers import apply_metadata
 from openrooms_usd.usd.semantics import label
 from openrooms_usd.usd.shapes.meshes import define_mesh, read_meshes, world_triangles
 
-Array = NDArray[np.float64]
 POLYGON = np.array([[0.0, 0], [5, 0], [5, 4], [0, 4]])
 QUADS = np.array(
     [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.composing import compose_room
 
 ROOM = """\
@@ -26,7 +26,6 @@ furniture:
 materials: {resolution: 16}
 cameras: {resolution: [16, 12], views: [{name: eye, eye: [1, 1, 1.5], target: [3, 3, 1]}]}
 """
-Array = NDArray[np.float64]
 Edit = Callable[[Usd.Stage], None]
 
 

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.triangulation import TriangleMesh
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import Body, Contact, Joint, Link, Shape, Visual, World
 from tests.engines import NO_PYBULLET
-
-Array = NDArray[np.float64]
 
 CUBE = np.array([[x, y, z] for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
 FACES = [

@@ -6,16 +6,15 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.physics.mass import MassProperties
 from openrooms_usd.physics.world import World
 from tests.engines import NO_PYBULLET
 
 pybullet = pytest.importorskip("pybullet", reason=NO_PYBULLET)
 
-Array = NDArray[np.float64]
 TURN = Rotation.from_euler("xyz", [40.0, -25.0, 110.0], degrees=True).as_matrix()
 TILT = Rotation.from_euler("xyz", [-10.0, 65.0, 30.0], degrees=True).as_matrix()
 

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.pinhole import look_at
@@ -21,8 +21,6 @@ from openrooms_usd.usd.cameras import (
 )
 from openrooms_usd.usd.places.frames import world_from_stage
 from openrooms_usd.usd.shapes.meshes import define_mesh
-
-Array = NDArray[np.float64]
 
 
 def new_stage(axis: str = "Z", unit: float = 1.0) -> Usd.Stage:

@@ -6,14 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 from scipy.interpolate import BSpline, CubicHermiteSpline
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.shapes.gprims import GprimSurface, read_surface
 from openrooms_usd.usd.shapes.meshes import TriangleMesh, read_meshes
 
-Array = NDArray[np.float64]
 # So thick that the least number of lines is enough.
 THICK = 20.0
 BENT = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 2, 1), (1, 3, 0), (2, 3, 0)]
@@ -400,7 +399,7 @@ def new_stage() -> Usd.Stage:
     return stage
 
 
-def shape(kind: str, **values: object) -> tuple[TriangleMesh, NDArray[np.float64]]:
+def shape(kind: str, **values: object) -> tuple[TriangleMesh, Array]:
     """The triangles of a shape, and the extent that USD computes for it."""
     stage = new_stage()
     prim = stage.DefinePrim("/World/shape", kind)

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd.shapes.meshes import (
     MeshReading,
@@ -19,7 +19,6 @@ from openrooms_usd.usd.shapes.meshes import (
     world_triangles,
 )
 
-Array = NDArray[np.float64]
 QUADS = np.array(
     [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]]
 )

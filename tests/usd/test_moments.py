@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Ts, Usd, UsdGeom, UsdLux, UsdSkel, Vt
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.usd.cameras import read_camera
@@ -293,8 +293,6 @@ def test_arrays_that_are_blocked() -> None:
     freeze_time(stage, 5.0)
     assert attribute.Get(TIME) is None
 
-
-Array = NDArray[np.float64]
 
 POINTS = np.array([[0, 0, 0], [1, 0, 0], [1, 0, 1], [0, 0, 1], [1, 0, 2], [0, 0, 2.0]])
 WEIGHTS = np.array([[1, 0], [1, 0], [0.5, 0.5], [0.5, 0.5], [0, 1], [0, 1.0]])

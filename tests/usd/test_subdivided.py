@@ -4,14 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, Vt
 from scipy.interpolate import BSpline
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.shapes.gprims import GprimSurface, read_surface
 from openrooms_usd.usd.shapes.subdivided import Topologies
 
-Array = NDArray[np.float64]
 # Four squares about the origin, seen from above.
 POINTS = [(i, j, 0.0) for j in (-1, 0, 1) for i in (-1, 0, 1)]
 FACES = [0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7]

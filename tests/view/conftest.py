@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.view.app import App
 from openrooms_usd.view.server import serving
 from tests.chromium import Page, opened
@@ -40,7 +40,7 @@ def drawn(page: Page, folder: Path) -> Path:
     return folder / "page.png"
 
 
-def lit_picture(page: Page, output: int = 1) -> NDArray[np.float64]:
+def lit_picture(page: Page, output: int = 1) -> Array:
     """(H, W, 3) light in nits, or base colour, as the page shows it."""
     width, height = PICTURE
     values = page.evaluate(f"Array.from({ROOM}.radiance({width}, {height}, {output}))")

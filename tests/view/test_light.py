@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 import openrooms_usd as ou
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.colorimetry import LUMINANCE, srgb_from_linear
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.rendering.bake.layer import LIGHT_IRRADIANCE, LIGHT_NAMES, SCALE_OFFSET
@@ -24,7 +24,6 @@ from tests.view.conftest import PICTURE, ROOM, Shown, lit_picture, slide, turn
 
 pytestmark = [pytest.mark.slow, needs_chromium]
 
-Array = NDArray[np.float64]
 
 SIZE = PICTURE
 LAMP, WINDOW = "table_lamp_0", "window_0"
@@ -44,7 +43,7 @@ def page(composed_demo: Path, baked: Path, shown: Shown) -> Page:
     return page
 
 
-def irradiance(baked: Path, light: str, camera: str) -> tuple[Array, NDArray[np.bool_]]:
+def irradiance(baked: Path, light: str, camera: str) -> tuple[Array, Mask]:
     """(H, W, 3) lux of one light at what a camera sees, by rays and the EXR; and where it is known.
 
     Nothing of the page, nor of the exporter, is used here.
@@ -86,7 +85,7 @@ def irradiance(baked: Path, light: str, camera: str) -> tuple[Array, NDArray[np.
     return found.reshape(*SIZE[::-1], 3), known.reshape(SIZE[::-1])
 
 
-def off(found: Array, expected: Array, known: NDArray[np.bool_]) -> float:
+def off(found: Array, expected: Array, known: Mask) -> float:
     """The mean difference of pixels, as a part of what is expected in the mean."""
     return float(np.abs(found - expected)[known].mean() / expected[known].mean())
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 import openrooms_usd as ou
+from openrooms_usd.arrays import Floats
 from openrooms_usd.importing import import_capture
 from openrooms_usd.view import shell
 from openrooms_usd.view.room import room_app, room_state
@@ -37,7 +38,7 @@ def labels(page: Page) -> NDArray[np.str_]:
     return found
 
 
-def pixels(path: Path) -> NDArray[np.float32]:
+def pixels(path: Path) -> Floats:
     return np.asarray(OpenImageIO.ImageBuf(str(path)).get_pixels("float"))[..., :3]
 
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import openrooms_usd as ou
+from openrooms_usd.arrays import Array
 from openrooms_usd.view import shell
 from openrooms_usd.view.room import room_app
 from tests.chromium import Page, needs_chromium, opened
@@ -16,7 +16,6 @@ from tests.view.conftest import Shown, lit_picture, slide, turn
 
 pytestmark = [pytest.mark.slow, needs_chromium]
 
-Array = NDArray[np.float64]
 
 TIMES = {"noon": "12:00", "evening": "19:30"}
 WINDOW = "window_0"

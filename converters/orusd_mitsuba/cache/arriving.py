@@ -13,8 +13,8 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.filling import CacheData
 from orusd_mitsuba.cache.surfels import SurfelIndex
@@ -23,9 +23,7 @@ from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.plugins.openrooms_bsdf import Reflection
 from orusd_mitsuba.transport.arrival import Begin, Start
 from orusd_mitsuba.transport.lattice import TEA_ROUNDS
-from orusd_mitsuba.transport.path_tracing import Prefix, power_heuristic
-
-Floats = NDArray[np.float32]
+from orusd_mitsuba.transport.path_tracing import Prefix, power_heuristic, random_numbers
 
 # Set in the piece of a triangle that emits, and of one whose surface is not known.
 _EMITS: Final = 1 << 31
@@ -89,7 +87,7 @@ class LookedUpArrival:
         if self._around.index.panes is not None:
             rest, active = _gathered(glazed)
             onto = begin(rest)
-            sampler = _sampler(seed ^ _GLAZED_SALT, dr.width(rest))
+            sampler = random_numbers(seed ^ _GLAZED_SALT, dr.width(rest))
             follow(
                 self._around,
                 sampler,
@@ -118,7 +116,7 @@ class LookedUpArrival:
     def _once(self, start: Start, hit: Any, sums: "RaySums", seed: int) -> None:
         """Rays that are followed: what they meet is scattered once, and then looked up."""
         around, built, ray = self._around, self._built, start.ray
-        sampler = _sampler(seed ^ _ONCE_SALT, dr.width(ray))
+        sampler = random_numbers(seed ^ _ONCE_SALT, dr.width(ray))
         _, chance, counted = self._looked_up(start, hit)
         si = hit.compute_surface_interaction(ray, mi.RayFlags.All, start.active)
         sums.straight(self._emitted(si, start.at, start.density, start.active), start.active)
@@ -163,7 +161,7 @@ class LookedUpArrival:
         self, ray: Any, weight: Any, rest: Any, active: Any, sums: "RaySums", seed: int
     ) -> None:
         """Some of the rays that have been scattered once, which carry a weight."""
-        sampler = _sampler(seed ^ _ONWARDS_SALT, dr.width(rest))
+        sampler = random_numbers(seed ^ _ONWARDS_SALT, dr.width(rest))
         onto = mi.Ray3f(dr.gather(mi.Point3f, ray.o, rest), dr.gather(mi.Vector3f, ray.d, rest))
         elsewhere = dr.opaque(mi.UInt32, self._around.index.elsewhere)
         before = Prefix(dr.gather(mi.Color3f, weight, rest), mi.UInt32(1), elsewhere)
@@ -237,13 +235,6 @@ def _gathered(left: Any) -> tuple[Any, Any]:
     some = dr.arange(mi.UInt32, dr.width(left)) < 2
     found: Any = dr.compress(left | some)
     return found, dr.gather(mi.Bool, left, found)
-
-
-def _sampler(seed: int, count: int) -> Any:
-    """Independent random numbers."""
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed & 0xFFFFFFFF, count)
-    return sampler
 
 
 class SurfelHit:

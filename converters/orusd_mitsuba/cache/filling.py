@@ -16,6 +16,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats, Ints, Mask
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.cache.links import LINKED_VERTICES, NONE, FoundLinks, Links, Straight
 from orusd_mitsuba.cache.population import Rays, reached
@@ -24,8 +25,6 @@ from orusd_mitsuba.cache.tracing import TracingScene, follow
 from orusd_mitsuba.plugins import microfacet
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.lattice import FirstDimensions
-
-Floats = NDArray[np.float32]
 
 # So many would tile all triangles, seen or not, from one side: about as many hold the points that
 # light reaches, more where surfaces are bent.
@@ -79,7 +78,7 @@ class Transport:
                 into[:, opening, color] += matrices[color] @ irradiance[:, self._elsewhere, color]
 
 
-def _matrices(links: FoundLinks, which: NDArray[np.bool_], count: int) -> list[Any]:
+def _matrices(links: FoundLinks, which: Mask, count: int) -> list[Any]:
     """By colour."""
     from scipy.sparse import csr_matrix
 
@@ -186,7 +185,7 @@ class Points:
     """
 
     rays: Rays
-    starts: NDArray[np.int64]
+    starts: Ints
 
 
 def _points(
@@ -232,8 +231,8 @@ def _points(
 
 
 def _divided(
-    around: TracingScene, index: SurfelIndex, rays: Rays, surfels: NDArray[np.int64], size_m: float
-) -> NDArray[np.bool_]:
+    around: TracingScene, index: SurfelIndex, rays: Rays, surfels: Ints, size_m: float
+) -> Mask:
     """Whether something stands between the points of a ray's surfel: two rooms may meet there.
 
     Args:
@@ -320,7 +319,7 @@ def _numbers(values: NDArray[Any]) -> Any:
     return mi.UInt32(aligned(values.astype(np.uint32)))
 
 
-def _turns(starts: NDArray[np.int64], surfels: NDArray[np.int64], count: int) -> NDArray[np.uint32]:
+def _turns(starts: Ints, surfels: Ints, count: int) -> NDArray[np.uint32]:
     """So many points of each of some surfels, each in its turn."""
     held = np.diff(starts)[surfels][:, None]
     turn = np.arange(count)

@@ -8,9 +8,8 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats, Ints
 from orusd_mitsuba.cache.surfels import NEAREST_PER_SIZE, SurfelIndex
-
-Floats = NDArray[np.float32]
 
 NONE: Final = 0xFFFFFFFF
 """No surfel."""
@@ -34,9 +33,9 @@ class FoundLinks:
         weight: (K, 3) what of its irradiance arrives.
     """
 
-    vertex: NDArray[np.int64]
-    row: NDArray[np.int64]
-    column: NDArray[np.int64]
+    vertex: Ints
+    row: Ints
+    column: Ints
     crossed: NDArray[np.uint32]
     weight: Floats
 

@@ -11,10 +11,11 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.plugins.memory import aligned
+from orusd_mitsuba.transport.path_tracing import random_numbers
 
 _CANDIDATES: Final = 1 << 18
 _WALKERS: Final = 1 << 16
@@ -45,7 +46,7 @@ class Rays:
             dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number)
         )
 
-    def rows(self, which: NDArray[np.int64]) -> "Rays":
+    def rows(self, which: Ints) -> "Rays":
         """Some of them, by number."""
         number = mi.UInt32(aligned(which.astype(np.uint32)))
         return Rays(dr.gather(mi.Point3f, self.o, number), dr.gather(mi.Vector3f, self.d, number))
@@ -72,8 +73,7 @@ def reached(scene: Scene, built: Any, seed: int) -> Rays | None:
     lit = _rays_onto_lit_points(scene, built, seed)
     if lit is None:
         return None
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed + 1, _WALKERS)
+    sampler = random_numbers(seed + 1, _WALKERS)
     first = _walk(built, sampler, lit)
     return None if first is None else _walk(built, sampler, _one_a_place(scene, first))
 
@@ -127,8 +127,7 @@ def _rays_onto_lit_points(scene: Scene, built: Any, seed: int) -> Rays | None:
     normal = side * crosses[row] / np.maximum(areas[row], 1e-30)[:, None]
     above = place + _ABOVE_PART * scene.room_radius * normal
     onto = Rays(_columns(above), _columns(-normal))
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed, _CANDIDATES)
+    sampler = random_numbers(seed, _CANDIDATES)
     ray = mi.Ray3f(onto.o, onto.d)
     si = built.ray_intersect(ray)
     to, incident = built.sample_emitter_direction(si, sampler.next_2d(), True, si.is_valid())
@@ -157,5 +156,5 @@ def _step(built: Any, sampler: Any, o: Any, d: Any) -> tuple[Any, Any, Any]:
     return o, d, meets
 
 
-def _columns(vectors: NDArray[np.float64]) -> NDArray[np.float32]:
+def _columns(vectors: Array) -> Floats:
     return np.ascontiguousarray(vectors.T, dtype=np.float32)

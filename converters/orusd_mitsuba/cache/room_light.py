@@ -101,32 +101,9 @@ class CachedPaths:
     def __init__(self, around: TracingScene) -> None:
         self._around = around
 
-    def follow(
-        self,
-        sampler: Any,
-        ray: Any,
-        accumulator: Accumulator,
-        *,
-        first: Any = None,
-        active: Any = True,
-        begun: Any = None,
-        numbers: Any = None,
-        prefix: Any = None,
-        looks_through: bool = False,
-    ) -> None:
+    def follow(self, sampler: Any, ray: Any, accumulator: Accumulator, **how: Any) -> None:
         """See `orusd_mitsuba.transport.paths.Paths`."""
-        follow(
-            self._around,
-            sampler,
-            ray,
-            accumulator,
-            first,
-            active,
-            begun,
-            numbers,
-            prefix,
-            looks_through=looks_through,
-        )
+        follow(self._around, sampler, ray, accumulator, **how)
 
 
 def _arrays_of(data: CacheData) -> dict[str, NDArray[Any]]:

@@ -17,6 +17,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_mitsuba.plugins.memory import aligned
 from orusd_mitsuba.transport.light_index import registered
@@ -51,7 +52,7 @@ class SurfelTable:
     probes: int
 
 
-def tabulate(hashes: NDArray[np.uint32], size_m: float) -> tuple[SurfelTable, NDArray[np.int64]]:
+def tabulate(hashes: NDArray[np.uint32], size_m: float) -> tuple[SurfelTable, Ints]:
     """A table of all surfels that some points belong to.
 
     Args:

@@ -7,6 +7,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from orusd_mitsuba.complete.first_surface import FirstSurface
 
 SUMS: Final = (
@@ -176,7 +177,7 @@ def pictures_of(lights: int | None, guided: bool = False) -> int:
     return len(ONCE) + len(OF_LIGHT) * (lights or 0) + guided * len(GUIDES)
 
 
-def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float32]:
+def pictures(sums: Floats, lights: int | None) -> Floats:
     """Those pictures.
 
     Args:
@@ -196,7 +197,7 @@ def pictures(sums: NDArray[np.float32], lights: int | None) -> NDArray[np.float3
     return np.asarray(found, dtype=np.float32)
 
 
-def _sum_of(values: NDArray[Any], names: tuple[str, ...]) -> NDArray[np.float64]:
+def _sum_of(values: NDArray[Any], names: tuple[str, ...]) -> Array:
     rows = [SUMS.index(name) for name in names]
     return np.asarray(values[rows].sum(axis=0, dtype=np.float64))
 

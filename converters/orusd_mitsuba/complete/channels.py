@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.complete.accumulator import OF_LIGHT, ONCE
 
 

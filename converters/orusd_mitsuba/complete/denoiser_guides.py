@@ -9,8 +9,8 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.complete.meeting import CompleteScene, meet
 from orusd_mitsuba.plugins.openrooms_bsdf import view_of
@@ -40,7 +40,7 @@ class GuideIntegrator(BandedIntegrator):
         self._scene = scene
         super().__init__(camera, width, height, scene.origin, planes=2)
 
-    def _band(self, band: Band) -> NDArray[np.float32]:
+    def _band(self, band: Band) -> Floats:
         sampler = band.sampler()
         pixels = band.paths // band.samples
         numbers = FirstDimensions(band.samples, band.paths, band.sampler(_SHIFT_SALT, pixels))

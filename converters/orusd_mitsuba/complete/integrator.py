@@ -17,6 +17,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.complete.accumulator import (
     Mirrored,
@@ -135,7 +136,7 @@ class CompleteIntegrator(BandedIntegrator):
         """Samples of each pixel that one batch of a strip may have."""
         return self.most
 
-    def _band(self, band: Band) -> NDArray[np.float32]:
+    def _band(self, band: Band) -> Floats:
         pixels = band.width * band.rows
         strands = max(1, min(band.samples, min(_THREADS, self.capacity) // pixels))
         threads = Band(self, band.where, strands, band.seed)

@@ -15,13 +15,12 @@ import drjit as dr
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.channels import numbered
 from orusd_mitsuba.complete.accumulator import GUIDES, OF_LIGHT, ONCE
 from orusd_mitsuba.complete.smoothing import IrradianceGradient, smoothed
 from orusd_mitsuba.pictures import BLOCK_PIXELS, Pick, Pictures
 from orusd_mitsuba.transport.sampling import Halves
-
-Floats = NDArray[np.float32]
 
 # More at once would take more memory.
 _LIGHTS_AT_ONCE: Final = 8

@@ -17,10 +17,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from orusd_mitsuba.complete.accumulator import GUIDES
 from orusd_mitsuba.plugins.memory import aligned
-
-Floats = NDArray[np.float32]
 
 # The standard deviation of the average, in parts of the harmonic mean distance.
 _RADIUS_PER_DISTANCE: Final = 0.12

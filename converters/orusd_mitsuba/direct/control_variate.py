@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array
 
 PLANES_PER_LIGHT: Final = 4
 """Pictures of each light that a pass gives: occluded, unoccluded, closed form, moments."""

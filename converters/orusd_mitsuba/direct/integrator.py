@@ -14,8 +14,8 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.rendering.scene.arrays import Scene, Sun
 from openrooms_usd.rendering.scene.sources import Source
 from openrooms_usd.usd.cameras import PinholeCamera
@@ -81,7 +81,7 @@ class DirectIntegrator(BandedIntegrator):
         if built.environment() is not None:
             self._sky = Sky(built, index, self._between, Rectangles(sources, scene.origin))
 
-    def _band(self, band: Band) -> NDArray[np.float32]:
+    def _band(self, band: Band) -> Floats:
         sampler = band.sampler()
         ray = band.ray(sampler.next_2d(), sampler.next_2d())
         sums = DirectAccumulator(band.paths, self._lights, len(self._closed))
@@ -209,7 +209,7 @@ def heuristic(used: Any, other: Any) -> Any:
     return dr.select(used > 0.0, dr.rcp(1.0 + dr.square(other / used)), 0.0)
 
 
-def _moments(sums: DirectAccumulator, light: int, samples: int, rows: int) -> NDArray[np.float32]:
+def _moments(sums: DirectAccumulator, light: int, samples: int, rows: int) -> Floats:
     """(3, rows, width) means of a light's unoccluded green squared, times occluded, and 0."""
     occluded, unoccluded = (sums.green(plane) for plane in (light, light + sums.lights))
     found = [

@@ -13,9 +13,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.rendering.scene.arrays import Patch, Scene
-from openrooms_usd.rendering.scene.pictures import Array, Picture, Value
+from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.sources import Source
 from orusd_mitsuba.transport.light_index import registered
 

@@ -7,7 +7,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.scene.sources import GRAZING_COS, Source
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pxr import Usd
 
 from openrooms_usd import atomic, claims, imagefile, ledger
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.exporters import Report
 from openrooms_usd.portable import RESERVED
@@ -27,7 +28,7 @@ from openrooms_usd.rendering.scene.models import (
     with_model,
     without_shaping,
 )
-from openrooms_usd.rendering.scene.pictures import Array, Picture
+from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.rendering.scene.translate import translate
 from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.cameras import PinholeCamera, framing_camera, list_cameras, read_camera

@@ -6,11 +6,11 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
 from openrooms_usd.rendering.scene.instances import Instances, joined
-from openrooms_usd.rendering.scene.pictures import Array, Picture
+from openrooms_usd.rendering.scene.pictures import Picture
 from openrooms_usd.rendering.scene.surfaces import Surface
 from openrooms_usd.rendering.scene.triangles import Triangles
 from orusd_mitsuba.plugins import material_table, meshes, openrooms_bsdf, preview_bsdf
@@ -172,7 +172,7 @@ class Builder:
             self._areas[patch.name].set_shape(found[patch.name])
         return found
 
-    def first_rows(self, scene: Scene) -> NDArray[np.int64]:
+    def first_rows(self, scene: Scene) -> Ints:
         """(shapes,) the row of `Scene.triangles` that the first triangle of each shape is."""
         sizes: list[int] = []
         for patch in scene.patches:
@@ -209,7 +209,7 @@ class Builder:
         """What surfaces are rows of; None where none fits."""
         return self._table
 
-    def tabulated(self, scene: Scene, built: Any) -> NDArray[np.bool_]:
+    def tabulated(self, scene: Scene, built: Any) -> Mask:
         """Which registered shapes have a row in the table; True for numbers that no shape has.
 
         Args:
@@ -221,7 +221,7 @@ class Builder:
         found[numbers] = self.in_table(scene)
         return found
 
-    def in_table(self, scene: Scene) -> NDArray[np.bool_]:
+    def in_table(self, scene: Scene) -> Mask:
         """(patches,) which of a scene's patches have a row in the table."""
         return np.array([id(patch.surface) in self._rows for patch in scene.patches], dtype=bool)
 

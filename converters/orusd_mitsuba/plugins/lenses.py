@@ -5,7 +5,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.plugins.sensors import FAR_CLIP_METRES
 

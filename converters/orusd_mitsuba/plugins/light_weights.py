@@ -10,9 +10,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.rendering.scene.arrays import Environment, Patch, Scene
-from openrooms_usd.rendering.scene.pictures import Array, Picture
+from openrooms_usd.rendering.scene.pictures import Picture
 
 # The part of the samples that is spread evenly over all lights.
 _SHARE_FOR_EVERY_LIGHT: Final = 0.25

@@ -16,6 +16,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.surfaces import Surface
 from openrooms_usd.usd.shading.surfaces import f0_of
@@ -205,7 +206,7 @@ class _Store:
         return int(self._starts[id(picture.texels)])
 
 
-def _packed(texels: NDArray[np.uint8]) -> NDArray[np.uint32]:
+def _packed(texels: Bytes) -> NDArray[np.uint32]:
     """(N,) words; what lies above the channels has no meaning."""
     codes = np.ascontiguousarray(texels).ravel()
     if texels.shape[2] == 1:

@@ -8,11 +8,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering.scene.instances import Instances
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.triangles import Triangles
-
-Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)

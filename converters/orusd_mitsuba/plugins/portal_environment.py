@@ -14,7 +14,7 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.light.lights import Portal
 from orusd_mitsuba.plugins.light_weights import Beam
 

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.cameras import ORTHOGRAPHIC, PinholeCamera
 from orusd_mitsuba.plugins.descriptions import Description
 

@@ -7,7 +7,7 @@ import drjit as dr
 import mitsuba as mi
 
 from orusd_mitsuba.transport.light_index import LightIndex
-from orusd_mitsuba.transport.path_tracing import PathAccumulator, trace
+from orusd_mitsuba.transport.path_tracing import PathAccumulator, random_numbers, trace
 
 # For each direction: they cost a tenth of the paths.
 _LIGHT_SAMPLES_PER_PATH: Final = 2
@@ -74,9 +74,7 @@ class TracedArrival:
     def arriving(self, begin: Begin, rays: int, seed: int) -> tuple[Any, Any]:
         """See `Arrival`."""
         start = begin(dr.arange(mi.UInt32, rays))
-        sampler = mi.load_dict({"type": "independent"})
-        sampler.seed(seed & 0xFFFFFFFF, rays)
-        sums = PathAccumulator(rays, None)
+        sampler, sums = random_numbers(seed, rays), PathAccumulator(rays, None)
         trace(
             self._built,
             self._index,

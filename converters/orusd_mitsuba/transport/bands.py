@@ -12,7 +12,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
 from orusd_mitsuba.plugins.build import load_sensor
 from orusd_mitsuba.plugins.lenses import Panorama, ThinLens
@@ -83,7 +83,7 @@ class Band:
         bending = self._integrator.lens()
         return ray if bending is None else bending.bent(ray, lens)
 
-    def means(self, entries: Any) -> NDArray[np.float32]:
+    def means(self, entries: Any) -> Floats:
         """(N, 3, rows, width) means over the samples of N times three entries a path."""
         sums = dr.block_sum(entries, self.samples).numpy()
         return np.asarray(sums.reshape(-1, 3, self.rows, self.width) / np.float32(self.samples))
@@ -151,7 +151,7 @@ class BandedIntegrator(ABC):
             return None
         return Panorama(self._camera, self._origin)
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+    def __call__(self, samples: int, seed: int) -> Floats:
         """Render one batch of the whole picture; equal seeds give equal bits.
 
         Returns:
@@ -168,7 +168,7 @@ class BandedIntegrator(ABC):
         """Samples of each pixel that one batch of a strip may have."""
         return most_samples(rows, self.size[1], self.capacity)
 
-    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+    def strip(self, rows: slice, samples: int, seed: int) -> Floats:
         """Render one batch of some rows; equal seeds give equal bits.
 
         Returns:
@@ -182,5 +182,5 @@ class BandedIntegrator(ABC):
         return np.where(finite, pixels, np.float32(0.0))
 
     @abstractmethod
-    def _band(self, band: Band) -> NDArray[np.float32]:
+    def _band(self, band: Band) -> Floats:
         """(planes, rows, width, 3) means over the samples of a band."""

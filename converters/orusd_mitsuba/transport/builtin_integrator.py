@@ -4,8 +4,8 @@ from typing import Any, Final
 
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.errors import RenderError
 from openrooms_usd.rendering import RenderRequest
 from openrooms_usd.usd.cameras import EQUIRECTANGULAR, PinholeCamera
@@ -39,7 +39,7 @@ class BuiltinIntegrator:
         built: Any,
         camera: PinholeCamera,
         request: RenderRequest,
-        origin: NDArray[np.float64],
+        origin: Array,
         *,
         panes: bool = False,
     ) -> None:
@@ -57,7 +57,7 @@ class BuiltinIntegrator:
         self._integrator = mi.load_dict({"type": kind, "max_depth": request.bounces + 1})
         self.broken = np.zeros((request.height, request.width), dtype=bool)
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+    def __call__(self, samples: int, seed: int) -> Floats:
         """Render one batch of the whole picture: (1, height, width, 3)."""
         cut = enumerate(self.strips(samples))
         return np.concatenate([self.strip(rows, samples, seed + i) for i, rows in cut], axis=1)
@@ -70,7 +70,7 @@ class BuiltinIntegrator:
         """Samples of each pixel that one batch of a strip may have."""
         return most_samples(rows, self.size[1], _PATHS_IN_FLIGHT)
 
-    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+    def strip(self, rows: slice, samples: int, seed: int) -> Floats:
         """Render one batch of some rows: (1, rows, width, 3)."""
         height, width = self.size
         band = rows.start, rows.stop - rows.start

@@ -6,10 +6,9 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.geometry.hemisphere import HemisphereGrid
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import TEA_ROUNDS
 
 # 2^32 over the golden ratio: steps of it are spread evenly, however many they are.
@@ -35,7 +34,7 @@ class Points:
     def __len__(self) -> int:
         return len(self.position)
 
-    def rows(self, which: slice | NDArray[np.int64]) -> "Points":
+    def rows(self, which: slice | Ints) -> "Points":
         """Some of the points."""
         return Points(self.position[which], self.frames[which], self.geometric[which])
 
@@ -50,7 +49,7 @@ class Layout:
         size: Pixels of the picture.
     """
 
-    first: NDArray[np.int64]
+    first: Ints
     stride: int
     size: int
 
@@ -173,7 +172,7 @@ class CellPictures:
                 dr.scatter(self._pixels, color[channel], corner + channel)
         dr.eval(self._pixels)
 
-    def pixels(self) -> NDArray[np.float32]:
+    def pixels(self) -> Floats:
         """(N, size, 3) what was put in, 0 elsewhere."""
         return np.asarray(self._pixels.numpy()).reshape(-1, self._layout.size, 3)
 

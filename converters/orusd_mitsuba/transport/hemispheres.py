@@ -6,12 +6,12 @@ from typing import Any, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.geometry.hemisphere import HEMISPHERE, surface_frames
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.first_hits import Hits, first_hits
 from openrooms_usd.rendering.scene.ground_truth import GroundTruth
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.arrival import Arrival
@@ -81,7 +81,7 @@ class HemisphereIntegrator:
         self.size = rows * HEMISPHERE.rows, columns * HEMISPHERE.columns
         self.broken = np.zeros(self.size, dtype=bool)
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+    def __call__(self, samples: int, seed: int) -> Floats:
         """Render one batch of all of them; equal seeds give equal bits.
 
         Args:
@@ -101,7 +101,7 @@ class HemisphereIntegrator:
         """Samples of each cell that one batch of a strip may have."""
         return most_samples(rows, self.size[1], _SAMPLES_A_BATCH)
 
-    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+    def strip(self, rows: slice, samples: int, seed: int) -> Floats:
         """Render one batch of some rows of whole hemispheres; equal seeds give equal bits.
 
         Args:
@@ -122,7 +122,7 @@ class HemisphereIntegrator:
         found = found.reshape(self.planes, -1, width, 3)
         # No number in a sum tells of it wherever it is, for little time.
         if not np.isfinite(found.sum()):
-            finite: NDArray[np.bool_] = np.isfinite(found)
+            finite: Mask = np.isfinite(found)
             self.broken[rows] |= ~np.all(finite, axis=(0, -1))
             found = np.where(finite, found, np.float32(0.0))
         return found

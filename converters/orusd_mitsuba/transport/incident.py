@@ -11,9 +11,8 @@ from typing import Any, Final, Self
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats, Ints
 from openrooms_usd.geometry.hemisphere import HemisphereGrid
 from orusd_mitsuba.transport.arrival import Arrival, Start, TracedArrival, reference_light_samples
 from orusd_mitsuba.transport.cells import (
@@ -57,7 +56,7 @@ class IncidentRadiance:
         self._light_samples = self._arrival.light_samples(cells.count)
         self._cells = CellArrays(cells)
 
-    def sparse(self, which: NDArray[np.int64]) -> Self:
+    def sparse(self, which: Ints) -> Self:
         """The same at some of the points, by their numbers.
 
         All methods take the light samples of the reference there, so that what is compared differs
@@ -70,7 +69,7 @@ class IncidentRadiance:
 
     def __call__(
         self, samples: int, seed: int, which: slice = slice(None), layout: Layout | None = None
-    ) -> NDArray[np.float32]:
+    ) -> Floats:
         """Estimate once; equal seeds give equal bits.
 
         Args:

@@ -5,6 +5,8 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats, Mask
+
 
 class Integrator(Protocol):
     """Renders batches of samples of one camera, in strips of rows."""
@@ -15,7 +17,7 @@ class Integrator(Protocol):
     size: tuple[int, int]
     """Height and width of each, pixels or texels."""
 
-    broken: NDArray[np.bool_]
+    broken: Mask
     """(height, width) where a batch gave no number."""
 
     def strips(self, samples: int) -> list[slice]:
@@ -29,7 +31,7 @@ class Integrator(Protocol):
         """Samples of each pixel that one batch of a strip may have."""
         ...
 
-    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+    def strip(self, rows: slice, samples: int, seed: int) -> Floats:
         """(planes, rows, width, 3) means of one batch; equal seeds give equal bits."""
         ...
 

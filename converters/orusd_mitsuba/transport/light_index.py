@@ -14,9 +14,9 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.scene.arrays import Patch
 from openrooms_usd.rendering.scene.lights import counted, is_linked
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.sources import GRAZING_COS, Source
 from openrooms_usd.usd.light.lights import Portal
 from orusd_mitsuba.transport.panes import Panes

@@ -6,9 +6,8 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.usd.cameras import PinholeCamera
 from orusd_mitsuba.transport.bands import Band, BandedIntegrator
 from orusd_mitsuba.transport.lattice import FirstDimensions
@@ -60,7 +59,7 @@ class PathIntegrator(BandedIntegrator):
         planes = len(KINDS) + (self._lights or 0)
         super().__init__(camera, width, height, origin, planes)
 
-    def _band(self, band: Band) -> NDArray[np.float32]:
+    def _band(self, band: Band) -> Floats:
         sampler = band.sampler()
         pixels = band.paths // band.samples
         numbers = FirstDimensions(band.samples, band.paths, band.sampler(_SHIFT_SALT, pixels))

@@ -228,6 +228,13 @@ def trace(
             active &= ~null | (segments > start + 1)
 
 
+def random_numbers(seed: int, count: int) -> Any:
+    """Independent ones, for so many paths."""
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(seed & 0xFFFFFFFF, count)
+    return sampler
+
+
 def power_heuristic(used: Any, other: Any) -> Any:
     """The power heuristic for two techniques."""
     squared = dr.square(used)

@@ -50,31 +50,6 @@ class TracedPaths:
     def __init__(self, built: Any, index: LightIndex, depth: int) -> None:
         self._built, self._index, self._depth = built, index, depth
 
-    def follow(
-        self,
-        sampler: Any,
-        ray: Any,
-        accumulator: Accumulator,
-        *,
-        first: Any = None,
-        active: Any = True,
-        begun: Any = None,
-        numbers: Any = None,
-        prefix: Any = None,
-        looks_through: bool = False,
-    ) -> None:
+    def follow(self, sampler: Any, ray: Any, accumulator: Accumulator, **how: Any) -> None:
         """See `Paths`."""
-        trace(
-            self._built,
-            self._index,
-            sampler,
-            ray,
-            accumulator,
-            self._depth,
-            first,
-            active,
-            begun,
-            numbers,
-            prefix,
-            looks_through,
-        )
+        trace(self._built, self._index, sampler, ray, accumulator, self._depth, **how)

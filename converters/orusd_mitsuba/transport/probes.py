@@ -7,12 +7,11 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.geometry.hemisphere import PANORAMA, HemisphereGrid
 from openrooms_usd.rendering import Image, RenderRequest
 from openrooms_usd.rendering.probes import ProbeRequest
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.cells import Points
 from orusd_mitsuba.transport.incident import IncidentRadiance
 from orusd_mitsuba.transport.light_index import LightIndex
@@ -49,7 +48,7 @@ class ProbeIntegrator:
         self.most = max(1, _PATHS_A_BATCH // cells.count)
         self.broken = np.zeros(size, dtype=bool)
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+    def __call__(self, samples: int, seed: int) -> Floats:
         """Render one batch; equal seeds give equal bits.
 
         Returns:
@@ -65,7 +64,7 @@ class ProbeIntegrator:
         """Samples of each pixel that one batch may have."""
         return self.most
 
-    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+    def strip(self, rows: slice, samples: int, seed: int) -> Floats:
         """Render one batch of all rows."""
         pixels = self._incident(samples, seed)[1].reshape(1, *self.size, 3)
         finite = np.isfinite(pixels)

@@ -16,8 +16,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering import RenderRequest, estimates
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.integrator import Integrator
 
 # When an error is asked for: samples a pixel to begin with, and where to give up.
@@ -53,7 +53,7 @@ class Halves:
         return sum(self.samples)
 
     @property
-    def mean(self) -> NDArray[np.float32]:
+    def mean(self) -> Floats:
         """(..., height, width, 3) of all samples."""
         total = self.sums[0] if self.samples[1] == 0 else self.sums[0] + self.sums[1]
         if self.total > 1:
@@ -270,7 +270,7 @@ class ProgressiveSampler:
                     shares[half] -= now
                     yield half, now
 
-    def _render(self, rows: slice, samples: int) -> NDArray[np.float32]:
+    def _render(self, rows: slice, samples: int) -> Floats:
         request = self._request
         key = [self._key] if self._key else []
         below = [f"row {rows.start}"] if rows.start else []

@@ -1,21 +1,26 @@
 """What surfaces that a path has come to scatter back along it: the rest of the path, in one place.
 
 An integrator that finds the direct light of a ray itself, with emission and sky weighted against
-its own light samples, needs only the scattered light of the surface that the ray meets. Here are
-the contract for that and its reference, which goes on tracing paths.
+its own light samples, needs only the scattered light of the surface that the ray meets.
 """
 
-from typing import Any, Protocol
+from typing import Any
 
-from orusd_mitsuba.transport.light_index import LightIndex
-from orusd_mitsuba.transport.path_tracing import Accumulator, Prefix, trace
+from orusd_mitsuba.transport.path_tracing import Accumulator, Prefix
+from orusd_mitsuba.transport.paths import Paths
 
 
-class ScatteredLight(Protocol):
-    """Finds what surfaces scatter back along the rays that meet them."""
+class ScatteredLight:
+    """Finds what surfaces scatter back along the rays that meet them.
 
-    is_cheap: bool
-    """Whether it takes no more time than few rays, so that a path may be split before it."""
+    Args:
+        paths: Follows what is left of a whole path.
+        is_cheap: Whether that takes no more time than few rays, so that a path may be split before
+            it.
+    """
+
+    def __init__(self, paths: Paths, *, is_cheap: bool) -> None:
+        self._paths, self.is_cheap = paths, is_cheap
 
     def add(
         self,
@@ -44,42 +49,6 @@ class ScatteredLight(Protocol):
             accumulator: Receives the contributions.
             active: Which paths there are.
         """
-        ...
-
-
-class TracedLight:
-    """The reference: goes on tracing the paths, as `trace` does.
-
-    Args:
-        built: The Mitsuba scene of a vectorized variant.
-        index: Its lights.
-        depth: At most this many segments of a whole path.
-    """
-
-    is_cheap = False
-
-    def __init__(self, built: Any, index: LightIndex, depth: int) -> None:
-        self._built, self._index, self._depth = built, index, depth
-
-    def add(
-        self,
-        sampler: Any,
-        ray: Any,
-        si: Any,
-        throughput: Any,
-        scatterings: Any,
-        crossed: Any,
-        accumulator: Accumulator,
-        active: Any,
-    ) -> None:
-        """See `ScatteredLight`: the ray is cast again, which costs less than to carry ``si``."""
-        trace(
-            self._built,
-            self._index,
-            sampler,
-            ray,
-            accumulator,
-            self._depth,
-            active=active & si.is_valid(),
-            prefix=Prefix(throughput, scatterings, crossed),
-        )
+        # The ray is cast again, which costs less than to carry ``si``.
+        prefix = Prefix(throughput, scatterings, crossed)
+        self._paths.follow(sampler, ray, accumulator, active=active & si.is_valid(), prefix=prefix)

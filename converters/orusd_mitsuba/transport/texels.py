@@ -11,13 +11,12 @@ from typing import Any, Final
 import drjit as dr
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering import RenderRequest
 from openrooms_usd.rendering.bake.request import LIFT_M, Irradiance, IrradianceRequest, TexelPoints
-from openrooms_usd.rendering.scene.pictures import Array
 from orusd_mitsuba.transport.lattice import FirstDimensions
-from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator
+from orusd_mitsuba.transport.path_tracing import KINDS, PathAccumulator, random_numbers
 from orusd_mitsuba.transport.paths import Paths
 from orusd_mitsuba.transport.sampling import ProgressiveSampler
 
@@ -60,7 +59,7 @@ class TexelIntegrator:
         self.most = max(1, fitting // self._texels)
         self.broken = np.zeros(self.size, dtype=bool)
 
-    def __call__(self, samples: int, seed: int) -> NDArray[np.float32]:
+    def __call__(self, samples: int, seed: int) -> Floats:
         """Render one batch; equal seeds give equal bits.
 
         Returns:
@@ -76,7 +75,7 @@ class TexelIntegrator:
         """Samples of each texel that one batch may have."""
         return self.most
 
-    def strip(self, rows: slice, samples: int, seed: int) -> NDArray[np.float32]:
+    def strip(self, rows: slice, samples: int, seed: int) -> Floats:
         """Render one batch of the only row."""
         starts = range(0, self.size[1], self._texels)
         parts = [self._part(start, samples, seed + i) for i, start in enumerate(starts)]
@@ -85,11 +84,11 @@ class TexelIntegrator:
         self.broken |= ~finite.all(axis=(0, 3))
         return np.where(finite, values, np.float32(0.0))
 
-    def _part(self, start: int, samples: int, seed: int) -> NDArray[np.float32]:
+    def _part(self, start: int, samples: int, seed: int) -> Floats:
         """(lights, 3, texels) of some texels."""
         texels = min(self._texels, self.size[1] - start)
         paths = texels * samples
-        numbers = FirstDimensions(samples, paths, _sampler(seed ^ _SHIFT_SALT, texels))
+        numbers = FirstDimensions(samples, paths, random_numbers(seed ^ _SHIFT_SALT, texels))
         # As variables, not as parts of the compiled code: all batches share it.
         texel = dr.opaque(mi.UInt32, start) + dr.arange(mi.UInt32, paths) // dr.opaque(
             mi.UInt32, samples
@@ -99,7 +98,7 @@ class TexelIntegrator:
             self.planes,
             self._white,
             *self._points.chosen(texel, numbers.pixel.x),
-            _sampler(seed, paths),
+            random_numbers(seed, paths),
             numbers,
         )
         sums = dr.block_sum(found, samples).numpy()
@@ -191,9 +190,3 @@ def light_texels(
     ).whole()
     seconds, replaced = time.perf_counter() - start, int(integrator.broken.sum())
     return Irradiance(halves.mean[:, 0], halves.total, seconds, halves.estimate.robust, replaced)
-
-
-def _sampler(seed: int, count: int) -> Any:
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(seed & 0xFFFFFFFF, count)
-    return sampler

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering.scene.arrays import Scene
 from orusd_openrooms.cameras import THEIRS_FROM_OURS
 from orusd_openrooms.lights import LOBES, Light, box, source
@@ -20,7 +20,7 @@ FORM: Final = "3SG-SkyGrd"
 _AXES: Final = tuple(f"axis{ending}" for ending in LOBES.values())
 
 
-def panorama(scene: Scene) -> NDArray[np.float32]:
+def panorama(scene: Scene) -> Floats:
     """(H, W, 3) nits: the middle looks along their +z, right of it along their -x, top up."""
     sky = scene.environment
     if sky is None:
@@ -58,7 +58,7 @@ def _directions(height: int, width: int) -> Array:
     return np.stack([x, y, z], axis=-1)
 
 
-def _looked_up(pixels: NDArray[np.float32], ways: Array) -> NDArray[np.float32]:
+def _looked_up(pixels: Floats, ways: Array) -> Floats:
     """Bilinear values, round about and to the poles."""
     height, width = pixels.shape[:2]
     rows = np.arccos(np.clip(ways[..., 1], -1.0, 1.0)) / np.pi * height - 0.5

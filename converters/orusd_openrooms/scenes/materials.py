@@ -12,10 +12,9 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.colorimetry import linear_from_srgb, srgb_from_linear
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.pictures import write_png
@@ -122,7 +121,7 @@ def repeat_m(bsdf: Bsdf, repeats: float | None) -> float:
     return float(round(1.0 / max((repeats or USUAL_REPEATS) * bsdf.uv_scale, 1e-3), 4))
 
 
-def _scaled(bsdf: Bsdf, kind: str, path: Path) -> NDArray[np.uint8]:
+def _scaled(bsdf: Bsdf, kind: str, path: Path) -> Bytes:
     from openrooms_usd.usd.shading.textures import read_texture
 
     stored = read_texture(str(path))
@@ -253,7 +252,7 @@ def _pictures(surface: Surface) -> Iterator[tuple[str, Picture]]:
             yield kind, value
 
 
-def _encoded(kind: str, picture: Picture) -> NDArray[np.uint8]:
+def _encoded(kind: str, picture: Picture) -> Bytes:
     """(H, W, 3) codes, the first row on top: pictures have it at the bottom."""
     pixels = picture.pixels[::-1].astype(np.float32)
     if kind == "albedo":

@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.capture import NO_OPTIONS, Capture, CapturedBox, CapturedFrame, Packed
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.fusion import DepthFrame, fuse
@@ -150,7 +149,7 @@ def depth_frames(folder: Path, poses: CameraPath, every: int) -> Iterator[DepthF
         yield DepthFrame(depth, scale[:, None] * K, pose)
 
 
-def _confidence(path: Path, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+def _confidence(path: Path, shape: tuple[int, ...]) -> Mask:
     levels = read_picture(path, "uint8")
     if levels.shape[:2] != shape:
         raise broken(path, "this picture does not have the size of its depth")

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Ints
 from openrooms_usd.scan.models.objtext import KNOWN, standard_obj
 from orusd_scans.formats.rows import read_rows
 from orusd_scans.scanned import MOST_POINTS, Scanned, broken, cloud_of, sound_faces
@@ -55,9 +55,7 @@ def read_obj(path: Path) -> Scanned:
     return Scanned(cloud, sound_faces(found, count, path, notes), notes=tuple(notes))
 
 
-def _triangles(
-    faces: Sequence[str], before: NDArray[np.int64], path: Path, notes: list[str]
-) -> NDArray[np.int64]:
+def _triangles(faces: Sequence[str], before: Ints, path: Path, notes: list[str]) -> Ints:
     """(F, 3) fans of the faces; negative numbers count back from the vertices before them."""
     corners = [_corners(face) for face in faces]
     sizes = np.array([len(face) for face in corners], dtype=np.int64)

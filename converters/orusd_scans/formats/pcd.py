@@ -9,6 +9,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from orusd_scans.formats.rows import Counted, lines_before, read_rows
 from orusd_scans.scanned import (
     LONGEST_HEADER,
@@ -169,7 +170,7 @@ def _count(header: Mapping[str, list[str]], path: Path) -> int:
     return counted(path, str(points or width * height))
 
 
-def _viewpoint(header: Mapping[str, list[str]], path: Path) -> NDArray[np.float64]:
+def _viewpoint(header: Mapping[str, list[str]], path: Path) -> Array:
     """(3,) where the scanner stood."""
     try:
         origin = np.array([float(word) for word in header.get("VIEWPOINT", ["0"] * 7)[:3]])

@@ -14,6 +14,7 @@ from typing import Any, BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.spelling import listed
 from orusd_scans.formats.rows import Counted, lines_before, read_rows
 from orusd_scans.scanned import (
@@ -312,13 +313,7 @@ class _Ascii:
 
 
 def _row(element: _Element, line: str) -> dict[str, Any]:
-    """The values and lists of a line of text.
-
-    Raises:
-        ValueError: A number is not valid, or a list is truncated.
-        IndexError: The line is cut.
-        OverflowError: A length is endless.
-    """
+    """The values and lists of a line of text."""
     numbers, at, row = [float(word) for word in line.split()], 0, dict[str, Any]()
     for p in element.properties:
         if p.length is None:
@@ -331,7 +326,7 @@ def _row(element: _Element, line: str) -> dict[str, Any]:
     return row
 
 
-def _triangles(element: str, lists: Any) -> NDArray[np.int64]:
+def _triangles(element: str, lists: Any) -> Ints:
     """(F, 3) the triangles of an element's lists: of strips, of three corners each, or fans."""
     is_list = element.startswith("tri")  # of triangles, or of strips
     if isinstance(lists, np.ndarray) and lists.ndim == 2 and "strip" not in element:
@@ -340,7 +335,7 @@ def _triangles(element: str, lists: Any) -> NDArray[np.int64]:
     whole = [_whole_corners(corners) for corners in lists]
     if "strip" in element:
         return np.concatenate([np.empty((0, 3), np.int64), *map(_strips, whole)])
-    by_size: dict[int, list[NDArray[np.int64]]] = {}
+    by_size: dict[int, list[Ints]] = {}
     for corners in whole:
         if is_list and len(corners) % 3 == 0:
             by_size.setdefault(3, []).extend(corners.reshape(-1, 3))
@@ -350,7 +345,7 @@ def _triangles(element: str, lists: Any) -> NDArray[np.int64]:
     return np.concatenate([np.empty((0, 3), np.int64), *found])
 
 
-def _strips(corners: NDArray[np.int64]) -> NDArray[np.int64]:
+def _strips(corners: Ints) -> Ints:
     """(F, 3) the triangles of strips, which a negative number ends: every other one is turned."""
     number = np.arange(len(corners))
     is_end = (corners < 0) | (corners >= _LARGEST_UINT)
@@ -362,7 +357,7 @@ def _strips(corners: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(found[sound])
 
 
-def _whole_corners(corners: NDArray[Any]) -> NDArray[np.int64]:
+def _whole_corners(corners: NDArray[Any]) -> Ints:
     """Corners as whole numbers; negative, which none is, where they are not."""
     if corners.dtype.kind == "f":
         with np.errstate(invalid="ignore"):

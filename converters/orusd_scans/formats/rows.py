@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import BinaryIO, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from orusd_scans.scanned import broken
 
 # Lines that are read at once.
@@ -134,7 +133,7 @@ class Rows:
     """
 
     values: Array
-    lost: NDArray[np.bool_]
+    lost: Mask
     first: str = ""
 
     @property

@@ -6,15 +6,14 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 
 if TYPE_CHECKING:
     from shapely import Polygon
     from shapely.geometry.base import BaseGeometry
 
-Faces = list[NDArray[np.int64]]
+Faces = list[Ints]
 
 # Points nearer to each other than this are welded, metres: single precision in a room.
 _WELD_M: Final = 1e-5
@@ -40,7 +39,7 @@ class Hole(NamedTuple):
     top: float
 
 
-def split(counts: NDArray[np.int64], indices: NDArray[np.int64], points: int) -> Faces | None:
+def split(counts: Ints, indices: Ints, points: int) -> Faces | None:
     """The faces of a mesh, each its points; None where the numbers make no mesh.
 
     Args:

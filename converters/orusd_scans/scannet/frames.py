@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.errors import InputError
 from orusd_scans.formats.depthpicture import picture_size
@@ -200,7 +200,7 @@ class Sens:
             self._skip(length, self._size)
             yield number, pose
 
-    def depths(self, every: int = 1) -> Iterator[tuple[int, Node, NDArray[np.float32]]]:
+    def depths(self, every: int = 1) -> Iterator[tuple[int, Node, Floats]]:
         """Number, pose and depth picture (H, W), metres, of one in some frames."""
         width, height = self.depth_size
         if not 0 < width * height <= _MOST_PIXELS or not 1e-3 < self._units < 1e9:

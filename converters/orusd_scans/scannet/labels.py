@@ -8,6 +8,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.errors import InputError
 from openrooms_usd.usd.semantics import NYU40
 from orusd_scans.formats.ply import read_ply
@@ -101,7 +102,7 @@ class _Object:
 
     number: int
     name: str
-    segments: NDArray[np.int64]
+    segments: Ints
 
 
 def _labelled(
@@ -127,7 +128,7 @@ def _labelled(
     return None
 
 
-def _segments(path: Path, count: int) -> NDArray[np.int64]:
+def _segments(path: Path, count: int) -> Ints:
     node = read_json(path, "annotations").need("segIndices")
     owners = _whole_numbers(node)
     if len(owners) != count:
@@ -151,7 +152,7 @@ def _objects(path: Path) -> list[_Object]:
     return found
 
 
-def _whole_numbers(node: Node) -> NDArray[np.int64]:
+def _whole_numbers(node: Node) -> Ints:
     values: Any = node.value
     ok = isinstance(values, list) and all(type(v) is int and 0 <= v < 1 << 31 for v in values)
     if not ok:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import atomic, claims, imagefile
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.dataset.plan import Job, PlannedRoom, view_name
 from openrooms_usd.dataset.records import SCENE, Record
 from openrooms_usd.dataset.report import charts, sections
@@ -349,7 +350,7 @@ def _data(pixels: NDArray[Any]) -> str:
         return f"data:image/jpeg;base64,{base64.b64encode(file.read_bytes()).decode()}"
 
 
-def _reduced(pixels: NDArray[Any]) -> NDArray[np.uint8]:
+def _reduced(pixels: NDArray[Any]) -> Bytes:
     """Three channels of bytes, no wider than `_WIDTH`."""
     import OpenImageIO
 

@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.categories.sofa import modern, wooden
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
@@ -110,7 +110,7 @@ def tub(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-def _horseshoe(width: float, depth: float, shift: float) -> NDArray[np.float64]:
+def _horseshoe(width: float, depth: float, shift: float) -> Array:
     """(N, 2) from the front right around the back to the front left, open to the front."""
     angle = np.linspace(0.0, np.pi, 25)
     round_y = 0.5 * min(width, 1.3 * depth)
@@ -121,7 +121,7 @@ def _horseshoe(width: float, depth: float, shift: float) -> NDArray[np.float64]:
     return np.concatenate([right, arc, right[::-1] * [-1.0, 1.0]])
 
 
-def _wall(path: NDArray[np.float64], thick: float, low: float, top: NDArray[np.float64]) -> Mesh:
+def _wall(path: Array, thick: float, low: float, top: Array) -> Mesh:
     """A rounded wall along a path in plan, its top at a height for each point."""
     along = np.gradient(path, axis=0)
     side = unit(np.stack([along[:, 1], -along[:, 0]], axis=1))

@@ -4,8 +4,8 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.boards import board, corners
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
@@ -82,7 +82,7 @@ def basket_woven(size: Size, rng: np.random.Generator) -> Parts:
     return {"container": joined([*weave, floor]), "frame": joined(rims)}
 
 
-def _dense(outline: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+def _dense(outline: Array, step: float) -> Array:
     """An even number of points about ``step`` apart on a closed outline."""
     closed = np.concatenate([outline, outline[:1]])
     run = lengths(closed)

@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, row, walls
 from openrooms_usd.furniture.joinery.appliance import square
 from openrooms_usd.furniture.joinery.assembly import Assembly
@@ -86,9 +86,7 @@ def _shell(size: Size, low: float, rise: float, foot: float, roll: float) -> Mes
     return loft([_lifted(flat, low, rim, rise, width) for flat in skin], crease=50.0)
 
 
-def _lifted(
-    flat: NDArray[np.float64], low: float, rim: float, rise: float, width: float
-) -> NDArray[np.float64]:
+def _lifted(flat: Array, low: float, rim: float, rise: float, width: float) -> Array:
     """Raise the left end, the more the higher a ring lies; the floor stays flat."""
     left = np.clip(-2.0 * flat[:, 0] / width, 0.0, 1.0) ** 2
     height = np.clip((flat[:, 2] - low - 0.05) / (rim - low - 0.05), 0.0, 1.0)

@@ -4,8 +4,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.boards import board
 from openrooms_usd.furniture.joinery.books import Book
@@ -74,7 +74,7 @@ def opened(size: Size, rng: np.random.Generator) -> Parts:
     return {"book": boards, "pages": joined(pages), "text": joined(lines)}
 
 
-def _arch(rise: float) -> NDArray[np.float64]:
+def _arch(rise: float) -> Array:
     """The heights of an open book's page at nine places from its spine to its edge."""
     u, thick = np.linspace(0.0, 1.0, 9), 0.45 * rise
     top = u**0.5 * (1.0 - u)

@@ -3,8 +3,9 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
@@ -16,7 +17,7 @@ from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.uv import metric
 
 
-def _arch(width: float, height: float, count: int = 14) -> NDArray[np.float64]:
+def _arch(width: float, height: float, count: int = 14) -> Array:
     """(N, 2) the section of a loaf: flat below, its sides upright, its top domed."""
     t = np.linspace(0.0, np.pi, count)
     x = 0.5 * width * np.sign(np.cos(t)) * np.abs(np.cos(t)) ** 0.7
@@ -24,7 +25,7 @@ def _arch(width: float, height: float, count: int = 14) -> NDArray[np.float64]:
     return np.concatenate([[(0.42 * width, 0.0)], np.stack([x, z], 1), [(-0.42 * width, 0.0)]])
 
 
-def _along_x(sections: list[NDArray[np.float64]], x: ArrayLike) -> Mesh:
+def _along_x(sections: list[Array], x: ArrayLike) -> Mesh:
     """A solid through sections (depth, height) that stand at places along X."""
     rings = [
         np.column_stack([np.full(len(s), at), s[:, 0], s[:, 1]])

@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.furniture.categories.sofa import modern
 from openrooms_usd.furniture.construction import SEAT_ROWS
 from openrooms_usd.furniture.joinery.boards import (
@@ -152,7 +152,7 @@ def shell(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-def _shell_line(depth: float, seat: float, height: float) -> NDArray[np.float64]:
+def _shell_line(depth: float, seat: float, height: float) -> Array:
     """(N, 2) the shell's middle in the side view, evenly spaced."""
     half = 0.5 * depth
     bend = [
@@ -167,9 +167,7 @@ def _shell_line(depth: float, seat: float, height: float) -> NDArray[np.float64]
     return points_at(np.interp(even, s, rough[:, 0]), np.interp(even, s, rough[:, 1]))
 
 
-def _shell_grid(
-    line: NDArray[np.float64], width: float, taper: float
-) -> tuple[NDArray[np.float64], int]:
+def _shell_grid(line: Array, width: float, taper: float) -> tuple[Array, int]:
     """The shell's front as (R, C, 3) points, and the row at which the seat becomes the back."""
     u = np.linspace(-1.0, 1.0, 17)
     t = np.linspace(0.0, 1.0, len(line))
@@ -193,7 +191,7 @@ def _split(mesh: Mesh, columns: int, row: int) -> tuple[Mesh, Mesh]:
     return _faces(mesh, ~upper), _faces(mesh, upper)
 
 
-def _faces(mesh: Mesh, chosen: NDArray[np.bool_]) -> Mesh:
+def _faces(mesh: Mesh, chosen: Mask) -> Mesh:
     """The chosen quads of a mesh and the points that they use."""
     assert mesh.normals is not None and mesh.st is not None
     corner = np.repeat(chosen, 4)

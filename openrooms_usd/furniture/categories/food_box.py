@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
@@ -39,7 +39,7 @@ def _printed(size: Size, rng: np.random.Generator, top: float) -> Parts:
     return placed
 
 
-def _against_front(width: float, depth: float) -> NDArray[np.float64]:
+def _against_front(width: float, depth: float) -> Array:
     """What is drawn in the plane z = 0, brought upright to the front of a box."""
     return np.array(
         [

@@ -4,8 +4,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import FRONT, board
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
@@ -20,7 +20,7 @@ from openrooms_usd.geometry.sweeps import extrude, tube
 _LEAN_DEG: Final = 12.0
 
 
-def _waisted(width: float, tall: float) -> NDArray[np.float64]:
+def _waisted(width: float, tall: float) -> Array:
     """(N, 2) an outline with a waist, wider below; its lower end at 0."""
     t = np.linspace(0.0, 1.0, 25)
     # Half widths from the lower bout over the waist to the upper bout.

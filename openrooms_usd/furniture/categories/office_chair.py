@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ALUMINIUM, ANY, STEEL, filled, row, walls
 from openrooms_usd.furniture.joinery.boards import SIDE, board, profiled, strip
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
@@ -82,7 +82,7 @@ def _base(size: Size, seat: float, rng: np.random.Generator) -> tuple[Parts, flo
     return {**numbered("leg", arms), **numbered("wheel", castors), "column": column}, y
 
 
-def _arm_of_star(hub: NDArray[np.float64], foot: NDArray[np.float64], root: float) -> Mesh:
+def _arm_of_star(hub: Array, foot: Array, root: float) -> Mesh:
     """A hollow-looking arm that falls from the hub to the stem of a castor."""
     reach = float(np.linalg.norm(foot - hub))
     line = np.array([[0.0, root], [0.35 * reach, root - 0.004], [reach, 0.072]])
@@ -178,7 +178,7 @@ def _back_grid(
     taper: float,
     bulge: float = 0.03,
     wrap: float = 0.045,
-) -> NDArray[np.float64]:
+) -> Array:
     """(R, C, 3) a back that leans, bulges at the loins and wraps forwards at its sides."""
     u, v = np.linspace(-1.0, 1.0, 13), np.linspace(0.0, 1.0, 13)
     ends = np.clip(np.minimum(v, 1.0 - v) / 0.14, 0.0, 1.0)

@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd.furniture.construction import ANY, filled, row, solid
 from openrooms_usd.furniture.joinery.foliage import (
@@ -27,8 +26,6 @@ from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.vectors import points_at
-
-Array = NDArray[np.float64]
 
 
 def leafy(size: Size, rng: np.random.Generator) -> Parts:

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
 from openrooms_usd.furniture.placements import on
@@ -31,7 +31,7 @@ _SOLE: Final = (
 )
 
 
-def _outline(width: float, long: float) -> NDArray[np.float64]:
+def _outline(width: float, long: float) -> Array:
     """(N, 2) the outline of a sole, its heel at the back, counter-clockwise."""
     t, inner, outer = np.array(_SOLE).T
     y = 0.5 * long - long * t

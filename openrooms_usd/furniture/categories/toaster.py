@@ -4,8 +4,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, filled, row
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import SIDE, board, corners, profiled
@@ -26,19 +26,19 @@ _DIAL: Final = 0.012
 _TRAVEL: Final = 0.3
 
 
-def _arc(y: float, z: float, radius: float, start: float, end: float) -> NDArray[np.float64]:
+def _arc(y: float, z: float, radius: float, start: float, end: float) -> Array:
     turn = np.radians(np.linspace(start, end, 7))
     return np.stack([y + radius * np.cos(turn), z + radius * np.sin(turn)], axis=1)
 
 
-def _wall(outer: float, inner: float, top: float) -> NDArray[np.float64]:
+def _wall(outer: float, inner: float, top: float) -> Array:
     """The section of a long wall, round above its outer side; metres in y and z."""
     radius, way = 0.8 * abs(outer - inner), np.sign(inner - outer)
     arc = _arc(0.0, top - radius, radius, 180.0, 90.0) * [way, 1.0] + [outer + way * radius, 0.0]
     return np.concatenate([[[inner, FOOT], [outer, FOOT]], arc, [[inner, top]]])
 
 
-def _end(depth: float, top: float, radius: float) -> NDArray[np.float64]:
+def _end(depth: float, top: float, radius: float) -> Array:
     """The outline of an end, round above; metres in y and z."""
     half = 0.5 * depth
     left = _arc(radius - half, top - radius, radius, 180.0, 90.0)

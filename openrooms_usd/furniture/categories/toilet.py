@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, CHINA, filled, row, walls
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import FRONT
@@ -20,7 +20,7 @@ SEGMENTS: Final = 48
 SEAT: Final = 0.018
 
 
-def egg(width: float, front: float, back: float, square: float = 2.6) -> NDArray[np.float64]:
+def egg(width: float, front: float, back: float, square: float = 2.6) -> Array:
     """(N, 2) an outline that is an ellipse before its middle and squarer behind it.
 
     Args:
@@ -49,7 +49,7 @@ class _Plan:
         self.rim = min(0.4, 0.6 * height)
 
 
-def _bowl(plan: _Plan, stack: list[NDArray[np.float64]]) -> Mesh:
+def _bowl(plan: _Plan, stack: list[Array]) -> Mesh:
     """What is given from below, then over the rim into the bowl."""
     opening = egg(plan.broad - 0.1, plan.front - 0.055, plan.back - 0.06)
     rings = [ring(flat[:, :2], float(flat[0, 2]), (0.0, plan.middle)) for flat in stack]
@@ -69,11 +69,8 @@ def _bowl(plan: _Plan, stack: list[NDArray[np.float64]]) -> Mesh:
 
 
 def _stack(
-    plan: _Plan,
-    foot: NDArray[np.float64],
-    deck: NDArray[np.float64],
-    shares: tuple[tuple[float, float], ...],
-) -> list[NDArray[np.float64]]:
+    plan: _Plan, foot: Array, deck: Array, shares: tuple[tuple[float, float], ...]
+) -> list[Array]:
     """The outside from the foot to the rim: height and how far it has become the rim's outline."""
     rings = [ring((1.0 - s) * foot + s * deck, u * plan.rim) for u, s in shares]
     return [*rings, ring(deck, plan.rim - 0.008), ring(deck * 0.985, plan.rim)]

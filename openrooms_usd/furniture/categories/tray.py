@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, row, solid
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style, numbered
 from openrooms_usd.furniture.placements import on
@@ -16,7 +16,7 @@ from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
 
 
-def _rimmed(outline: NDArray[np.float64], height: float, wall: float, floor: float) -> Mesh:
+def _rimmed(outline: Array, height: float, wall: float, floor: float) -> Mesh:
     """A flat dish with upright sides over an outline about the origin."""
     half = np.abs(outline).max(axis=0)
     inner = outline * (1.0 - wall / half)

@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.construction import ANY, filled, row, walls
 from openrooms_usd.furniture.joinery.foliage import held, pointed_leaf
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, Style
@@ -18,8 +18,6 @@ from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import tube
 from openrooms_usd.geometry.uv import metric
 from openrooms_usd.geometry.vectors import unit
-
-Array = NDArray[np.float64]
 
 _SHAPES: Final = (
     ((0.7, 0.0), (0.95, 0.25), (1.0, 0.5), (0.62, 0.82), (0.5, 0.93), (0.62, 1.0)),

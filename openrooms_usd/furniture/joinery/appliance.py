@@ -3,8 +3,8 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import FRONT, board
 from openrooms_usd.furniture.joinery.cells import Cell
@@ -119,9 +119,7 @@ def knob(made: Assembly, at: tuple[float, float, float], radius: float, reach: f
     made.turn("knob", names, at, (0.0, -1.0, 0.0), (0.0, 270.0))
 
 
-def pierced(
-    outline: NDArray[np.float64], hole: NDArray[np.float64], low: float, high: float
-) -> Mesh:
+def pierced(outline: Array, hole: Array, low: float, high: float) -> Mesh:
     """A plate with a hole between two heights; outline and hole are (N, 2), point by point."""
     e = min(0.003, 0.3 * (high - low))
     return loft(
@@ -137,7 +135,7 @@ def pierced(
     )
 
 
-def square(width: float, depth: float, segments: int = 64) -> NDArray[np.float64]:
+def square(width: float, depth: float, segments: int = 64) -> Array:
     """(N, 2) points of a rectangle in even directions from its middle, its corners among them."""
     flat = superellipse(2.0, 2.0, 2.0, segments)
     reach = np.max(np.abs(flat) / [0.5 * width, 0.5 * depth], axis=1)

@@ -3,19 +3,19 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.appliance import square
 from openrooms_usd.geometry.lofts import loft, ring, superellipse
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.solids import lathe
 
-Rings = list[NDArray[np.float64]]
+Rings = list[Array]
 SEGMENTS = 64
 
 
 def inside(
-    opening: NDArray[np.float64],
+    opening: Array,
     rim: float,
     deep: float,
     *,

@@ -4,8 +4,9 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.pieces import Size
 from openrooms_usd.geometry.curves import filleted
 from openrooms_usd.geometry.mesh import Mesh
@@ -31,12 +32,12 @@ def wall_plate(size: Size, thick: float) -> Mesh:
     return board((-x, y - thick, 0.0), (x, y, height))
 
 
-def profiled(polygon: ArrayLike, width: float, frame: NDArray[np.float64], bevel: float) -> Mesh:
+def profiled(polygon: ArrayLike, width: float, frame: Array, bevel: float) -> Mesh:
     """A board of a given outline, drawn in `SIDE` or `FRONT` view, centred in its width."""
     return extrude(polygon, width, bevel=bevel, base=-0.5 * width).transformed(frame)
 
 
-def strip(line: ArrayLike, thickness: float, end: float | None = None) -> NDArray[np.float64]:
+def strip(line: ArrayLike, thickness: float, end: float | None = None) -> Array:
     """The outline of a band along a 2D polyline, tapering from ``thickness`` to ``end``."""
     axis = np.asarray(line, dtype=np.float64)
     along = np.gradient(axis, axis=0)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.rotations import about_y, pose
 from openrooms_usd.geometry.solids import box
@@ -38,7 +38,7 @@ class Book:
 
     size: tuple[float, float, float]
     binding: int
-    pose: NDArray[np.float64]
+    pose: Array
 
     def cover(self) -> Mesh:
         """Boards and spine: a U seen from above, the spine at the front."""
@@ -80,12 +80,12 @@ class Book:
         return block.transformed(self.pose)
 
 
-def _leaning(x: float, y: float, z: float, tilt: float) -> NDArray[np.float64]:
+def _leaning(x: float, y: float, z: float, tilt: float) -> Array:
     """Turned about the depth axis so that its top comes to the left."""
     return pose(about_y(-tilt), (x, y, z))
 
 
-def _lying(x: float, y: float, z: float) -> NDArray[np.float64]:
+def _lying(x: float, y: float, z: float) -> Array:
     """On its side, the spine still to the front: height runs along X, thickness upwards."""
     return pose([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]], (x, y, z))
 

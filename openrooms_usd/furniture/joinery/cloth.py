@@ -1,14 +1,12 @@
 """Soft things as closed thin solids: pillows, covers laid over a bed, curtains in folds."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.sweeps import sheet
 from openrooms_usd.geometry.vectors import points_at
-
-Array = NDArray[np.float64]
 
 # Wide curtains have as many folds as this, and broader ones.
 _FOLDS = 26

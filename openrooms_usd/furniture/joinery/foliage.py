@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.pieces import Parts, Size
 from openrooms_usd.furniture.joinery.posing import turned
 from openrooms_usd.geometry.mesh import Mesh, joined
@@ -13,8 +13,6 @@ from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.solids import lathe
 from openrooms_usd.geometry.sweeps import sheet, tube
 from openrooms_usd.geometry.vectors import points_at
-
-Array = NDArray[np.float64]
 
 _THICK: Final = 0.0014
 # Leaves bend by this share of the plant's span, along waves of that share of it.

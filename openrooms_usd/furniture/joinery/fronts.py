@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.assembly import Assembly, Side
 from openrooms_usd.furniture.joinery.boards import FRONT, SIDE
 from openrooms_usd.furniture.joinery.cells import BOARD, GAP, HANDLE, Cell, columns, rows
@@ -128,7 +128,7 @@ def leaf(
     """A front standing on the origin's level, its back at y = 0; framed where ``frame`` > 0."""
     edge = min(0.002, 0.2 * thickness)
 
-    def outline(inset: float, z: float) -> NDArray[np.float64]:
+    def outline(inset: float, z: float) -> Array:
         flat = rounded_rectangle(
             width - 2 * inset, height - 2 * inset, corner - inset, segments=6 if corner > 0.0 else 0
         )
@@ -212,7 +212,7 @@ def _sash(width: float, height: float, thickness: float) -> Mesh:
     """An open frame for a pane: a ring, its back at y = 0."""
     rail = 0.06
 
-    def outline(inset: float, z: float) -> NDArray[np.float64]:
+    def outline(inset: float, z: float) -> Array:
         flat = rounded_rectangle(width - 2 * inset, height - 2 * inset, 0.0, segments=0)
         return ring(flat, z, (0.0, 0.5 * height))
 

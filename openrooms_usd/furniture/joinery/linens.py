@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.cloth import ripples
 from openrooms_usd.furniture.joinery.pieces import Size
 from openrooms_usd.furniture.placements import DRAPED_WALL_M, LOOP_BACK_M, LOOP_M, LOOP_RISE_M
@@ -16,8 +16,6 @@ from openrooms_usd.geometry.normals import with_normals
 from openrooms_usd.geometry.sweeps import sheet, tube
 from openrooms_usd.geometry.uv import metric
 from openrooms_usd.geometry.vectors import points_at, unit
-
-Array = NDArray[np.float64]
 
 # The share of a roll's height by which it is pressed flat below.
 _PRESSED: Final = 0.06

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 
 Size: TypeAlias = tuple[float, float, float]
@@ -132,7 +132,7 @@ def fitted(made: Parts | Furniture, size: Size) -> Furniture:
     )
 
 
-def _stretched(joint: Joint, scale: NDArray[np.float64], offset: NDArray[np.float64]) -> Joint:
+def _stretched(joint: Joint, scale: Array, offset: Array) -> Joint:
     x, y, z = (scale * joint.origin + offset).tolist()
     axis = np.asarray(joint.axis) * scale
     length = float(np.linalg.norm(axis))

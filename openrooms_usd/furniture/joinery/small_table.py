@@ -1,8 +1,8 @@
 """Low tables before sofas, and small ones beside seats and beds."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.assembly import Assembly
 from openrooms_usd.furniture.joinery.boards import board, corners, cut_level, round_leg, splayed
 from openrooms_usd.furniture.joinery.cells import BOARD, HANDLE, SEAT, columns
@@ -16,7 +16,7 @@ from openrooms_usd.geometry.solids import cylinder, lathe
 from openrooms_usd.geometry.sweeps import extrude, tube
 
 
-def _slab(outline: NDArray[np.float64], thick: float, high: float, bevel: float = 0.004) -> Mesh:
+def _slab(outline: Array, thick: float, high: float, bevel: float = 0.004) -> Mesh:
     return extrude(outline, thick, bevel=bevel, base=high - thick)
 
 
@@ -151,7 +151,7 @@ def tripod(size: Size, rng: np.random.Generator) -> Parts:
     }
 
 
-def _hoop(outer: NDArray[np.float64], inner: NDArray[np.float64], low: float, high: float) -> Mesh:
+def _hoop(outer: Array, inner: Array, low: float, high: float) -> Mesh:
     """A thin upright ring between two outlines."""
     rings = [ring(outer, low), ring(outer, high), ring(inner, high), ring(inner, low)]
     return loft(rings, closed=True)

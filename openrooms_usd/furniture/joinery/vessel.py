@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.pieces import Parts, Size, numbered
 from openrooms_usd.furniture.joinery.posing import band, turned
 from openrooms_usd.geometry.curves import filleted
@@ -51,7 +51,7 @@ def smooth_line(points: Line, count: int = 28) -> list[tuple[float, float]]:
     i = np.minimum(t.astype(int), len(points) - 2)
     u = (t - i)[:, None]
     a, b, c, d = (p[i + k] for k in range(4))
-    curve: NDArray[np.float64] = 0.5 * (
+    curve: Array = 0.5 * (
         2.0 * b
         + (c - a) * u
         + (2.0 * a - 5.0 * b + 4.0 * c - d) * u**2
@@ -283,7 +283,7 @@ def bowl_oval(size: Size, rng: np.random.Generator) -> Parts:
     lower = 0.78
     wall = 0.035 * min(width, depth)
 
-    def outline(scale: float, inset: float) -> NDArray[np.float64]:
+    def outline(scale: float, inset: float) -> Array:
         x, y = 0.5 * width * scale - inset, 0.5 * depth * scale - inset
         return filleted([(-x, -y), (x, -y), (x, y), (-x, y)], corner, segments=6, closed=True)
 
@@ -298,7 +298,7 @@ def bowl_oval(size: Size, rng: np.random.Generator) -> Parts:
     return {"container": _lofted([np.insert(line, 2, z, axis=1) for line, z in flat])}
 
 
-def _lofted(rings: list[NDArray[np.float64]]) -> Mesh:
+def _lofted(rings: list[Array]) -> Mesh:
     """A solid whose surface passes through rings (N, 3); the first and the last are closed."""
     count, last = len(rings[0]), len(rings) - 1
     i, j = (a.ravel() for a in np.indices((last, count)))

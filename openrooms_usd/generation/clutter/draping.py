@@ -10,9 +10,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import DRAPED_WALL_M, Place
-from openrooms_usd.generation.boxes import Array
 from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.levels import along_edges
 from openrooms_usd.generation.items import Item

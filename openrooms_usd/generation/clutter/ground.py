@@ -6,8 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.placements import Place
-from openrooms_usd.generation.boxes import Array, Pose, overlap
+from openrooms_usd.generation.boxes import Pose, overlap
 from openrooms_usd.generation.clutter.laying import PosedObject, Taken
 from openrooms_usd.generation.items import STEP_M, Item, placed
 from openrooms_usd.generation.placement import Arrangement

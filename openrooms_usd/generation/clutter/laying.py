@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.generation.boxes import NONE, Array, Pose, box, overlap, posed
+from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.generation.boxes import NONE, Pose, box, overlap, posed
 from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.levels import CELL_M
 from openrooms_usd.generation.clutter.making import Variant
@@ -194,7 +194,7 @@ def places_on(
 
 def fits(
     spot: SupportSurface, size: tuple[float, float, float], local: Array, turns: Array
-) -> NDArray[np.bool_]:
+) -> Mask:
     """(N,) whether a box stands on free cells wholly."""
     half = 0.5 * np.array(size[:2]) + _FROM_EDGE_M
     ticks = [np.linspace(-h, h, max(3, int(np.ceil(2 * h / CELL_M)) + 1)) for h in half]

@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.generation.boxes import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.generation.shapes import BuiltForm
 
 CELL_M: Final = 0.01
@@ -37,8 +36,6 @@ _DEEP_M: Final = 0.12
 # a whole where that is so for this share of its width.
 _SEEN_M: Final = 0.04
 _OPEN_SHARE: Final = 0.15
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +114,7 @@ def _visible_level(height: float, clear: Array, low: Array, shape: BuiltForm) ->
 
 def crossings(
     corners: Array, low: Array, columns: int, rows: int, side: float = CELL_M
-) -> tuple[NDArray[np.int64], Array, Array]:
+) -> tuple[Ints, Array, Array]:
     """Where the vertical lines meet the triangles: cell, height, and the normal's z."""
     a, b, c = np.moveaxis(corners, 1, 0)
     e, f = b - a, c - a
@@ -143,9 +140,7 @@ def crossings(
     return (j * columns + i)[hit], z, (normal[:, 2] / np.maximum(length, 1e-30))[t]
 
 
-def _tops(
-    cell: NDArray[np.int64], z: Array, up: Array
-) -> tuple[tuple[NDArray[np.int64], Array], tuple[NDArray[np.int64], Array]]:
+def _tops(cell: Ints, z: Array, up: Array) -> tuple[tuple[Ints, Array], tuple[Ints, Array]]:
     """Level places where a line leaves the last of all solids, and where it enters any."""
     order = np.lexsort((up > 0.0, np.round(z, 5), cell))
     cell, z, up = cell[order], z[order], up[order]
@@ -160,12 +155,12 @@ def _tops(
     return (cell[level], z[level]), (cell, z)
 
 
-def _grouped(tops: tuple[NDArray[np.int64], Array]) -> list[tuple[float, NDArray[np.int64]]]:
+def _grouped(tops: tuple[Ints, Array]) -> list[tuple[float, Ints]]:
     """Heights at which there is enough of a level top, the lowest first, and its cells."""
     cells, z = tops
     least = _LEAST_AREA_M2 / CELL_M**2
     heights, counts = np.unique(np.round(z, 4), return_counts=True)
-    found: dict[float, NDArray[np.int64]] = {}
+    found: dict[float, Ints] = {}
     for height in heights[np.argsort(-counts, kind="stable")][: (counts >= least).sum()].tolist():
         exact = float(z[np.abs(z - height) < 1e-4].max())
         if all(abs(exact - other) > 2 * _LEVEL_M for other in found):
@@ -175,7 +170,7 @@ def _grouped(tops: tuple[NDArray[np.int64], Array]) -> list[tuple[float, NDArray
 
 def edge_cells(
     corners: Array, low: Array, columns: int, side: float = CELL_M
-) -> tuple[NDArray[np.int64], Array, NDArray[np.int64]]:
+) -> tuple[Ints, Array, Ints]:
     """Cells through which edges of triangles pass, how high they are there, and whose they are."""
     ends = np.roll(corners, -1, axis=1).reshape(-1, 3)
     starts = corners.reshape(-1, 3)
@@ -190,9 +185,7 @@ def edge_cells(
     return j * columns + i, points[:, 2], t // 3
 
 
-def _walls(
-    corners: Array, cells: NDArray[np.int64], which: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], Array, Array]:
+def _walls(corners: Array, cells: Ints, which: Ints) -> tuple[Ints, Array, Array]:
     """Cells through which upright faces pass, and where these begin and end, metres.
 
     Lines through the middles of cells miss them, and their edges may be far above and below.

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from openrooms_usd.generation.boxes import Array
+from openrooms_usd.arrays import Array
 from openrooms_usd.generation.clutter.levels import crossings, edge_cells
 from openrooms_usd.generation.shapes import BuiltForm, tops
 

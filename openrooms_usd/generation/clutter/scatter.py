@@ -6,10 +6,11 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import Size, category
 from openrooms_usd.furniture.placements import Place, SurfacePlacement
 from openrooms_usd.furniture.placements import Pose as Lying
-from openrooms_usd.generation.boxes import Array, Pose
+from openrooms_usd.generation.boxes import Pose
 from openrooms_usd.generation.clutter.amounts import ROOM_AMOUNTS, amount_of
 from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.ground import Ground

@@ -6,9 +6,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import Place
-from openrooms_usd.generation.boxes import Array, Pose
+from openrooms_usd.generation.boxes import Pose
 from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.laying import PosedObject
 from openrooms_usd.generation.clutter.resting import Relief, rest_on

@@ -7,9 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture import offered_surfaces
 from openrooms_usd.furniture.placements import Place
-from openrooms_usd.generation.boxes import Array, Pose, box
+from openrooms_usd.generation.boxes import Pose, box
 from openrooms_usd.generation.clutter.forms import LevelFinder
 from openrooms_usd.generation.clutter.levels import CELL_M, Level
 from openrooms_usd.generation.items import Item, placed

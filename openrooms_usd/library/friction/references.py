@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Final, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.substances import Substance
 
 FILE: Final = Path(__file__).with_name("references.json")
@@ -104,5 +104,5 @@ def counterface_factors(rows: tuple[Reference, ...]) -> dict[str, float]:
     return dict(zip(faces, map(float, np.exp(centred)), strict=True))
 
 
-def _indicators(values: list[Any], known: list[Any]) -> NDArray[np.float64]:
+def _indicators(values: list[Any], known: list[Any]) -> Array:
     return np.array([[float(value == item) for item in known] for value in values])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.description.substances import Substance
 from openrooms_usd.library.friction.mapping import Friction, Mapping
 from openrooms_usd.library.friction.references import SUBSTANCES, density, references, restitution
@@ -26,7 +27,7 @@ _PIXELS_AT_A_TIME: Final = 2**17
 Array = NDArray[np.floating[Any]]
 
 
-def built() -> NDArray[np.float32]:
+def built() -> Floats:
     """Make the table from the references.
 
     Returns:
@@ -47,8 +48,8 @@ def built() -> NDArray[np.float32]:
 
 
 @cache
-def _shipped() -> NDArray[np.float32]:
-    return cast("NDArray[np.float32]", np.load(FILE, allow_pickle=False))
+def _shipped() -> Floats:
+    return cast("Floats", np.load(FILE, allow_pickle=False))
 
 
 def friction_of(substance: Substance | None, albedo: ArrayLike, roughness: ArrayLike) -> Friction:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.draws import generator
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture import category, make
@@ -259,7 +260,7 @@ def _cad(file: CadFile, index: Path) -> Cad:
     return Cad(file.id, file.category, file.path, symmetry=file.symmetry, up=up, front=front)
 
 
-def merged(model: Model, frame: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[np.int32]]:
+def merged(model: Model, frame: Array) -> tuple[NDArray[Any], NDArray[np.int32]]:
     """All parts of a model as triangles.
 
     Args:

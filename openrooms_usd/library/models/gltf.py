@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
@@ -141,7 +142,7 @@ def _pieces(
         return pieces
 
 
-def _colors(visual: Any) -> NDArray[np.float64] | None:
+def _colors(visual: Any) -> Array | None:
     """(N, 3) the colours of vertices or faces, from 0 to 1; None without any."""
     if visual.kind in ("vertex", "face"):
         values = visual.vertex_colors if visual.kind == "vertex" else visual.face_colors
@@ -164,9 +165,7 @@ def _mesh(mesh: Any) -> Mesh:
     )
 
 
-def _at(
-    corners: NDArray[np.int32], values: Any, count: int, width: int
-) -> NDArray[np.float32] | None:
+def _at(corners: NDArray[np.int32], values: Any, count: int, width: int) -> Floats | None:
     """What each corner has of values of the points; None where they are not theirs."""
     if values is None or np.shape(values) != (count, width):
         return None

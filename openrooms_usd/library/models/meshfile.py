@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.furniture.joinery.pieces import Joint, Size
 from openrooms_usd.geometry.mesh import Mesh
@@ -138,7 +138,7 @@ def _posture(
     )
 
 
-def _turn(up: Up, front: Front) -> NDArray[np.float64]:
+def _turn(up: Up, front: Front) -> Array:
     """(3, 3) from a file's axes to ours."""
     upright = _Z_UP_FROM_Y_UP if up == "Y" else np.eye(3)
     c, s = _TURNS[front]
@@ -166,7 +166,7 @@ def _sound(reading: Reading, path: Path) -> list[ModelPart]:
     return sound
 
 
-def _as_model(pieces: Sequence[ModelPart], turn: NDArray[np.float64], reading: Reading) -> Model:
+def _as_model(pieces: Sequence[ModelPart], turn: Array, reading: Reading) -> Model:
     names = prim_names([piece.title for piece in pieces])
     found = list(zip(names, pieces, strict=True))
     turned = np.eye(4)
@@ -192,7 +192,7 @@ def _joints(
             yield Joint(meshes[0], joint.kind, meshes, (x, y, z), (u, v, w), joint.limits)
 
 
-def _under(joint: Joint, M: NDArray[np.float64]) -> Joint:
+def _under(joint: Joint, M: Array) -> Joint:
     """A joint under a (4, 4) matrix for column vectors: what slides, slides by as much more."""
     x, y, z = (M[:3, :3] @ joint.origin + M[:3, 3]).tolist()
     along = M[:3, :3] @ joint.axis
@@ -202,7 +202,7 @@ def _under(joint: Joint, M: NDArray[np.float64]) -> Joint:
     return replace(joint, origin=(x, y, z), axis=(u, v, w), limits=(low, high))
 
 
-def _fitted(model: Model, size: Size | None, turn: NDArray[np.float64], path: Path) -> Model:
+def _fitted(model: Model, size: Size | None, turn: Array, path: Path) -> Model:
     """The turned model on the origin, stretched to a size if one is asked for."""
     low, high = model.extent
     own = high - low
@@ -252,11 +252,7 @@ def _mapped(model: Model, name: str, mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _read_part(path: Path) -> Reading:
-    """A mesh that a URDF file names.
-
-    Raises:
-        InputError: It is of no kind that holds a mesh.
-    """
+    """A mesh that a URDF file names."""
     reader = _READERS.get(path.suffix.lower())
     if reader is None or path.suffix.lower() == _URDF:
         known = ", ".join(suffix for suffix in _READERS if suffix != _URDF)

@@ -5,9 +5,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.normals import face_vectors, with_normals
 from openrooms_usd.geometry.triangulation import triangulate
@@ -55,8 +54,8 @@ class ForeignJoint:
 
     link: str
     kind: Literal["hinge", "rail"]
-    origin: NDArray[np.float64]
-    axis: NDArray[np.float64]
+    origin: Array
+    axis: Array
     limits: tuple[float, float]
 
 
@@ -160,7 +159,7 @@ def _without_repeats(mesh: Mesh) -> Mesh:
     return _submesh(mesh, distinct & once)
 
 
-def _submesh(mesh: Mesh, faces: NDArray[np.bool_]) -> Mesh:
+def _submesh(mesh: Mesh, faces: Mask) -> Mesh:
     """The chosen triangles and the points that they use."""
     corners = np.repeat(faces, 3)
     used, indices = np.unique(mesh.indices[corners], return_inverse=True)
@@ -202,7 +201,7 @@ def _with_sound_normals(mesh: Mesh) -> Mesh | None:
     return replace(mesh, normals=unit(normals.astype(np.float64), UP).astype(np.float32))
 
 
-def _facing(mesh: Mesh, normals: NDArray[np.float32]) -> NDArray[np.float64]:
+def _facing(mesh: Mesh, normals: Floats) -> Array:
     """(K,) positive where a corner's normal is on the outer side of its face."""
     vectors = np.repeat(face_vectors(mesh), mesh.counts, axis=0)
     facing = np.einsum("ij,ij->i", vectors, np.nan_to_num(normals.astype(np.float64)))

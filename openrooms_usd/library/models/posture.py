@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.furniture.joinery.pieces import Size
 
-Array = NDArray[np.float64]
 Up = Literal["Y", "Z"]
 
 # Metres for one unit of files.

@@ -15,16 +15,13 @@ from typing import Final, Literal
 from xml.etree.ElementTree import Element
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.models.pieces import ForeignJoint, ModelPart, Reading, colored
 from openrooms_usd.library.models.plainxml import read_xml
-
-Array = NDArray[np.float64]
-
 
 _MAX_COORDINATE_M: Final = 1e4
 _MOVING: Final[Mapping[str, Literal["hinge", "rail"]]] = {

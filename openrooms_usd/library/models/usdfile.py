@@ -58,11 +58,7 @@ def _read(stage: "Usd.Stage", path: Path, notes: list[str]) -> Reading:
 
 
 def _layers_elsewhere(path: Path) -> list[str]:
-    """Notes on the layers outside a file's folder that it is composed of.
-
-    Raises:
-        InputError: One of its layers is not fit to be opened.
-    """
+    """Notes on the layers outside a file's folder that it is composed of."""
     from openrooms_usd.usd.files.preflight import check_stage_file
 
     home, start = path.parent.resolve(), path.parent.absolute()

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import untrusted
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.mesh import Mesh
@@ -195,7 +194,7 @@ def _painted(
     return colored(title, surface, colors[rows], notes)
 
 
-def _gathered(rows: list[list[float]], indices: list[int | None]) -> NDArray[np.float32] | None:
+def _gathered(rows: list[list[float]], indices: list[int | None]) -> Floats | None:
     found = [index for index in indices if index is not None]
     if len(found) < len(indices):
         return None

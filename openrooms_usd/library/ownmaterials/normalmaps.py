@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.usd.shading.surfaces import NORMAL_BIAS, NORMAL_SCALE
 from openrooms_usd.usd.shading.textures import picture_facts, read_texture
 
-Array = NDArray[np.float64]
 Green = Literal["up", "down"]
 Four = tuple[float, float, float, float]
 
@@ -75,7 +74,7 @@ def read_relief(file: str, stated: Green | None, heights: str | None = None) -> 
     return Relief(*_stored(green, signed), (loss,))
 
 
-def _finite(values: NDArray[np.float32]) -> Array:
+def _finite(values: Floats) -> Array:
     with np.errstate(invalid="ignore"):
         return np.nan_to_num(values.astype(np.float64))
 

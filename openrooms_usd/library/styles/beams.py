@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.light.profiles import Profile
 
-Array = NDArray[np.float64]
 BeamName = Literal["downlight", "spot", "batwing", "bare bulb"]
 BEAMS: Final[tuple[BeamName, ...]] = get_args(BeamName)
 

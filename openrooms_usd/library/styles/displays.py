@@ -4,10 +4,8 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Bytes = NDArray[np.uint8]
+from openrooms_usd.arrays import Array, Bytes
 
 # Columns of a picture; screens of rooms are seen by few pixels.
 WIDTH: Final = 384

@@ -16,14 +16,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.library.surroundings.sunlight import RGB_FROM_XYZ
 from openrooms_usd.tables import read_table
 from openrooms_usd.usd.shading.textures import color_space, read_texture
-
-Array = NDArray[np.float64]
 
 _TABLES: Final = read_table(__file__, "preetham.toml")
 _PEREZ: Final = np.array(_TABLES["perez"])
@@ -71,7 +70,7 @@ def make_sky(
     sun_spread: float = 2.5,
     turbidity: float = 3.5,
     seed: int = 0,
-) -> NDArray[np.float32]:
+) -> Floats:
     """A clear day over a garden: the analytic sky of Preetham et al., a soft sun, trees and lawn.
 
     Args:
@@ -201,7 +200,7 @@ def _trees(
     return np.asarray(foliage + 0.5 * haze)
 
 
-def _rounded(pixels: NDArray[np.float32], bits: int = 8) -> NDArray[np.float32]:
+def _rounded(pixels: Floats, bits: int = 8) -> Floats:
     """Values to so many significant bits, which makes files small."""
     mantissa, exponent = np.frexp(pixels)
     return np.asarray(np.ldexp(np.rint(mantissa * 2**bits) / 2**bits, exponent), np.float32)
@@ -214,7 +213,7 @@ if __name__ == "__main__":
 _LARGEST: Final = float(np.finfo(np.float32).max)
 
 
-def read_panorama(path: str) -> NDArray[np.float32]:
+def read_panorama(path: str) -> Floats:
     """Read a latitude-longitude picture with linear pixels, such as HDR or EXR.
 
     Args:
@@ -249,8 +248,8 @@ def read_panorama(path: str) -> NDArray[np.float32]:
 
 
 def scaled_to_nits(
-    pixels: NDArray[np.float32], path: str, *, illuminance: float | None, scale: float | None
-) -> NDArray[np.float32]:
+    pixels: Floats, path: str, *, illuminance: float | None, scale: float | None
+) -> Floats:
     """Bring a panorama to nits.
 
     Args:
@@ -283,7 +282,7 @@ def scaled_to_nits(
     return np.asarray(pixels * np.float64(factor), dtype=np.float32)
 
 
-def _check_pixels(pixels: NDArray[np.float32], path: str) -> None:
+def _check_pixels(pixels: Floats, path: str) -> None:
     bad = ~np.isfinite(pixels) | (pixels < 0.0)
     if bad.any():
         row, column, channel = (int(i[0]) for i in np.nonzero(bad))

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.library.surroundings.environments import directions, horizontal_illuminance
 from openrooms_usd.library.surroundings.sunlight import (
@@ -19,9 +19,6 @@ from openrooms_usd.library.surroundings.sunlight import (
     direct_normal,
     overcast_illuminance,
 )
-
-Array = NDArray[np.float64]
-
 
 _COEFFICIENTS: Final = Path(__file__).with_name("hosek_wilkie.npy")
 _LUMENS_PER_WATT: Final = 683.0
@@ -166,7 +163,7 @@ class Air:
 
 def daylight(
     position: SunPosition, air: Air, *, north: float = 0.0, height: int = HEIGHT
-) -> NDArray[np.float32]:
+) -> Floats:
     """Make the panorama of a moment.
 
     Args:

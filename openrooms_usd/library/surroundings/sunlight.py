@@ -11,11 +11,9 @@ from datetime import UTC, datetime
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
-
-Array = NDArray[np.float64]
 
 # Lux on a surface that faces the sun at one astronomical unit, outside the atmosphere (IESNA).
 SOLAR_CONSTANT: Final = 133_800.0

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import claims, names
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError, RenderError
 from openrooms_usd.geometry.vectors import unit
@@ -37,7 +37,6 @@ from openrooms_usd.rendering.manifest import write_json
 from openrooms_usd.rendering.previews import preview
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.lights import LightRecord
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.version import __version__
 
@@ -196,7 +195,7 @@ def _write_pictures(
 
 def _pictures(
     atlases: Atlases, texels: Texels, values: Pixels
-) -> Iterator[tuple[int, NDArray[np.float64], Iterator[Pixels]]]:
+) -> Iterator[tuple[int, Array, Iterator[Pixels]]]:
     """(number, zeros to sum up in, picture of each light) of each atlas."""
     for atlas, size in enumerate(atlases.sizes):
         here = np.flatnonzero(texels.atlas == atlas)
@@ -289,9 +288,7 @@ def without_buried(texels: Texels, scene: Scene, tracer: RayTracer) -> Texels:
     return Texels(texels.atlas[seen], texels.column[seen], texels.row[seen], chosen)
 
 
-def _buried(
-    points: TexelPoints, some: slice, fronts: Array, tracer: RayTracer
-) -> NDArray[np.bool_]:
+def _buried(points: TexelPoints, some: slice, fronts: Array, tracer: RayTracer) -> Mask:
     """(P,) whether nearly all rays of each point meet the back of what they meet first."""
     chosen = replace(points, triangles=points.triangles[some], weights=points.weights[some])
     normals = points.normals[chosen.triangles]

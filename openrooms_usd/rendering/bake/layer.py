@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering.bake.atlases import Atlases, Placement
 from openrooms_usd.rendering.bake.units import Member
 from openrooms_usd.rendering.scene.lights import LightRecord
@@ -180,7 +180,7 @@ def _author_coordinates(layer: Sdf.Layer, home: Sdf.Path, placement: Placement) 
         first += count
 
 
-def _corners(member: Member, places: NDArray[np.float64]) -> NDArray[np.float32]:
+def _corners(member: Member, places: Array) -> Floats:
     """(K, 2) of the polygons' corners; 0 where no texels are."""
     mesh = member.mesh
     counts = UsdGeom.Mesh(mesh.prim).GetFaceVertexCountsAttr().Get()

@@ -9,9 +9,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats, Ints, Mask
 from openrooms_usd.rendering.bake.atlases import PADDING_TEXELS
 
-Pixels = NDArray[np.float32]
+Pixels = Floats
 
 _AROUND: Final = tuple((x, y) for y in (-1, 0, 1) for x in (-1, 0, 1) if x or y)
 
@@ -24,7 +25,7 @@ class Border:
         steps: How far the border reaches, texels.
     """
 
-    def __init__(self, known: NDArray[np.bool_], steps: int = PADDING_TEXELS) -> None:
+    def __init__(self, known: Mask, steps: int = PADDING_TEXELS) -> None:
         self._size = known.shape
         self._steps = []
         for _ in range(steps):
@@ -50,9 +51,7 @@ def _shifted(picture: NDArray[Any]) -> NDArray[Any]:
     return np.stack([padded[1 + y : 1 + y + height, 1 + x : 1 + x + width] for x, y in _AROUND])
 
 
-def picture_of(
-    size: tuple[int, int], column: NDArray[np.int64], row: NDArray[np.int64], values: Pixels
-) -> Pixels:
+def picture_of(size: tuple[int, int], column: Ints, row: Ints, values: Pixels) -> Pixels:
     """A picture with some texels set, the others 0.
 
     Args:
@@ -69,9 +68,7 @@ def picture_of(
     return found
 
 
-def known_of(
-    size: tuple[int, int], column: NDArray[np.int64], row: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+def known_of(size: tuple[int, int], column: Ints, row: Ints) -> Mask:
     """(height, width) which texels `picture_of` sets."""
     found = np.zeros((size[1], size[0]), dtype=bool)
     found[size[1] - 1 - row, column] = True

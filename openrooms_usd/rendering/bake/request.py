@@ -7,8 +7,8 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.description.rendering import DEFAULT_BOUNCES, REFERENCE, Method
-from openrooms_usd.rendering.scene.pictures import Array
 
 LIFT_M: Final = 1e-4
 """How far above a surface its rays begin: what is nearer than this is not in their way."""
@@ -28,9 +28,9 @@ class TexelPoints:
 
     corners: Array
     normals: Array
-    first: NDArray[np.int64]
+    first: Ints
     triangles: NDArray[np.int32]
-    weights: NDArray[np.float32]
+    weights: Floats
 
     def __len__(self) -> int:
         """How many texels there are."""
@@ -74,7 +74,7 @@ class Irradiance:
         replaced: Texels for which the renderer put 0 where it found no number.
     """
 
-    values: NDArray[np.float32]
+    values: Floats
     samples: int
     seconds: float
     error: float | None

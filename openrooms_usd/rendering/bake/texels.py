@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.bake.atlases import Atlases
 from openrooms_usd.rendering.bake.request import TexelPoints
-from openrooms_usd.rendering.scene.pictures import Array
 
 # Places in a texel to a side.
 _PLACES_A_SIDE: Final = 4
@@ -22,8 +21,6 @@ _PLACES_A_SIDE: Final = 4
 _CANDIDATES: Final = 1 << 22
 # What counts as inside a triangle, of its barycentric coordinates.
 _EDGE: Final = -1e-9
-
-Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom, UsdShade
 
+from openrooms_usd.arrays import Ints, Mask
 from openrooms_usd.usd.light.lights import MeshLight, read_lights
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import bound_material, bound_subsets
@@ -30,7 +30,7 @@ class Member:
 
     path: str
     mesh: PlacedMesh
-    lit: NDArray[np.bool_]
+    lit: Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +130,7 @@ class _Materials:
     def __init__(self) -> None:
         self._reasons: dict[str, str | None] = {}
 
-    def dark(self, mesh: PlacedMesh) -> Iterator[tuple[NDArray[np.int64], str]]:
+    def dark(self, mesh: PlacedMesh) -> Iterator[tuple[Ints, str]]:
         """(rows of triangles, reason) of the parts that emit or are clear."""
         rest = np.ones(len(mesh.mesh.triangles), dtype=bool)
         for indices, material in bound_subsets(mesh.prim):

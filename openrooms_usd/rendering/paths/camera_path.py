@@ -4,11 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.cameras import PinholeCamera
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

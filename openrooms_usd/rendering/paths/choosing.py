@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.description.reading import read_yaml
 from openrooms_usd.errors import InputError, StageError
 from openrooms_usd.geometry.framing import FOV_DEG
@@ -27,7 +27,6 @@ _KEYS: Final = {"time", "position", "target"}
 _TOP: Final = {"keys", "fov"}
 _REMEDY: Final = "give `keys`, each with time, position [x, y, z] and target [x, y, z]"
 _FOVS_DEG: Final = (1.0, 170.0)
-Array = NDArray[np.float64]
 WALK: Final = "walk"
 WALK_SECONDS: Final = 10.0
 
@@ -77,9 +76,7 @@ def choose_path(
     return CameraPath(name, poses, camera.K, rate, camera.exposure)
 
 
-def stage_walk(
-    opened: RenderContext, size: tuple[int, int], times: NDArray[np.float64], rate: int
-) -> CameraPath:
+def stage_walk(opened: RenderContext, size: tuple[int, int], times: Array, rate: int) -> CameraPath:
     """A walk past the cameras of a stage, with the widest of their fields of view.
 
     Args:

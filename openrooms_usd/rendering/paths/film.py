@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.colorimetry import LUMINANCE
 from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.contract import RenderRequest, View
@@ -24,7 +24,6 @@ _CLAMP_DEVIATIONS: Final = 2.0
 _NEIGHBOURS_PIXELS: Final = 3  # to each side
 # Light per base colour is not defined for black surfaces.
 _LEAST_BASE_COLOR: Final = 0.04
-Pixels = NDArray[np.float32]
 
 LIGHT: Final = "radiance"
 BASE: Final = "base_color"
@@ -57,7 +56,7 @@ class FilmFrame:
     """
 
     view: View
-    pixels: Pixels
+    pixels: Floats
     error: float | None
     flicker: float | None
     new: float
@@ -77,7 +76,7 @@ def frames(
         denoiser: What takes the rest of the noise; None for none.
     """
     light, shown = Accumulation(), Accumulation()
-    before: tuple[VisibleSurfaces, Pixels] | None = None
+    before: tuple[VisibleSurfaces, Floats] | None = None
     usual = request.samples or DEFAULT_SAMPLES
     for number, camera in enumerate(path.cameras):
         clock = _Clock()
@@ -147,13 +146,13 @@ def path_tone(opened: RenderContext, path: CameraPath, request: RenderRequest) -
     return fitted_tone(opened.settings.tone, np.concatenate(strip), path.exposure)
 
 
-def _divisible(base_color: Pixels, view: View) -> Pixels:
+def _divisible(base_color: Floats, view: View) -> Floats:
     """(H, W, 3) what light is divided by: the base colour, and of the surroundings white."""
     there = view.images["valid"].pixels > 0
     return np.where(there, base_color, np.float32(1.0)).astype(np.float32)
 
 
-def _mean(halves: Halves) -> Pixels:
+def _mean(halves: Halves) -> Floats:
     a, b = halves.samples
     return np.asarray((a * halves.a + b * halves.b) / (a + b), dtype=np.float32)
 
@@ -170,7 +169,7 @@ class _Clock:
         self.seconds[step], self._last = now - self._last, now
 
 
-def flicker(now: Pixels, before: Pixels, taps: Taps) -> float:
+def flicker(now: Floats, before: Floats, taps: Taps) -> float:
     """The noise that two frames show at the same places, relative to their light.
 
     The root mean square of the change of luminance over the surfaces that both see, relative to
@@ -211,11 +210,11 @@ class Accumulation:
 
     def __init__(self, longest: float = LONGEST_HISTORY_FRAMES) -> None:
         self._longest = longest
-        self._halves: list[Pixels] = []
-        self._frames: Pixels = np.zeros(0, np.float32)
+        self._halves: list[Floats] = []
+        self._frames: Floats = np.zeros(0, np.float32)
 
     def add(
-        self, halves: Halves, base_color: Pixels, taps: Taps | None, frames: float = 1
+        self, halves: Halves, base_color: Floats, taps: Taps | None, frames: float = 1
     ) -> Halves:
         """Add a frame.
 
@@ -230,7 +229,7 @@ class Accumulation:
         """
         shape = base_color.shape
         divisor = divisor_of(base_color).reshape(-1, 3)
-        now: list[Pixels] = [
+        now: list[Floats] = [
             np.asarray(half.reshape(-1, 3) / divisor, dtype=np.float32)
             for half in (halves.a, halves.b)
         ]
@@ -250,12 +249,12 @@ class Accumulation:
         return Halves(a, b, halves.samples)
 
 
-def divisor_of(base_color: Pixels) -> Pixels:
+def divisor_of(base_color: Floats) -> Floats:
     """(..., 3) what light is divided by, so that textures stay out of what is added up."""
     return np.maximum(base_color, np.float32(_LEAST_BASE_COLOR))
 
 
-def _near(before: list[Pixels], now: list[Pixels], shape: tuple[int, int]) -> list[Pixels]:
+def _near(before: list[Floats], now: list[Floats], shape: tuple[int, int]) -> list[Floats]:
     """History, clamped to the neighbourhood of a pixel."""
     fresh, old = (np.float32(0.5) * (a + b) for a, b in (now, before))
     picture = fresh.reshape(*shape, 3)
@@ -267,7 +266,7 @@ def _near(before: list[Pixels], now: list[Pixels], shape: tuple[int, int]) -> li
     return [half + shift for half in before]
 
 
-def _blurred(picture: Pixels) -> Pixels:
+def _blurred(picture: Floats) -> Floats:
     """(H, W, 3) means over the pixels around each; fewer at the edges."""
     for axis in (0, 1):
         size, reach = picture.shape[axis], _NEIGHBOURS_PIXELS

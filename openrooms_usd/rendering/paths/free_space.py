@@ -4,12 +4,11 @@ import heapq
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.raycast import RayCaster
 
-Array = NDArray[np.float64]
 Cell = tuple[int, int]
 
 _CELL_M: Final = 0.15
@@ -61,14 +60,14 @@ class FreeSpace:
                 break
         else:
             raise RenderError("there is no space for a walk around the camera", place=str(start))
-        self.usable: NDArray[np.int64] = np.argwhere(self._free)
+        self.usable: Ints = np.argwhere(self._free)
 
     def cell(self, place: Array) -> Cell:
         """The cell of a point of the plan; the nearest one for points outside."""
         (i,), (j,) = self._cells(np.asarray(place)[None])
         return int(i), int(j)
 
-    def places(self, cells: NDArray[np.int64]) -> Array:
+    def places(self, cells: Ints) -> Array:
         """(C, 3) middles of (C, 2) cells at eye level."""
         plan = self._low + np.asarray(cells, dtype=np.float64) * self._step
         return np.column_stack([plan, np.full(len(plan), self.level)])
@@ -80,17 +79,17 @@ class FreeSpace:
         i, j = self.usable[best]
         return (int(i), int(j)), float(apart[best])
 
-    def is_free(self, places: Array) -> NDArray[np.bool_]:
+    def is_free(self, places: Array) -> Mask:
         """(N,) whether there is room around (N, 3) places."""
         i, j = self._cells(places)
         return np.asarray(self._free[i, j])
 
-    def is_over_furniture(self, places: Array) -> NDArray[np.bool_]:
+    def is_over_furniture(self, places: Array) -> Mask:
         """(N,) whether something lower than the eye stands below (N, 3) places."""
         i, j = self._cells(places)
         return np.asarray(self._cost[i, j] > 1.0)
 
-    def way(self, start: Cell, goal: Cell) -> NDArray[np.int64]:
+    def way(self, start: Cell, goal: Cell) -> Ints:
         """(N, 2) cells of the best way between two usable cells; empty where there is none.
 
         A long way over the floor is better than a short one over furniture or along a wall
@@ -120,7 +119,7 @@ class FreeSpace:
             cells.append(before[cells[-1]])
         return np.array(cells[::-1], dtype=np.int64)
 
-    def _cells(self, places: Array) -> NDArray[np.int64]:
+    def _cells(self, places: Array) -> Ints:
         """(2, N) columns and rows of the cells of (N, 3) places; the nearest ones for outside."""
         at = np.rint((places[:, :2] - self._low) / self._step).astype(np.int64)
         return np.asarray(np.clip(at, 0, np.array(self._shape) - 1).T)
@@ -129,7 +128,7 @@ class FreeSpace:
         i, j = cell
         return 0 <= i < self._shape[0] and 0 <= j < self._shape[1] and bool(self._free[i, j])
 
-    def _standing(self) -> tuple[NDArray[np.bool_], Array]:
+    def _standing(self) -> tuple[Mask, Array]:
         """Cells with something below that is low enough, and what a way over them costs."""
         cells = np.argwhere(np.ones(self._shape, dtype=bool))
         down = self._caster.first_hit(
@@ -140,7 +139,7 @@ class FreeSpace:
         floor = np.percentile(height[low], 5) if low.any() else 0.0
         return low, np.where(height > floor + _FLOOR_M, _WAY_OVER_FURNITURE, 1.0)
 
-    def _reached(self, standing: NDArray[np.bool_], start: Cell) -> NDArray[np.bool_]:
+    def _reached(self, standing: Mask, start: Cell) -> Mask:
         """Cells that can be reached from one through nothing that stands in the way."""
         passages = {step: self._passage(step) for step in ((1, 0), (0, 1))}
         reached, queue = np.zeros(self._shape, dtype=bool), [start]
@@ -158,7 +157,7 @@ class FreeSpace:
                         queue.append(there)
         return reached
 
-    def _passage(self, step: Cell) -> NDArray[np.bool_]:
+    def _passage(self, step: Cell) -> Mask:
         """Whether nothing stands between each cell and its neighbour, at any of the heights."""
         cells = np.argwhere(np.ones(self._shape, dtype=bool))
         middles = self.places(cells)
@@ -170,7 +169,7 @@ class FreeSpace:
         return free.reshape(self._shape)
 
 
-def _distances(inside: NDArray[np.bool_]) -> Array:
+def _distances(inside: Mask) -> Array:
     """Cells from each cell that is inside to the nearest that is not."""
     from scipy.ndimage import distance_transform_edt
 

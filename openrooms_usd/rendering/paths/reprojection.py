@@ -9,13 +9,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.rendering.contract import View
-
-Pixels = NDArray[np.float32]
-Array = NDArray[np.float64]
 
 CHANNELS: Final = ("position", "normal_geometric", "instance", "valid")
 
@@ -47,7 +44,7 @@ class VisibleSurfaces:
     shape: tuple[int, int]
     position: Array
     normal: Array
-    instance: NDArray[np.int64]
+    instance: Ints
     distance: Array
 
     @staticmethod
@@ -79,15 +76,15 @@ class Taps:
         weights: (P, 4) that add up to 1; all 0 where nothing of it was seen.
     """
 
-    rows: NDArray[np.int64]
-    weights: Pixels
+    rows: Ints
+    weights: Floats
 
     @property
-    def found(self) -> NDArray[np.bool_]:
+    def found(self) -> Mask:
         """(P,) where the earlier frame saw it."""
         return np.asarray(self.weights.any(axis=1))
 
-    def __call__(self, values: Pixels) -> Pixels:
+    def __call__(self, values: Floats) -> Floats:
         """(P, ...) the weighted means of the earlier frame's (P, ...) values."""
         gathered = values[self.rows]
         weights = self.weights.reshape(*self.weights.shape, *[1] * (values.ndim - 1))
@@ -123,9 +120,7 @@ def reproject(now: VisibleSurfaces, before: VisibleSurfaces) -> Taps:
     return Taps(np.stack(rows, axis=1), shares.astype(np.float32))
 
 
-def _same(
-    now: VisibleSurfaces, before: VisibleSurfaces, place: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+def _same(now: VisibleSurfaces, before: VisibleSurfaces, place: Ints) -> Mask:
     """Whether each pixel of a frame sees the surface that a pixel of an earlier one saw."""
     instance = now.instance == before.instance[place]
     sky = now.instance == 0

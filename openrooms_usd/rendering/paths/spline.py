@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 
 def interpolated(times: ArrayLike, values: ArrayLike, at: ArrayLike) -> Array:

@@ -13,11 +13,9 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Bytes
 from openrooms_usd.errors import InputError, MissingPackageError, OutputError
-
-Bytes = NDArray[np.uint8]
 
 SUFFIX: Final = ".webm"
 CODEC: Final = "libvpx-vp9"

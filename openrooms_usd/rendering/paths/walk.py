@@ -6,16 +6,14 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import RenderError
 from openrooms_usd.geometry.pinhole import rotations
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.geometry.rotations import pose
 from openrooms_usd.rendering.paths.free_space import FreeSpace
 from openrooms_usd.rendering.paths.spline import eased, interpolated
-
-Array = NDArray[np.float64]
 
 # People stroll and look around no faster than this, as a rule.
 _STROLL_M_PER_S: Final = 0.8

@@ -6,14 +6,14 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.scene.instances import joined
 from openrooms_usd.rendering.scene.legend import Legend
-from openrooms_usd.rendering.scene.pictures import Array, Value
+from openrooms_usd.rendering.scene.pictures import Value
 from openrooms_usd.rendering.scene.surfaces import Surface
-from openrooms_usd.rendering.scene.triangles import Floats, Triangles
+from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.light.lights import Portal
 from openrooms_usd.usd.light.profiles import Shaping
 from openrooms_usd.usd.shapes.meshes import is_outside
@@ -187,7 +187,7 @@ class Scene:
         return joined([patch.triangles for patch in self.patches])
 
     @cached_property
-    def indoors(self) -> NDArray[np.bool_]:
+    def indoors(self) -> Mask:
         """(M,) which of `triangles` do not belong to the surroundings outside the windows."""
         return self._indoor_pieces[self.triangles.pieces]
 
@@ -197,7 +197,7 @@ class Scene:
         return not self._indoor_pieces.all()
 
     @cached_property
-    def _indoor_pieces(self) -> NDArray[np.bool_]:
+    def _indoor_pieces(self) -> Mask:
         paths = self.legend.part
         outside = [is_outside(paths.get(piece.part, "")) for piece in self.pieces]
         return ~np.array([*outside, False])
@@ -207,7 +207,7 @@ class Scene:
         return self.triangles.of_pieces(self._indoor_pieces)
 
     @cached_property
-    def offsets(self) -> NDArray[np.int64]:
+    def offsets(self) -> Ints:
         """(P + 1,) the first triangle of each patch, and the number of all."""
         return np.cumsum([0, *(len(patch.triangles) for patch in self.patches)])
 

@@ -7,12 +7,11 @@ levels say all. What is not that simple is left to `pictures.load`.
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.colorimetry import linear_from_srgb, srgb_from_linear
 from openrooms_usd.rendering.scene.pictures import (
     MAX_SIDE,
-    Array,
     Coding,
     Limits,
     Picture,
@@ -32,7 +31,7 @@ _OPAQUE_CODE: Final = 255
 # side and whether the codes are sRGB; with the numbers of its channels, and whether it was made
 # smaller. None: it is not stored so.
 _Key = tuple[str, str, int, int, bool]
-Known = dict[_Key, tuple[NDArray[np.uint8], tuple[int, ...], bool] | None]
+Known = dict[_Key, tuple[Bytes, tuple[int, ...], bool] | None]
 # Rows that are made smaller at once.
 _ROWS_AT_ONCE: Final = 64
 
@@ -74,7 +73,7 @@ def load_picture(
 
 def _read(
     file: str, channel: str, channels: int, side: int, is_srgb: bool
-) -> tuple[NDArray[np.uint8], tuple[int, ...], bool] | None:
+) -> tuple[Bytes, tuple[int, ...], bool] | None:
     """The codes of the channels that are asked for, the lowest row first, and which these are."""
     codes = read_codes(file)
     if codes is None:
@@ -89,7 +88,7 @@ def _read(
     return np.ascontiguousarray(picked[::-1]), which, smaller
 
 
-def _shrunk(codes: NDArray[np.uint8], side: int, *, is_srgb: bool) -> NDArray[np.uint8]:
+def _shrunk(codes: Bytes, side: int, *, is_srgb: bool) -> Bytes:
     """Codes of the means of squares, whose sides are a power of two, so that the longer side fits.
 
     Means are of what the codes stand for; the new codes are off by half a step at most.
@@ -112,7 +111,7 @@ def _shrunk(codes: NDArray[np.uint8], side: int, *, is_srgb: bool) -> NDArray[np
     return found
 
 
-def _picked(codes: NDArray[np.uint8], which: tuple[int, ...]) -> NDArray[np.uint8]:
+def _picked(codes: Bytes, which: tuple[int, ...]) -> Bytes:
     """The channels that are asked for, of r, g, b and a."""
     count = codes.shape[2]
     if which[0] == 3:
@@ -122,7 +121,7 @@ def _picked(codes: NDArray[np.uint8], which: tuple[int, ...]) -> NDArray[np.uint
     return codes if stored == list(range(count)) else codes[..., stored]
 
 
-def _is_normal_map(texture: Texture, codes: NDArray[np.uint8]) -> bool:
+def _is_normal_map(texture: Texture, codes: Bytes) -> bool:
     """Whether it is stored as usual and holds directions: its channels differ."""
     usual = texture.scale == NORMAL_SCALE and texture.bias == NORMAL_BIAS
     return usual and not np.array_equal(codes[..., 0], codes[..., 2])

@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.triangles import Ints
 from openrooms_usd.usd.places.frames import meters_per_unit
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh

@@ -5,10 +5,10 @@ from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.pictures import Array, evaluate
+from openrooms_usd.rendering.scene.pictures import evaluate
 from openrooms_usd.rendering.scene.rays import RayTracer, Rows
 from openrooms_usd.usd.cameras import ORTHOGRAPHIC, PinholeCamera
 
@@ -52,16 +52,16 @@ class Hits:
     geometric: Array
 
     @property
-    def front(self) -> NDArray[np.bool_]:
+    def front(self) -> Mask:
         """(R,) whether the front side is seen."""
         return np.asarray(np.einsum("ij,ij->i", self.geometric, self.directions) < 0)
 
-    def chosen(self, which: NDArray[np.bool_]) -> "Hits":
+    def chosen(self, which: Mask) -> "Hits":
         """Those of them for which (R,) ``which`` is true."""
         rows = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "shape"}
         return Hits(self.shape, **{name: values[which] for name, values in rows.items()})
 
-    def image(self, values: Array) -> NDArray[np.float32]:
+    def image(self, values: Array) -> Floats:
         """(height, width, C) the (R,) or (R, C) values in their pixels, 0 elsewhere."""
         columns = values if values.ndim == 2 else values[:, None]
         flat = np.zeros((self.shape[0] * self.shape[1], columns.shape[1]), dtype=np.float32)
@@ -178,7 +178,7 @@ def _meet(corners: Array, eye: Array, directions: Array) -> tuple[Array, Array, 
     return depth, weights / weights.sum(axis=1, keepdims=True), normals
 
 
-def _clear(scene: Scene, hits: Hits) -> NDArray[np.bool_]:
+def _clear(scene: Scene, hits: Hits) -> Mask:
     clear = np.zeros(len(hits.rows), dtype=bool)
     for number in np.unique(hits.patches):
         surface = scene.patches[number].surface

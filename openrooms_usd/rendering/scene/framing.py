@@ -5,13 +5,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.framing import FOV_DEG, framing_view
 from openrooms_usd.geometry.pinhole import intrinsics
 from openrooms_usd.geometry.raycast import Hits
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.instances import joined
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
 
@@ -67,7 +67,7 @@ class _SceneCaster:
         """See `openrooms_usd.geometry.raycast.Caster`."""
         return self._planes(np.maximum(triangles, 0), np.zeros((len(triangles), 3)))[1]
 
-    def _planes(self, rows: NDArray[np.int64], points: Array) -> tuple[Array, Array]:
+    def _planes(self, rows: Ints, points: Array) -> tuple[Array, Array]:
         """Signed distances of points to the planes of triangles, and these planes' normals."""
         a, b, c = np.moveaxis(self._triangles.rows(rows).corners, 1, 0)
         normals = unit(np.cross(b - a, c - a))

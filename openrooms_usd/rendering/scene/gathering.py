@@ -6,13 +6,14 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.scene import lamps
 from openrooms_usd.rendering.scene.arrays import Pane, Patch
 from openrooms_usd.rendering.scene.instances import Instances, joined
-from openrooms_usd.rendering.scene.pictures import Array, Value
+from openrooms_usd.rendering.scene.pictures import Value
 from openrooms_usd.rendering.scene.surfaces import Surface
-from openrooms_usd.rendering.scene.triangles import Floats, Ints, Triangles
+from openrooms_usd.rendering.scene.triangles import Ints, Triangles
 from openrooms_usd.usd.light.profiles import Shaping
 from openrooms_usd.usd.shapes.meshes import PlacedMesh, TriangleMesh
 

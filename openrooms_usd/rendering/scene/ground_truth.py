@@ -6,12 +6,12 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.scene.arrays import Patch, PixelLabels, Scene
 from openrooms_usd.rendering.scene.first_hits import Hits
-from openrooms_usd.rendering.scene.pictures import Array, Value, evaluate
+from openrooms_usd.rendering.scene.pictures import Value, evaluate
 from openrooms_usd.rendering.scene.surfaces import Surface
 from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.cameras import PinholeCamera
@@ -39,7 +39,7 @@ class GroundTruth:
         self._camera = camera
         self._hits = hits
 
-    def channel(self, name: str) -> NDArray[np.float32]:
+    def channel(self, name: str) -> Floats:
         """(height, width, components) of a channel of kind geometry, material or label."""
         if name in _LABELS:
             return self._hits.image(self._labels[:, _LABELS.index(name)])
@@ -108,7 +108,7 @@ class GroundTruth:
                 normals[here] = np.einsum("ri,rij->rj", relief, self._tangents(here, smooth[here]))
         return _facing(unit(normals), unit(hits.directions), self._normal_geometric())
 
-    def _tangents(self, here: NDArray[np.bool_], normals: Array) -> Array:
+    def _tangents(self, here: Mask, normals: Array) -> Array:
         """(R, 3, 3) rows: along u, across it, the normal; what normal maps are in."""
         met = self._hit_triangles.rows(here)
         a, b, c = np.moveaxis(met.corners, 1, 0)

@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.vectors import unit
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.triangles import Ints, Triangles
 
 # Triangles of instances that are expanded at once: about half a kilobyte each, meanwhile.
@@ -107,7 +107,7 @@ class Instances(Triangles):
         box = np.stack(np.meshgrid(*ends, indexing="ij"), axis=-1).reshape(1, -1, 1, 3)
         return np.asarray(self._corners(box, slice(None)).reshape(-1, 3))
 
-    def of_pieces(self, chosen: NDArray[np.bool_]) -> Triangles:
+    def of_pieces(self, chosen: Mask) -> Triangles:
         """See `Triangles.of_pieces`."""
         which = chosen[self.owners]
         if which.all():
@@ -122,7 +122,7 @@ class Instances(Triangles):
         return Instances(self.prototype, matrices, self.owners)
 
     @cached_property
-    def mirrored(self) -> NDArray[np.bool_]:
+    def mirrored(self) -> Mask:
         """(K,) which transforms turn the winding round."""
         return np.asarray(np.linalg.det(self.world_from_prototype[:, :3, :3]) < 0.0)
 
@@ -232,7 +232,7 @@ class _Several(Triangles):
         """See `Triangles.hull`."""
         return np.concatenate([part.hull for part in self._parts])
 
-    def of_pieces(self, chosen: NDArray[np.bool_]) -> Triangles:
+    def of_pieces(self, chosen: Mask) -> Triangles:
         """See `Triangles.of_pieces`."""
         return joined([part.of_pieces(chosen) for part in self._parts])
 

@@ -6,13 +6,14 @@ from typing import Any, Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.scene.arrays import Environment, Sun
-from openrooms_usd.rendering.scene.pictures import Array, Picture, Value, load, within
+from openrooms_usd.rendering.scene.pictures import Picture, Value, load, within
 from openrooms_usd.rendering.scene.surfaces import Surface
-from openrooms_usd.rendering.scene.triangles import Floats, Triangles
+from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.light.lights import (
     CylinderLight,
     DiskLight,

@@ -7,12 +7,13 @@ from typing import Final
 import numpy as np
 from pxr import Usd, UsdLux
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.portable import RESERVED
 from openrooms_usd.rendering.scene.arrays import Patch, Scene, Sun
 from openrooms_usd.rendering.scene.lights import Gaussian, LightRecord
-from openrooms_usd.rendering.scene.pictures import Array, Picture, evaluate
+from openrooms_usd.rendering.scene.pictures import Picture, evaluate
 from openrooms_usd.rendering.scene.sources import Source
 from openrooms_usd.rendering.scene.surroundings import (
     Surroundings,

@@ -5,14 +5,14 @@ from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from openrooms_usd.arrays import Array, Floats
 
 if TYPE_CHECKING:
     from openrooms_usd.rendering.scene.arrays import Patch
 
 LightKind = Literal["lamp", "opening", "elsewhere"]
 LobeName = Literal["sun", "sky", "ground"]
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class LightRecord:
     instance: int = 0
     gaussians: tuple[Gaussian, ...] = ()
     fit_error: float | None = None
-    environment: NDArray[np.float32] | None = None
+    environment: Floats | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """The record as plain data, without its picture."""

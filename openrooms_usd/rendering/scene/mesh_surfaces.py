@@ -7,12 +7,13 @@ from typing import Any, cast
 import numpy as np
 from pxr import UsdShade
 
+from openrooms_usd.arrays import Floats
 from openrooms_usd.exporters import Report
 from openrooms_usd.rendering.scene.displaced import MOVED, displaced, unit_ball
 from openrooms_usd.rendering.scene.painted import Paint, paint, paint_over
 from openrooms_usd.rendering.scene.pictures import Picture, Value, evaluate
 from openrooms_usd.rendering.scene.surfaces import Surface, SurfaceReader
-from openrooms_usd.rendering.scene.triangles import Floats, Ints
+from openrooms_usd.rendering.scene.triangles import Ints
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import (
     Part,

@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.rendering.scene.triangles import Triangles
 from openrooms_usd.usd.places.ancestry import above
 

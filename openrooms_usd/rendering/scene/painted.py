@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.surfaces import CLEAR, Surface
 from openrooms_usd.usd.arrays import array_of, flattened
@@ -32,7 +32,7 @@ class Paint:
 
     mean: tuple[float, ...]
     picture: Picture | None = None
-    st: NDArray[np.float32] | None = None
+    st: Floats | None = None
     losses: tuple[str, ...] = ()
 
 
@@ -73,7 +73,7 @@ def passed_on(stage: Usd.Stage) -> frozenset[str]:
     )
 
 
-def _values(mesh: PlacedMesh, name: str) -> NDArray[np.float64]:
+def _values(mesh: PlacedMesh, name: str) -> Array:
     """(N, 1 or 3) its own values, those of its instance, or what it inherits; none without any."""
     api = UsdGeom.PrimvarsAPI(mesh.prim)
     tint = dict(mesh.tints).get(name)
@@ -90,7 +90,7 @@ def _values(mesh: PlacedMesh, name: str) -> NDArray[np.float64]:
     return np.zeros((0, 3))
 
 
-def _blocks(colors: NDArray[np.float64]) -> tuple[Picture, NDArray[np.float32]]:
+def _blocks(colors: Array) -> tuple[Picture, Floats]:
     """A block of two by two texels for each triangle, and where its corners are in the picture.
 
     Three texels are the corners' numbers. With the fourth on their plane, what is bilinear between
@@ -115,7 +115,7 @@ def _blocks(colors: NDArray[np.float64]) -> tuple[Picture, NDArray[np.float32]]:
 
 def paint_over(
     surface: Surface, preview: PreviewSurface, found: Mapping[str, Paint], losses: list[str]
-) -> tuple[dict[str, Value], NDArray[np.float32] | None]:
+) -> tuple[dict[str, Value], Floats | None]:
     """The fields of a surface with the paint of a mesh applied.
 
     Args:

@@ -11,13 +11,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.wrapping import framed
 from openrooms_usd.usd.shading.surfaces import BLACK, Texture, chosen, taken
 from openrooms_usd.usd.shading.textures import read_texture, report_line
 
-Array = NDArray[np.float64]
 Limits = tuple[float, float]
 
 # Half precision keeps 11 bits: better than the 8 of most pictures, at half the memory.
@@ -122,7 +122,7 @@ class Coding:
     limits: tuple[float, float]
 
     @cached_property
-    def levels(self) -> NDArray[np.float32]:
+    def levels(self) -> Floats:
         """(256, C) values."""
         codes = np.arange(256, dtype=np.float32) / np.float32(255.0)
         linear = linear_from_srgb(codes) if self.srgb else codes
@@ -239,7 +239,7 @@ def placed(where: Array, uv: Array) -> Array:
     return uv if np.array_equal(where, np.eye(3)) else where @ uv
 
 
-def mended(stored: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
+def mended(stored: Floats) -> tuple[Floats, int]:
     """Replace values that are not finite.
 
     Each becomes the mean of the finite ones among its eight neighbours (the picture repeats), or of
@@ -265,7 +265,7 @@ def mended(stored: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
     return np.where(good, stored, mean).astype(np.float32), damaged
 
 
-def _directed(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], str]:
+def _directed(normals: Floats) -> tuple[Floats, str]:
     """Normals that are directions, and what was lost: a picture without hue holds none."""
     flat = np.array([0.0, 0.0, 1.0], dtype=np.float32)
     if np.ptp(normals, axis=2).max(initial=0.0) < 1e-3:
@@ -276,7 +276,7 @@ def _directed(normals: NDArray[np.float32]) -> tuple[NDArray[np.float32], str]:
     return np.where(nowhere, flat, normals), "normals of length zero point outwards"
 
 
-def _rgba(stored: NDArray[np.float32]) -> NDArray[np.float32]:
+def _rgba(stored: Floats) -> Floats:
     count = stored.shape[2]
     color = stored[..., :3] if count >= 3 else np.repeat(stored[..., :1], 3, axis=2)
     alpha = stored[..., -1:] if count in (2, 4) else np.ones_like(stored[..., :1])
@@ -288,7 +288,7 @@ def made_smaller(file: str, side: int) -> str:
     return f"{file}: larger than {side} pixels, resized"
 
 
-def within(stored: NDArray[np.float32], side: int = MAX_SIDE) -> NDArray[np.float32]:
+def within(stored: Floats, side: int = MAX_SIDE) -> Floats:
     """Halve a picture until its longer side fits."""
     while max(stored.shape[:2]) > side:
         height, width = (length // 2 * 2 for length in stored.shape[:2])

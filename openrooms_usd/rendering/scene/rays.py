@@ -4,14 +4,13 @@ from abc import ABC, abstractmethod
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.rendering.scene.arrays import Scene
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.usd.cameras import PinholeCamera
 
-Rows = NDArray[np.int64]
+Rows = Ints
 
 
 class RayTracer(ABC):

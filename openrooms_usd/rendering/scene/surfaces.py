@@ -10,10 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.errors import InputError
 from openrooms_usd.rendering.scene.codes import Known, load_picture
-from openrooms_usd.rendering.scene.pictures import MAX_SIDE, Array, Limits, Picture, Value, times
+from openrooms_usd.rendering.scene.pictures import MAX_SIDE, Limits, Picture, Value, times
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture, ior_of
 from openrooms_usd.usd.shading.textures import texture_size
 

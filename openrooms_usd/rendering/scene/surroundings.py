@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints
 from openrooms_usd.rendering.scene.arrays import Environment, Scene, Sun
-from openrooms_usd.rendering.scene.pictures import Array
 from openrooms_usd.usd.light.lights import Portal
 
 # Rows that a constant picture is made of, and what stands out from a picture: its sun.
@@ -84,7 +83,7 @@ def passing(sky: Surroundings, outwards: Array) -> Array:
     return np.asarray(lux)
 
 
-def panorama(sky: Surroundings, portal: Portal, height: int = 256) -> NDArray[np.float32]:
+def panorama(sky: Surroundings, portal: Portal, height: int = 256) -> Floats:
     """What an opening's centre sees of the surroundings, with nothing in between.
 
     Args:
@@ -152,7 +151,7 @@ def _lookup(sky: Surroundings, ways: Array) -> Array:
     return np.asarray(upper * (1 - down) + lower * down)
 
 
-def cells_of(ways: Array, height: int) -> NDArray[np.int64]:
+def cells_of(ways: Array, height: int) -> Ints:
     """(N,) the pixels of a panorama that directions (N, 3) are in."""
     x, y, z = ways.T
     rows = (np.arccos(np.clip(z, -1.0, 1.0)) / np.pi * height).astype(np.int64)
@@ -160,7 +159,7 @@ def cells_of(ways: Array, height: int) -> NDArray[np.int64]:
     return np.asarray(np.minimum(rows, height - 1) * 2 * height + columns % (2 * height))
 
 
-def sums_by(cells: NDArray[np.int64], weights: Array, values: Array, count: int = 0) -> Array:
+def sums_by(cells: Ints, weights: Array, values: Array, count: int = 0) -> Array:
     """(C, 3) the weighted sums of values (N, 3) in each cell."""
     sums = [np.bincount(cells, weights * column, count) for column in values.T]
     return np.stack(sums, axis=1)

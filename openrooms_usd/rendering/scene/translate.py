@@ -8,6 +8,7 @@ import numpy as np
 from pxr import Usd
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.exporters import Report
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.rendering.scene import lamps
@@ -16,7 +17,7 @@ from openrooms_usd.rendering.scene.gathering import Gathered, shapes
 from openrooms_usd.rendering.scene.labels import Labels, material_path
 from openrooms_usd.rendering.scene.mesh_surfaces import MeshSurfaces, Parts
 from openrooms_usd.rendering.scene.painted import passed_on
-from openrooms_usd.rendering.scene.pictures import Array, Picture, Value
+from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.surfaces import Surface, SurfaceReader
 from openrooms_usd.rendering.scene.surroundings import summed
 from openrooms_usd.rendering.scene.unseen import report_unseen

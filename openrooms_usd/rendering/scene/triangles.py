@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.rendering.scene.pictures import Array
+from openrooms_usd.arrays import Array, Floats, Mask
 
-Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
 
 
@@ -54,7 +53,7 @@ class Triangles:
         """(N, 3) points of the world; their hull holds all triangles."""
         return self.corners.reshape(-1, 3)
 
-    def of_pieces(self, chosen: NDArray[np.bool_]) -> "Triangles":
+    def of_pieces(self, chosen: Mask) -> "Triangles":
         """Those that belong to some pieces, told by a flag for each row of `Scene.pieces`."""
         which = chosen[self.pieces]
         return self if which.all() else self.rows(which)

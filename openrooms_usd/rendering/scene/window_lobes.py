@@ -15,8 +15,8 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import LUMINANCE
-from openrooms_usd.rendering.scene.pictures import Array
 
 # Coarse lobes: elevations of sky and ground, degrees, so many around; and sharpnesses.
 _ELEVATIONS_DEG: Final = (5.0, 20.0, 45.0, 90.0), (0.0, -30.0, -90.0)

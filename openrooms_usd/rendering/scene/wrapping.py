@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.shading.surfaces import Texture
 
 
 def framed(
     texels: NDArray[Any], texture: Texture, black: NDArray[Any] | None
-) -> tuple[NDArray[Any], str, NDArray[np.float64], tuple[str, ...]]:
+) -> tuple[NDArray[Any], str, Array, tuple[str, ...]]:
     """A picture, extended by its texture's wrap mode.
 
     Args:
@@ -43,9 +44,7 @@ def framed(
     return texels, " ".join(dict.fromkeys(ways)), where, losses
 
 
-def _bordered(
-    texels: NDArray[Any], axis: int, black: NDArray[Any], row: NDArray[np.float64]
-) -> NDArray[Any]:
+def _bordered(texels: NDArray[Any], axis: int, black: NDArray[Any], row: Array) -> NDArray[Any]:
     """With a line of black at both ends of an axis; ``row`` becomes that of its coordinates."""
     size = texels.shape[axis]
     row *= size / (size + 2.0)

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.description.dataset import Distortion, Noise, Sensor
 from openrooms_usd.draws import generator
@@ -20,14 +20,11 @@ from openrooms_usd.rendering.previews import preview
 from openrooms_usd.rendering.sensors.structured_light import NEEDED, measured
 from openrooms_usd.usd.cameras import exposure_of_ev100
 
-Array = NDArray[np.float64]
-
 _STEPS: Final = 60
 # Off by more, at depth 1, a place has no original: the lens folds its picture there.
 _FOLDED: Final = 1e-7
 # So many places between the middle and an original are looked at for a fold.
 _ON_THE_WAY: Final = 16
-Pixels = NDArray[np.float32]
 
 PHOTOGRAPH: Final = "sensor"
 DEPTH: Final = "sensor_depth"
@@ -93,9 +90,7 @@ def record_sensor(
     return {**entry, "files": files, "sensor": told}
 
 
-def photographed(
-    view: View, sensor: Sensor, exposure: float, *key: str
-) -> tuple[Pixels, NDArray[np.bool_]]:
+def photographed(view: View, sensor: Sensor, exposure: float, *key: str) -> tuple[Floats, Mask]:
     """A photograph of what a view sees, as radiance.
 
     Args:
@@ -128,7 +123,7 @@ def _exposure(view: View, sensor: Sensor) -> float:
     return float(color.fitted_exposure(_light(view)))
 
 
-def _light(view: View) -> Pixels:
+def _light(view: View) -> Floats:
     """The radiance with as little noise of the renderer as there is."""
     image = view.images.get(DENOISED, view.images.get("radiance"))
     assert image is not None
@@ -171,7 +166,7 @@ class Readout:
         return cls(white, (most - black) / white, black, most)
 
 
-def counted(light: Pixels, noise: Noise, rng: np.random.Generator) -> NDArray[np.int64]:
+def counted(light: Floats, noise: Noise, rng: np.random.Generator) -> Ints:
     """The numbers that a sensor reads.
 
     Args:
@@ -189,7 +184,7 @@ def counted(light: Pixels, noise: Noise, rng: np.random.Generator) -> NDArray[np
     return np.asarray(np.clip(numbers, 0, readout.most), dtype=np.int64)
 
 
-def light_of(numbers: NDArray[np.int64], noise: Noise) -> Pixels:
+def light_of(numbers: Ints, noise: Noise) -> Floats:
     """What the numbers say the light was, 1 white: less than 0 where noise was below black."""
     readout = Readout.of(noise)
     scale = readout.most - readout.black
@@ -232,7 +227,7 @@ def undistorted(points: Array, lens: Distortion) -> Array:
     return np.where(good[..., None], found, np.nan)
 
 
-def seen_through(pixels: Pixels, K: Array, lens: Distortion) -> tuple[Pixels, NDArray[np.bool_]]:
+def seen_through(pixels: Floats, K: Array, lens: Distortion) -> tuple[Floats, Mask]:
     """A pinhole's picture as a camera with the same K and a lens has it.
 
     Args:

@@ -21,15 +21,11 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.description.dataset import DepthCamera
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.vectors import unit
-
-Array = NDArray[np.float64]
-Pixels = NDArray[np.float32]
-Indices = NDArray[np.int64]
 
 NEEDED: Final = ("depth", "normal_geometric", "base_color", "roughness", "metallic")
 """The channels that it works with."""
@@ -77,12 +73,12 @@ def in_steps(depth: Array) -> Array:
 
 
 def measured(
-    channels: Mapping[str, Pixels],
+    channels: Mapping[str, Floats],
     K: Array,
     world_from_camera: Array,
     camera: DepthCamera,
     rng: np.random.Generator,
-) -> Pixels:
+) -> Floats:
     """The depth that such a camera measures.
 
     Args:
@@ -123,8 +119,8 @@ def measured(
 
 
 def _lacks_pattern(
-    channels: Mapping[str, Pixels], depth: Array, angle: Array, camera: DepthCamera
-) -> NDArray[np.bool_]:
+    channels: Mapping[str, Floats], depth: Array, angle: Array, camera: DepthCamera
+) -> Mask:
     """Where nothing of the pattern comes back."""
     returned = channels["base_color"][..., 0] * np.cos(angle)
     mirror = (channels["metallic"][..., 0] > _MIRROR_METALLIC) & (
@@ -134,7 +130,7 @@ def _lacks_pattern(
     return np.asarray((depth <= 0.0) | steep | mirror | (returned < _LEAST_RETURN))
 
 
-def _along(normals: Array, rays: Array, row: Indices, column: Indices) -> Array:
+def _along(normals: Array, rays: Array, row: Ints, column: Ints) -> Array:
     """(height, width) factors of other pixels' depths: their surfaces, met by the pixels' own rays.
 
     Which surface is seen wanders; on one that is slanted, its slope is in the axial noise already.
@@ -145,7 +141,7 @@ def _along(normals: Array, rays: Array, row: Indices, column: Indices) -> Array:
     return np.where((factors > 1.0 / _MOST_ALONG) & (factors < _MOST_ALONG), factors, 1.0)
 
 
-def _in_shadow(depth: Array, K: Array, baseline: float) -> NDArray[np.bool_]:
+def _in_shadow(depth: Array, K: Array, baseline: float) -> Mask:
     """Where the projector, so far right of the camera, has something nearer before it.
 
     What lies in a column of the camera lies as many columns further left in the projector's picture

@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.raycast import RayCaster
 
@@ -40,7 +40,7 @@ class CadSurface:
 
     points: Array
     normals: Array
-    two_sided: NDArray[np.bool_]
+    two_sided: Mask
     spacing: float
 
 
@@ -123,9 +123,7 @@ def scattered(corners: Array, count: int) -> tuple[Array, Array, float]:
     return points, cross[face] / doubled[face][:, None], 0.5 * float(ends[-1])
 
 
-def _exposed(
-    caster: RayCaster, points: Array, normals: Array
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _exposed(caster: RayCaster, points: Array, normals: Array) -> tuple[Mask, Mask]:
     """(N,) each, whether the front and the back of a surface are visible from outside."""
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
     front, back = np.zeros((2, len(points)), dtype=np.bool_)

@@ -17,6 +17,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError, MissingPackageError, OrusdError
 from openrooms_usd.scan.models.glbarrays import TYPES, WIDTHS, with_plain_arrays
 
@@ -39,10 +40,10 @@ class ShownMesh:
 
     name: str
     mesh: Any
-    file_from_mesh: NDArray[np.float64]
+    file_from_mesh: Array
 
     @property
-    def vertices(self) -> NDArray[np.float64]:
+    def vertices(self) -> Array:
         """(N, 3) in the file's frame."""
         turn, shift = self.file_from_mesh[:3, :3], self.file_from_mesh[:3, 3]
         with np.errstate(all="ignore"):
@@ -99,7 +100,7 @@ def _shown(scene: Any) -> Any:
             yield str(name), mesh, pose
 
 
-def _pose(given: Any) -> NDArray[np.float64]:
+def _pose(given: Any) -> Array:
     pose = np.asarray(given, dtype=np.float64)
     if pose.shape != (4, 4) or not np.isfinite(pose).all():
         raise ValueError("the transform of a mesh is not valid")

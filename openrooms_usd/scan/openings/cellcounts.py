@@ -8,10 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.points.cloud import Cloud
-
-Rows = NDArray[np.int64]
 
 CELL_M: Final = 0.025  # metres
 # Cells with less than this part of the wall's usual number of returns are empty.
@@ -168,7 +166,7 @@ def usual_counts(counts: Array, smooth: Array) -> Array:
     return np.asarray(np.clip(here, least, max(least, middle)))
 
 
-def cell_means(cells: Rows, values: Array, shape: tuple[int, int], window: int) -> Array:
+def cell_means(cells: Ints, values: Array, shape: tuple[int, int], window: int) -> Array:
     """(Z, X) means of values over windows around each cell; NaN without returns."""
     counts = counted(cells, shape)
     total = np.bincount(cells, values, shape[0] * shape[1]).reshape(shape).astype(np.float64)
@@ -179,13 +177,13 @@ def cell_means(cells: Rows, values: Array, shape: tuple[int, int], window: int) 
     return np.where(known, total / np.where(known, counts, 1.0), np.nan)
 
 
-def cells_of(x: Array, z: Array, shape: tuple[int, int]) -> Rows:
+def cells_of(x: Array, z: Array, shape: tuple[int, int]) -> Ints:
     """(N,) the cell of each place on a wall, in rows from the floor."""
     row = np.clip((z / CELL_M).astype(np.int64), 0, shape[0] - 1)
     return row * shape[1] + np.clip((x / CELL_M).astype(np.int64), 0, shape[1] - 1)
 
 
-def counted(cells: Rows, shape: tuple[int, int]) -> Array:
+def counted(cells: Ints, shape: tuple[int, int]) -> Array:
     """(Z, X) the returns of each cell."""
     return np.bincount(cells, minlength=shape[0] * shape[1]).reshape(shape).astype(np.float64)
 
@@ -195,7 +193,7 @@ def label_counts(
     out: Array,
     near: float,
     deviation: float,
-    cells: Rows,
+    cells: Ints,
     face: WallFace,
     shape: tuple[int, int],
 ) -> tuple[dict[int, Array], Array]:

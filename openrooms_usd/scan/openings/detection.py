@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
 from openrooms_usd.arrays import Array, Mask
@@ -342,7 +341,7 @@ def under_curtains(grid: WallGrid, where: Rectangle) -> Rectangle:
     return replace(where, left=where.left - left, right=where.right + right)
 
 
-def _curtain_cells(hidden: NDArray[np.bool_]) -> int:
+def _curtain_cells(hidden: Mask) -> int:
     """Cells of a curtain from the first one on, across gaps of up to two cells."""
     line = np.concatenate([[True] * 3, hidden, [False] * 3])
     gaps = np.flatnonzero(~ndimage.binary_closing(line, np.ones(3, dtype=bool))[3:])

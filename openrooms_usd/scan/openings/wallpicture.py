@@ -16,10 +16,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.openings.cellcounts import (
     CELL_M,
     WallFace,
@@ -34,8 +33,6 @@ from openrooms_usd.scan.openings.cellcounts import (
 )
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.sightlines import Sight
-
-Rows = NDArray[np.int64]
 
 # Inlier distance of the plane: so many standard deviations, clipped to these limits.
 _RETURN_SIGMAS: Final = 4.0
@@ -287,7 +284,7 @@ def enclosed(void: Mask, standing: Mask) -> Mask:
     return np.asarray(broad & ~unseen & (~over | (rows < _horizon(standing))))
 
 
-def _horizon(standing: Mask) -> NDArray[np.int64]:
+def _horizon(standing: Mask) -> Ints:
     """(X,) the row up to which the wall was scanned on both sides of a column."""
     highest = np.where(standing.any(axis=0), len(standing) - standing[::-1].argmax(axis=0), 0)
     near = np.lib.stride_tricks.sliding_window_view(

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.scan.placement.bodies import Body, greatest, least
 
 # Chords of solids: intervals of parallel lines inside, by which penetration is measured.
@@ -20,7 +19,6 @@ from openrooms_usd.scan.placement.bodies import Body, greatest, least
 # these lines at once. Chords [a0, a1] and [b0, b1] overlap at shift t if b0 - a1 < t < b1 - a0.
 # Bodies need not be convex: a chair may stand under a table.
 
-Numbers = NDArray[np.int64]
 
 _MIN_SPACING_M: Final = 0.003
 # Slope of the rows of lines, and offset between successive rows in spacings: irrational, so that
@@ -81,7 +79,7 @@ class Chords:
         high: (C,) ends, metres along the line.
     """
 
-    line: Numbers
+    line: Ints
     low: Array
     high: Array
 
@@ -118,7 +116,7 @@ def _concerned(triangles: Array, lattice: Lattice) -> Array:
     return np.asarray(triangles[kept[:, 0] & kept[:, 1]])
 
 
-def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]:
+def _crossings(local: Array, lattice: Lattice) -> tuple[Ints, Array, Ints]:
     """Line, place along it, and +1 where it enters a surface or -1 where it leaves one.
 
     Triangles are scan-converted to rows, and rows to lines; both half-open, so that a line through
@@ -142,13 +140,13 @@ def _crossings(local: Array, lattice: Lattice) -> tuple[Numbers, Array, Numbers]
     return row[span] * width + column, place, step
 
 
-def _whole(low: Array, high: Array, count: int) -> tuple[Numbers, Numbers]:
+def _whole(low: Array, high: Array, count: int) -> tuple[Ints, Ints]:
     """Integer bounds, half-open and clipped to 0 .. count, of half-open ranges."""
     first, last = np.ceil(low), np.ceil(high)
     return (np.clip(first, 0, count).astype(np.int64), np.clip(last, 0, count).astype(np.int64))
 
 
-def _counted(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
+def _counted(first: Ints, last: Ints) -> tuple[Ints, Ints]:
     """All integers of ranges: the number of the range, and the integer."""
     counts = np.maximum(last - first, 0)
     owner = np.repeat(np.arange(len(first)), counts)
@@ -156,7 +154,7 @@ def _counted(first: Numbers, last: Numbers) -> tuple[Numbers, Numbers]:
     return owner, first[owner] + number
 
 
-def _spans(plan: Array, along: Array, row: Numbers) -> tuple[Array, Array]:
+def _spans(plan: Array, along: Array, row: Ints) -> tuple[Array, Array]:
     """(2, R) each: coordinates along rows and lines where rows enter and leave triangles."""
     ends = np.empty((3, 2, len(row)))
     above = plan[..., 1] > row[:, None]
@@ -173,7 +171,7 @@ def _spans(plan: Array, along: Array, row: Numbers) -> tuple[Array, Array]:
     return np.where(forth, one, two), np.where(forth, two, one)
 
 
-def paired(a: Chords, b: Chords) -> tuple[Numbers, Numbers]:
+def paired(a: Chords, b: Chords) -> tuple[Ints, Ints]:
     """All pairs of the chords of two bodies on the same line, as rows."""
     start = np.searchsorted(b.line, a.line, side="left")
     stop = np.searchsorted(b.line, a.line, side="right")

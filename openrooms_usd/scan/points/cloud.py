@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes, Floats
 
 # Attributes that have no value for each point.
 _OF_ALL: Final = ("sensor_origins", "words")
@@ -30,11 +30,11 @@ class Cloud:
     """
 
     points: Array
-    normals: NDArray[np.float32] | None = None
-    colors: NDArray[np.uint8] | None = None
+    normals: Floats | None = None
+    colors: Bytes | None = None
     label: NDArray[np.int32] | None = None
     instance: NDArray[np.int32] | None = None
-    confidence: NDArray[np.float32] | None = None
+    confidence: Floats | None = None
     sensor_origins: Array | None = None
     words: Mapping[int, tuple[str, ...]] | None = None
 

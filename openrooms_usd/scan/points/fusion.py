@@ -12,7 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes, Floats, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
@@ -29,7 +29,6 @@ _MIN_SPACING_VOXELS: Final = 0.66
 _TYPICAL_DEPTH_M: Final = 3.0
 _MAX_STRIDE: Final = 4
 _RIGID_TOLERANCE: Final = 1e-2
-Normals = NDArray[np.float32]
 
 # Nearest neighbours, the point included: at 2 cm between points a radius of about 4 cm.
 NEIGHBOURS: Final = 16
@@ -56,7 +55,7 @@ class DepthFrame:
     world_from_camera: Array
     label: NDArray[np.integer[Any]] | None = None
     instance: NDArray[np.integer[Any]] | None = None
-    color: NDArray[np.uint8] | None = None
+    color: Bytes | None = None
 
 
 @dataclass(frozen=True)
@@ -208,7 +207,7 @@ def _stride(voxel: float, focal: float) -> int:
     return int(np.clip(_MIN_SPACING_VOXELS * voxel * focal / _TYPICAL_DEPTH_M, 1, _MAX_STRIDE))
 
 
-def _without_discontinuities(depth: Array, focal: float) -> NDArray[np.bool_]:
+def _without_discontinuities(depth: Array, focal: float) -> Mask:
     """(H, W) pixels without a depth discontinuity to any neighbour.
 
     At discontinuities sensors mix both sides ("flying pixels"); angles of incidence above 80
@@ -255,7 +254,7 @@ def with_normals(cloud: Cloud, neighbours: int = NEIGHBOURS) -> Cloud:
     return replace(cloud, normals=towards(normals, views(cloud.points, cloud.sensor_origins)))
 
 
-def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Normals:
+def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Floats:
     """Unit normals by principal components of each point's nearest neighbours.
 
     The normal is the eigenvector of the least eigenvalue of the neighbours' covariance (Hoppe et
@@ -285,14 +284,14 @@ def estimate_normals(points: Array, neighbours: int = NEIGHBOURS) -> Normals:
     return normals
 
 
-def _least_principal_axes(patches: Array) -> Normals:
+def _least_principal_axes(patches: Array) -> Floats:
     """(B, 3) the least principal axis of each patch (B, K, 3)."""
     offsets = patches - patches.mean(axis=1, keepdims=True)
     covariance = np.einsum("bki,bkj->bij", offsets, offsets)
     return np.asarray(np.linalg.eigh(covariance)[1][:, :, 0], dtype=np.float32)
 
 
-def towards(normals: Normals, directions: Array) -> Normals:
+def towards(normals: Floats, directions: Array) -> Floats:
     """Normals (N, 3), their signs flipped to the side of the directions (N, 3)."""
     away = np.einsum("ni,ni->n", normals, directions) < 0.0
     return np.where(away[:, None], -normals, normals).astype(np.float32)

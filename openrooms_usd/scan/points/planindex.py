@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 
 Rows = NDArray[np.intp]
 
@@ -24,7 +24,7 @@ class PlanIndex:
         self.points = points
 
     @cached_property
-    def _sorted(self) -> tuple[Array, int, NDArray[np.int64], Rows]:
+    def _sorted(self) -> tuple[Array, int, Ints, Rows]:
         """The first cell (2,), cells along y, and each point's cell in order, with its row."""
         cells = np.floor(self.points[:, :2] / _CELL_M).astype(np.int64)
         first = cells.min(axis=0)

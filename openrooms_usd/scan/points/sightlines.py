@@ -4,10 +4,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import ndimage
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.points.visibility import likely_sensor_origins
 
 # Edge of the voxels, metres; occupied ones occlude.
@@ -39,7 +38,7 @@ class Sight:
     low: Array
     full: Mask
 
-    def sensors_looking_at(self, places: Array, outward: Array) -> NDArray[np.int64]:
+    def sensors_looking_at(self, places: Array, outward: Array) -> Ints:
         """(N,) the number of sensors with an unoccluded line of sight to places on a surface.
 
         Args:

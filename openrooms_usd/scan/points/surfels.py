@@ -16,12 +16,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import thin
-
-Rows = NDArray[np.int64]
 
 VOXEL_M: Final = 0.05
 # Points are first downsampled to this part of a voxel.
@@ -63,7 +61,7 @@ class NearestPlanes:
     normals: Array
     rough: Array
     spacing: Array
-    flat: NDArray[np.bool_]
+    flat: Mask
 
 
 def nearest_planes(points: Array, places: Array) -> NearestPlanes:
@@ -180,7 +178,7 @@ def surfels(cloud: Cloud, voxel: float = VOXEL_M) -> Surfels:
     return _filled(flat, np.rint(spread[kept]).astype(int), voxel)
 
 
-def _filled(pieces: Surfels, spread: Rows, voxel: float) -> Surfels:
+def _filled(pieces: Surfels, spread: Ints, voxel: float) -> Surfels:
     """Surfels of sparse places resampled on their planes at the fine spacing."""
     wide = np.clip(spread, 1, _WIDEST_VOXELS)
     parts = [pieces.take(wide == 1)]
@@ -286,7 +284,7 @@ class Plane:
     normal: Array
     point: Array
     residual: float
-    inliers: NDArray[np.bool_]
+    inliers: Mask
 
     def heights(self, points: Array) -> Array:
         """(N,) signed distances, positive where the normal points."""

@@ -10,10 +10,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats, Ints, Mask
 from openrooms_usd.scan.points.cloud import Cloud
-
-Rows = NDArray[np.int64]
 
 # Larger coordinates occur in no map projection of the Earth, metres.
 _MAX_COORDINATE_M: Final = 1e8
@@ -125,7 +123,7 @@ def thin(cloud: Cloud, voxel: float) -> Cloud:
     )
 
 
-def evened(cloud: Cloud) -> tuple[Rows, float]:
+def evened(cloud: Cloud) -> tuple[Ints, float]:
     """Choose points so that equal areas have about as many, however often they were scanned.
 
     What was chosen of a cloud is kept as long as the cloud is: several steps ask.
@@ -142,10 +140,10 @@ def evened(cloud: Cloud) -> tuple[Rows, float]:
     return _EVENED[cloud]
 
 
-_EVENED: Final[WeakKeyDictionary[Cloud, tuple[Rows, float]]] = WeakKeyDictionary()
+_EVENED: Final[WeakKeyDictionary[Cloud, tuple[Ints, float]]] = WeakKeyDictionary()
 
 
-def _evened(points: Array) -> tuple[Rows, float]:
+def _evened(points: Array) -> tuple[Ints, float]:
     rows = np.flatnonzero(_first_of_equal(points))
     single = points[rows]
     some = single[:: max(len(single) // (_MOST_IN_VOXEL * _PIECES), 1)]
@@ -176,13 +174,13 @@ def _evened(points: Array) -> tuple[Rows, float]:
     return rows[np.sort(order[place % step == 0])], voxel
 
 
-def _clipped_keys(offsets: Array, voxel: float) -> Rows:
+def _clipped_keys(offsets: Array, voxel: float) -> Ints:
     """(N,) the cell of each point; outliers far beyond the others share some."""
     cells = np.floor(offsets / voxel).clip(-_MOST_CELLS, _MOST_CELLS - 1).astype(np.int64)
     return np.asarray(cells @ (2 * _MOST_CELLS) ** np.arange(3))
 
 
-def _keys(cells: Array) -> Rows:
+def _keys(cells: Array) -> Ints:
     """(N,) sort keys of integer cells (N, 3): by x, then y, then z."""
     cells = cells - cells.min(axis=0)
     spans = [int(span) + 1 for span in cells.max(axis=0)]
@@ -197,11 +195,11 @@ def _keys(cells: Array) -> Rows:
     return key
 
 
-def _ranks(values: NDArray[Any]) -> Rows:
+def _ranks(values: NDArray[Any]) -> Ints:
     return np.unique(values, return_inverse=True)[1].astype(np.int64).reshape(-1)
 
 
-def groups(keys: Rows) -> tuple[Rows, Rows]:
+def groups(keys: Ints) -> tuple[Ints, Ints]:
     """(N,) the group of each key, in the order of the keys, and (G,) the first row of each."""
     order = np.argsort(keys, kind="stable")
     ordered = keys[order]
@@ -211,7 +209,7 @@ def groups(keys: Rows) -> tuple[Rows, Rows]:
     return group, order[starts]
 
 
-def majority(group: Rows, values: NDArray[np.int32]) -> NDArray[np.int32]:
+def majority(group: Ints, values: NDArray[np.int32]) -> NDArray[np.int32]:
     """(G,) the most frequent value of each group 0..G-1; the lowest of ties."""
     low = int(values.min())
     span = int(values.max()) - low + 1
@@ -222,13 +220,13 @@ def majority(group: Rows, values: NDArray[np.int32]) -> NDArray[np.int32]:
     return np.asarray(pairs[best[leads]] % span + low, dtype=np.int32)
 
 
-def _mean_normals(mean: Array, first: NDArray[np.float32]) -> NDArray[np.float32]:
+def _mean_normals(mean: Array, first: Floats) -> Floats:
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     decided = length > _MIN_MEAN_NORMAL
     return np.where(decided, mean / np.where(decided, length, 1.0), first).astype(np.float32)
 
 
-def _first_of_equal(points: Array) -> NDArray[np.bool_]:
+def _first_of_equal(points: Array) -> Mask:
     """(N,) whether no earlier point has exactly the same coordinates."""
     first = np.ones(len(points), bool)
     if len(points) < 2:

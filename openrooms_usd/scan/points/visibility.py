@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats, Mask
 
 # Size of a panorama: a cell subtends two to three centimetres at two metres.
 _PANORAMA_COLUMNS: Final = 512
@@ -34,11 +34,9 @@ class Panoramas:
     """
 
     sensor_origins: Array
-    range: NDArray[np.float32]
+    range: Floats
 
-    def visible(
-        self, points: Array, normals: Array, two_sided: NDArray[np.bool_]
-    ) -> NDArray[np.bool_]:
+    def visible(self, points: Array, normals: Array, two_sided: Mask) -> Mask:
         """(N,) whether some sensor has an unoccluded view of surface points.
 
         That is, the range in their direction is finite and not well below their distance; a

@@ -6,11 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes, Floats, Ints
 from openrooms_usd.errors import InputError
 from openrooms_usd.scan.points.thinning import groups, majority
 
-Rows = NDArray[np.int64]
 Columns = dict[str, NDArray[Any]]
 
 # A key packs three cell indices of 21 bits; the origin is in the middle of their range.
@@ -42,7 +41,7 @@ class Samples:
     views: Array
     label: NDArray[np.integer[Any]] | None = None
     instance: NDArray[np.integer[Any]] | None = None
-    colors: NDArray[np.uint8] | None = None
+    colors: Bytes | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,24 +63,24 @@ class Table:
         seen: (M,) the number of observations.
     """
 
-    key: Rows
+    key: Ints
     origin: Array
     weight: Array
     place: Array
-    views: NDArray[np.float32]
-    color: NDArray[np.float32]
-    color_weight: NDArray[np.float32]
+    views: Floats
+    color: Floats
+    color_weight: Floats
     label: NDArray[np.int32]
-    label_votes: NDArray[np.float32]
+    label_votes: Floats
     instance: NDArray[np.int32]
-    instance_votes: NDArray[np.float32]
+    instance_votes: Floats
     seen: NDArray[np.int32]
 
     def points(self) -> Array:
         """(M, 3) weighted means."""
         return self.place / self.weight[:, None] + self.origin
 
-    def colors_seen(self) -> NDArray[np.uint8]:
+    def colors_seen(self) -> Bytes:
         """(M, 3) weighted means; black where no observation had colours."""
         weight = np.where(self.color_weight > 0.0, self.color_weight, 1.0)
         return np.rint(self.color / weight[:, None]).clip(0.0, 255.0).astype(np.uint8)
@@ -181,7 +180,7 @@ def _observed(samples: Samples, origin: Array, voxel: float) -> Columns:
     return rows
 
 
-def _keys(local: Array, voxel: float) -> Rows:
+def _keys(local: Array, voxel: float) -> Ints:
     cells = np.floor(local / voxel) + _ORIGIN_CELL
     if cells.min() < 0 or cells.max() > _MASK:
         raise InputError(
@@ -192,7 +191,7 @@ def _keys(local: Array, voxel: float) -> Rows:
     return np.asarray((x << 2 * _CELL_BITS) | (y << _CELL_BITS) | z)
 
 
-def _coarser(key: Rows) -> Rows:
+def _coarser(key: Ints) -> Ints:
     """The keys of voxels of twice the size."""
     halves = [((key >> shift & _MASK) >> 1) + _ORIGIN_CELL // 2 << shift for shift in (42, 21, 0)]
     return np.asarray(halves[0] | halves[1] | halves[2])
@@ -217,8 +216,8 @@ def _by_key(rows: Columns) -> Columns:
 
 
 def _majorities(
-    owner: Rows, numbers: NDArray[np.int32], votes: NDArray[np.float32], count: int
-) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    owner: Ints, numbers: NDArray[np.int32], votes: Floats, count: int
+) -> tuple[NDArray[np.int32], Floats]:
     """The number that leads in each voxel, and by how many votes.
 
     A number with more than half of all votes leads in the end, in whatever order they come (Misra

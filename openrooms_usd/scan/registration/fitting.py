@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.registration.evidence import Evidence
 from openrooms_usd.scan.registration.priors import Pairs, PoseHypothesis, System, paired
 from openrooms_usd.scan.registration.surroundings import ObjectSurroundings, hidden_sides
@@ -155,7 +155,7 @@ class _Seen:
     scan: Array
     rows: NDArray[np.intp]
     weights: Array
-    hidden: NDArray[np.bool_]
+    hidden: Mask
 
     @classmethod
     def of(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.furniture.registry import record
 from openrooms_usd.scan.models.cad import UPRIGHT, CadModel
 from openrooms_usd.scan.points.cloud import Cloud
@@ -214,7 +214,7 @@ def _standing_on_floor(group: Sequence[str]) -> tuple[str, ...]:
     )
 
 
-def _cells(points: Array) -> NDArray[np.int64]:
+def _cells(points: Array) -> Ints:
     """(K, 2) the cells of the plan that have points."""
     return np.unique(np.floor(points[:, :2] / _PLAN_CELL_M).astype(np.int64), axis=0)
 

@@ -5,9 +5,8 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.scan.points.visibility import Panoramas
 from openrooms_usd.scan.registration.template import SIDES, Template, turn_of
 from openrooms_usd.scan.results import FoundRoom
@@ -140,7 +139,7 @@ class ObjectSurroundings:
     walls: Walls = field(default=NO_WALLS)
     doubt: float = 0.0
 
-    def rows(self, template: Template, parameters: Array, hidden: NDArray[np.bool_]) -> Rows:
+    def rows(self, template: Template, parameters: Array, hidden: Mask) -> Rows:
         """Contact residuals of a template.
 
         Args:
@@ -178,7 +177,7 @@ class ObjectSurroundings:
         return Rows(np.array(residuals), np.array(slopes), energy)
 
 
-def hidden_sides(template: Template, visible: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def hidden_sides(template: Template, visible: Mask) -> Mask:
     """(..., 4) whether the sides +x, -x, +y and -y of a template were hidden from all sensors.
 
     Args:

@@ -5,11 +5,10 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.models.cad import CadModel
@@ -48,7 +47,7 @@ class Template:
     reference: Array
     points: Array
     normals: Array
-    two_sided: NDArray[np.bool_]
+    two_sided: Mask
     spacing: float
     base: Array
     size: Array

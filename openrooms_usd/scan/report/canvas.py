@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import atomic, imagefile
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes, Ints
 from openrooms_usd.lettering import Ink, lettered, stamp
 
-Pixels = NDArray[np.uint8]
+Pixels = Bytes
 Color = tuple[int, int, int]
 
 PAPER: Final[Color] = (255, 255, 255)
@@ -56,7 +55,7 @@ class Canvas:
         at = (points - self.low) * self.scale
         return np.column_stack([at[:, 0], len(self.pixels) - at[:, 1]])
 
-    def counts(self, points: Array, grain: int = 1) -> NDArray[np.int64]:
+    def counts(self, points: Array, grain: int = 1) -> Ints:
         """(H, W) how many points of the plan lie in each pixel's block of so many pixels a side."""
         height, width = self.pixels.shape[:2]
         rows, columns = -(-height // grain), -(-width // grain)

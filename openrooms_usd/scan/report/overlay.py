@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.lettering import lettered, stamp
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.report.canvas import (
@@ -239,7 +238,7 @@ def _draw_points(canvas: Canvas, points: Array, rooms: Sequence[FoundRoom]) -> N
             canvas.pixels[:] = _printed(canvas.pixels, counts, color)
 
 
-def _printed(paper: Pixels, counts: NDArray[np.int64], color: Color) -> Pixels:
+def _printed(paper: Pixels, counts: Ints, color: Color) -> Pixels:
     """Paper with ink where points are: full where they are many, darker where they are more."""
     usual = float(np.median(counts[counts > 0]))
     ink = np.minimum(np.log1p(counts / usual) / np.log1p(_FULL_INK_COUNTS), 1.0)[..., None]

@@ -7,9 +7,8 @@ offset; to the rest, lines of any angle are fitted one after the other by MSAC.
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.outline import Outline
 from openrooms_usd.scan.rooms.spaces import PIXEL_M, Spaces
@@ -22,8 +21,6 @@ from openrooms_usd.scan.rooms.walls import (
     on_line,
     profile,
 )
-
-Rows = NDArray[np.int64]
 
 _OFFSET_BIN_M: Final = 0.01
 _MIN_RUN_M: Final = 0.12  # least length of surfels on a line, metres
@@ -128,7 +125,7 @@ def _repeats(walls: Walls, odd: Line, straight: list[Line]) -> bool:
     return False
 
 
-def _best_seed(walls: Walls, some: Rows, tries: Rows) -> int:
+def _best_seed(walls: Walls, some: Ints, tries: Ints) -> int:
     """The surfel whose own line has the best MSAC score within two metres."""
     points, normals = walls.points[some], walls.normals[some]
     seeds, axes = points[tries], normals[tries]
@@ -143,7 +140,7 @@ def _quarter(axes: Array) -> Array:
     return np.column_stack([-axes[:, 1], axes[:, 0]])
 
 
-def _refitted(walls: Walls, rows: Rows, seed: int) -> tuple[Array, float]:
+def _refitted(walls: Walls, rows: Ints, seed: int) -> tuple[Array, float]:
     """The line through the surfels around a seed, by iteratively reweighted least squares."""
     points, normals, weight = walls.points[rows], walls.normals[rows], walls.weight[rows]
     close = ((points - walls.points[seed]) ** 2).sum(axis=1) < _ODD_REACH**2
@@ -224,7 +221,7 @@ def end_lines(lines: list[Line], directions: tuple[float, ...]) -> list[tuple[Ar
     return [(along, float(place)) for _, along, place in ends[:_MAX_ENDS]]
 
 
-def moved_behind(outline: Outline, unseen: NDArray[np.bool_], pieces: Surfels) -> Outline:
+def moved_behind(outline: Outline, unseen: Mask, pieces: Surfels) -> Outline:
     """Move walls without surfels behind the floor, ceiling and furniture before them.
 
     Args:

@@ -12,12 +12,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.walls import Line
-
-Rows = NDArray[np.int64]
 
 # Capacities are integers: tenths of a millimetre of wall.
 _CAPACITY_PER_M: Final = 1e4
@@ -37,14 +35,14 @@ class FloorCells:
     """
 
     shapes: NDArray[Any]
-    pairs: Rows
+    pairs: Ints
     missing: Array
-    rim: NDArray[np.bool_]
+    rim: Mask
 
     def __len__(self) -> int:
         return len(self.shapes)
 
-    def owners(self, points: Array) -> Rows:
+    def owners(self, points: Array) -> Ints:
         """(N,) the cell of each point (N, 2); -1 outside the box."""
         import shapely
 
@@ -100,7 +98,7 @@ def _segments(parts: NDArray[Any]) -> Array:
     return np.stack([points[:-1][joined], points[1:][joined]], axis=1)
 
 
-def _sides(ends: Array, shapes: NDArray[Any]) -> tuple[Rows, NDArray[np.bool_]]:
+def _sides(ends: Array, shapes: NDArray[Any]) -> tuple[Ints, Mask]:
     """(E, 2) cells left and right of each segment, -1 for none, and (C,) which touch the border."""
     import shapely
 
@@ -135,9 +133,7 @@ def _covered(lines: list[Line], ends: Array, length: Array) -> Array:
     return np.minimum(best, length)
 
 
-def inside_by_cut(
-    cells: FloorCells, gain: Array, inner: NDArray[np.bool_], outer: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
+def inside_by_cut(cells: FloorCells, gain: Array, inner: Mask, outer: Mask) -> Mask:
     """Label cells inside or outside by a minimum cut.
 
     Args:

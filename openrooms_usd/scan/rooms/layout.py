@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.errors import SparseScanError
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
@@ -332,7 +331,7 @@ def open_leaves(pieces: Surfels, directions: tuple[float, ...]) -> Mask:
     return none
 
 
-def _columns(plan: Array) -> tuple[Array, NDArray[np.int64]]:
+def _columns(plan: Array) -> tuple[Array, Ints]:
     """(C, 2) centroids of occupied cells of the plan, and (N,) the cell of each surfel."""
     cells = np.floor((plan - plan.min(axis=0)) / VOXEL_M).astype(np.int64)
     _, column = np.unique(cells @ [1 << 32, 1], return_inverse=True)

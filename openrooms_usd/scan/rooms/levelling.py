@@ -237,7 +237,7 @@ class Level:
         return inverse(self.level_from_scan)
 
 
-def level(cloud: Cloud, up: NDArray[np.float64] | None = None) -> Level:
+def level(cloud: Cloud, up: Array | None = None) -> Level:
     """Find the floor and the walls' directions of a scan.
 
     Args:

@@ -10,9 +10,8 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.rooms.cells import FloorCells, inside_by_cut
 from openrooms_usd.scan.rooms.directions import unseen_wall_cost
 from openrooms_usd.scan.rooms.outline import Outline, outline_of, simplified
@@ -171,11 +170,11 @@ class Plan:
         return outline_of(shapely.get_coordinates(ring)[:-1])
 
     @cached_property
-    def _owner(self) -> NDArray[np.int64]:
+    def _owner(self) -> Ints:
         """(X * Y,) the cell of each pixel; -1 outside all."""
         return self.cells.owners(self.spaces.centres())
 
-    def _gain(self, number: int, counted: NDArray[np.bool_]) -> Array:
+    def _gain(self, number: int, counted: Mask) -> Array:
         """(X * Y,) gain of each pixel inside a room; its own pixels only where they are counted."""
         rooms = self.spaces.rooms.ravel()
         empty = np.where(self.spaces.seen.ravel(), 0.0, _UNSEEN_GAIN)

@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels, surfels
 from openrooms_usd.scan.points.thinning import evened
@@ -228,7 +227,7 @@ def _standing(
     return _THINGS * _lower(things) + _TOPS * _lower(tops), heights[kept][top]
 
 
-def _lower(tenths: NDArray[np.int64]) -> float:
+def _lower(tenths: Ints) -> float:
     """The logarithm of lower over upper counts, without floor and ceiling, within limits."""
     half = _TENTHS // 2
     ratio = np.log((tenths[1:half].sum() + 30.0) / (tenths[half:-1].sum() + 30.0))

@@ -6,13 +6,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array, Mask
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.vectors import unit
 from openrooms_usd.scan.points.surfels import Surfels
 from openrooms_usd.scan.rooms.ceilings import NO_CEILINGS, Ceilings
 from openrooms_usd.scan.rooms.directions import UPRIGHT_SINE
-
-Rows = NDArray[np.int64]
 
 # Inliers of a line: within so many standard deviations, clipped to these limits, with normals
 # within 20 degrees of the line's.
@@ -163,7 +161,7 @@ def on_line(
     walls: Walls,
     normal: Array,
     offset: float,
-    rows: Rows | slice = slice(None),
+    rows: Ints | slice = slice(None),
     spread: float = 1.0,
 ) -> Mask:
     """The inliers of a line, by distance and normal.
@@ -208,9 +206,7 @@ def profile(walls: Walls, normal: Array, offset: float) -> Line:
     return Line(normal, offset, start, _closed(cover), _closed(seen))
 
 
-def _courses_at(
-    walls: Walls, normal: Array, offset: float, start: float, count: int
-) -> NDArray[np.int64]:
+def _courses_at(walls: Walls, normal: Array, offset: float, start: float, count: int) -> Ints:
     """(U,) the number of height bins below the ceiling in each column of a line."""
     along = np.array([-normal[1], normal[0]])
     places = offset * normal + (start + COLUMN_M * (np.arange(count) + 0.5))[:, None] * along
@@ -218,7 +214,7 @@ def _courses_at(
     return np.clip(courses, 4, walls.courses)
 
 
-def _shares(filled: Array, courses: NDArray[np.int64]) -> tuple[Array, Array]:
+def _shares(filled: Array, courses: Ints) -> tuple[Array, Array]:
     """(U,) the mean of the highest bins below the ceiling, and of all of them."""
     total = np.pad(np.cumsum(filled, axis=1), ((0, 0), (1, 0)))
     column = np.arange(len(filled))

@@ -16,7 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.scan.points.surfels import VOXEL_M, Surfels
 
 Numbers = NDArray[np.int32]
@@ -224,7 +224,7 @@ def _spread(
     return found
 
 
-def _loose_parts(pieces: Surfels, pairs: Pairs, loose: NDArray[np.bool_]) -> Numbers:
+def _loose_parts(pieces: Surfels, pairs: Pairs, loose: Mask) -> Numbers:
     """(M,) connected parts of some surfels, cut at narrow necks of their plan; -1 for others."""
     found = _connected(pairs, loose)
     for number in range(int(found.max(initial=-1)) + 1):
@@ -237,7 +237,7 @@ def _loose_parts(pieces: Surfels, pairs: Pairs, loose: NDArray[np.bool_]) -> Num
     return found
 
 
-def _tall(points: Array) -> NDArray[np.bool_]:
+def _tall(points: Array) -> Mask:
     """(N,) which surfels belong to the tall part of something that is mostly low, if it has one.
 
     A curtain or a wardrobe beside low things reaches higher in a small part of the plan.
@@ -251,7 +251,7 @@ def _tall(points: Array) -> NDArray[np.bool_]:
     return np.asarray(tall[tuple(cells.T)])
 
 
-def _cut(plan: Array) -> NDArray[np.int64]:
+def _cut(plan: Array) -> Ints:
     """(N,) numbers of the parts of a plan (N, 2) that narrow necks connect, from 0."""
     cells = np.floor((plan - plan.min(axis=0)) / VOXEL_M).astype(np.int64) + 2
     full = np.zeros(cells.max(axis=0) + 3, dtype=np.bool_)
@@ -277,7 +277,7 @@ def _cut(plan: Array) -> NDArray[np.int64]:
 
 def _above_tops(
     pieces: Surfels, tops: Sequence[Top], piece_of_top: Sequence[int], found: Numbers
-) -> NDArray[np.bool_]:
+) -> Mask:
     """(M,) whether surfels belong to things that stand on their piece's highest top."""
     above = np.zeros(len(found), dtype=np.bool_)
     for number in set(piece_of_top):
@@ -348,7 +348,7 @@ def _with_feet(pieces: Surfels, found: Numbers) -> Numbers:
     return found
 
 
-def _connected(pairs: Pairs, some: NDArray[np.bool_]) -> Numbers:
+def _connected(pairs: Pairs, some: Mask) -> Numbers:
     """(M,) connected parts of some surfels, numbered from 0; -1 for others."""
     a, b = pairs[some[pairs].all(axis=1)].T
     graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(some),) * 2)

@@ -15,6 +15,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.points.thinning import groups, majority
 from openrooms_usd.scan.segmentation.shape import SegmentShape
@@ -221,7 +222,7 @@ def with_labels(cloud: Cloud, labels: Sequence[str]) -> Cloud:
     return replace(cloud, label=label, instance=instance, words=words)
 
 
-def things_of(cloud: Cloud, kind: NDArray[np.int64]) -> NDArray[np.int32]:
+def things_of(cloud: Cloud, kind: Ints) -> NDArray[np.int32]:
     """(N,) numbers of things, from 1: connected parts of points of one kind; 0 where there is none.
 
     Args:

@@ -5,9 +5,8 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.scan.points.surfels import VOXEL_M
 from openrooms_usd.scan.registration.surroundings import Walls
@@ -49,7 +48,7 @@ class SegmentShape:
     """
 
     points: Array
-    level: NDArray[np.bool_]
+    level: Mask
     size: Array
     base: Array
     lowest: float

@@ -7,9 +7,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd.light.profiles import Shaping
 from openrooms_usd.usd.places import frames
@@ -32,8 +32,8 @@ class Light:
     """
 
     path: str
-    radiance: NDArray[np.float64]
-    world_from_light: NDArray[np.float64]
+    radiance: Array
+    world_from_light: Array
     losses: tuple[str, ...]
     shaping: Shaping | None = field(default=None, kw_only=True)
     response: tuple[float, float] = field(default=(1.0, 1.0), kw_only=True)
@@ -116,7 +116,7 @@ class DistantLight(Light):
     """
 
     angle: float
-    irradiance: NDArray[np.float64]
+    irradiance: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +134,7 @@ def nits_from_lumen(lumen: float, area: float) -> float:
     return lumen / (math.pi * area)
 
 
-def world_from_prim(prim: Usd.Prim) -> NDArray[np.float64]:
+def world_from_prim(prim: Usd.Prim) -> Array:
     """(4, 4) from a prim's frame to the world, Z up and metres, for columns."""
     local = frames.local_to_world(prim, UsdGeom.XformCache(Usd.TimeCode.EarliestTime()))
     return frames.world_from_stage(prim.GetStage()) @ local

@@ -11,9 +11,9 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.arrays import number_of, vector_of
 from openrooms_usd.usd.files.strayed import locate
 from openrooms_usd.usd.light import emitters
@@ -23,7 +23,7 @@ from openrooms_usd.usd.places.frames import Z_UP_FROM_Y_UP, up_axis
 from openrooms_usd.usd.shading.materialreader import read_preview_surface
 from openrooms_usd.usd.shading.materials import Texture, bound_material
 
-Matrix = NDArray[np.float64]
+Matrix = Array
 
 # Animated lights are read where they begin; all others have one value anyway.
 _WHEN: Final = Usd.TimeCode.EarliestTime()
@@ -146,7 +146,7 @@ class _Reader:
 
     # What the kinds are made of.
 
-    def common(self, size: float) -> tuple[str, NDArray[np.float64], Matrix, tuple[str, ...]]:
+    def common(self, size: float) -> tuple[str, Array, Matrix, tuple[str, ...]]:
         """Path, radiance, frame and losses: what every light has."""
         radiance = self.radiance(size)
         self.check_extras()
@@ -168,7 +168,7 @@ class _Reader:
         self.losses.append(f"{name}: {found} is {what}; {default} is used")
         return default
 
-    def color(self) -> NDArray[np.float64]:
+    def color(self) -> Array:
         """(3,) the factor of each primary."""
         found = vector_of(self.value("inputs:color", (1.0, 1.0, 1.0)), 3)
         if found is None:
@@ -198,7 +198,7 @@ class _Reader:
         scale = float(self.scales().mean())
         return _THIN_METRES / scale if scale > 0.0 else 0.0
 
-    def radiance(self, size: float) -> NDArray[np.float64]:
+    def radiance(self, size: float) -> Array:
         """(3,) nits of each primary."""
         stops = min(self.number("inputs:exposure", 0.0), _MOST_STOPS)
         scale = self.number("inputs:intensity", 1.0) * 2.0**stops
@@ -226,7 +226,7 @@ class _Reader:
             return None
         return resolved or None
 
-    def glow(self) -> tuple[NDArray[np.float64], bool]:
+    def glow(self) -> tuple[Array, bool]:
         """(3,) what the bound material makes of a mesh light's color, and whether by a picture."""
         mode = self.value("light:materialSyncMode", UsdLux.Tokens.materialGlowTintsLight)
         material = bound_material(self.prim)
@@ -264,7 +264,7 @@ class _Reader:
         ):
             self.losses.append("lightLink: distant lights light everything")
 
-    def scales(self) -> NDArray[np.float64]:
+    def scales(self) -> Array:
         """(3,) how much longer the local axes are in the world."""
         return np.asarray(np.linalg.norm(self.world[:3, :3], axis=0))
 

@@ -4,9 +4,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.usd.arrays import number_of
 from openrooms_usd.usd.light.emitters import (
@@ -119,7 +119,7 @@ class Portal:
     """
 
     path: str
-    world_from_portal: NDArray[np.float64]
+    world_from_portal: Array
     width: float
     height: float
 

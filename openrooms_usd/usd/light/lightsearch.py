@@ -4,16 +4,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdLux
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.light.emitters import Light
 from openrooms_usd.usd.light.lightreader import read_light
 from openrooms_usd.usd.places.frames import TIME, local_to_parent, local_to_world, world_from_stage
 from openrooms_usd.usd.shapes.traversal import instances_of
 
-Matrix = NDArray[np.float64]
+Matrix = Array
 
 _PROXIES: Final = Usd.TraverseInstanceProxies()
 # Prototypes of point instancers may be mere overs or classes.

@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Floats
 from openrooms_usd.errors import InputError
 from openrooms_usd.untrusted import read_text
 
@@ -120,7 +120,7 @@ class Shaping:
         light_from_world: (3, 3) turns directions of the world into the light's frame.
     """
 
-    factors: NDArray[np.float32]
+    factors: Floats
     first_deg: float
     last_deg: float
     light_from_world: Array

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom
+
+from openrooms_usd.arrays import Array
 
 # Still scenes: everything is read at the first time sample, or at the default without any.
 TIME: Final = Usd.TimeCode.EarliestTime()
@@ -21,12 +22,12 @@ Z_UP_FROM_Y_UP: Final = np.array(
 )
 
 
-def matrix(gf: Gf.Matrix4d) -> NDArray[np.float64]:
+def matrix(gf: Gf.Matrix4d) -> Array:
     """A USD matrix as a (4, 4) array for column vectors."""
     return np.array(gf, dtype=np.float64).T
 
 
-def gf_matrix(M: NDArray[np.float64]) -> Gf.Matrix4d:
+def gf_matrix(M: Array) -> Gf.Matrix4d:
     """A (4, 4) array for column vectors as a USD matrix."""
     return Gf.Matrix4d(np.asarray(M, dtype=np.float64).T)
 
@@ -52,7 +53,7 @@ def meters_per_unit(stage: Usd.Stage) -> float:
     return said if 0.0 < said < np.inf else _FALLBACK_METRES
 
 
-def world_from_stage(stage: Usd.Stage) -> NDArray[np.float64]:
+def world_from_stage(stage: Usd.Stage) -> Array:
     """(4, 4) from the stage's own root frame and units to Z up and metres."""
     scale = meters_per_unit(stage)
     turn = np.eye(4) if up_axis(stage) == UsdGeom.Tokens.z else Z_UP_FROM_Y_UP
@@ -68,7 +69,7 @@ def odd_frame(stage: Usd.Stage) -> list[str]:
     return found if up in known else [*found, f"upAxis: {str(up)!r} is not an axis; Y is used"]
 
 
-def local_to_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> NDArray[np.float64]:
+def local_to_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> Array:
     """(4, 4) from a prim's frame to the stage's root frame, in stage units.
 
     Operations that cannot be read, such as a scale that is a text, do nothing.
@@ -80,9 +81,7 @@ def local_to_world(prim: Usd.Prim, cache: UsdGeom.XformCache) -> NDArray[np.floa
         return matrix(cache.GetLocalToWorldTransform(prim))
 
 
-def local_to_parent(
-    prim: Usd.Prim, cache: UsdGeom.XformCache
-) -> tuple[NDArray[np.float64], bool, str]:
+def local_to_parent(prim: Usd.Prim, cache: UsdGeom.XformCache) -> tuple[Array, bool, str]:
     """(4, 4) of a prim's own operations, whether they start from the root, and what is wrong."""
     try:
         local, resets = cache.GetLocalTransformation(prim)
@@ -98,7 +97,7 @@ def local_to_parent(
         return np.eye(4), False, "its transform cannot be read"
 
 
-def _operation(op: UsdGeom.XformOp) -> NDArray[np.float64]:
+def _operation(op: UsdGeom.XformOp) -> Array:
     try:
         return matrix(op.GetOpTransform(TIME))
     except Tf.ErrorException:
@@ -138,7 +137,7 @@ def is_upright(prim: Usd.Prim) -> bool:
     return UPRIGHT in order
 
 
-def author_matrix(prim: Usd.Prim, parent_from_prim: NDArray[np.float64]) -> None:
+def author_matrix(prim: Usd.Prim, parent_from_prim: Array) -> None:
     """Place a prim by a (4, 4) matrix for column vectors."""
     _author(prim, {"xformOp:transform": gf_matrix(parent_from_prim)})
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.usd.places.frames import TIME, meters_per_unit, up_axis
 
 TURN: Final = "xformOp:rotateX:unitsResolve"
@@ -143,7 +143,7 @@ def _misfit(
     return found if found.operations else None
 
 
-def _own_linear(xformable: UsdGeom.Xformable) -> NDArray[np.float64]:
+def _own_linear(xformable: UsdGeom.Xformable) -> Array:
     """(3, 3) what the operations do that the stage's own layers speak of, for row vectors."""
     linear = np.eye(3)
     for op in xformable.GetOrderedXformOps():

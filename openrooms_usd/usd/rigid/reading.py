@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any, Final, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Kind, Sdf, Usd, UsdPhysics
 
 from openrooms_usd.arrays import Array
@@ -330,7 +329,7 @@ def with_between(link: WorldLink, joints: Sequence[Joint]) -> Iterator[WorldLink
 Item = TypeVar("Item", Shape, Visual)
 
 
-def shifted(item: Item, back: NDArray[np.float64]) -> Item:
+def shifted(item: Item, back: Array) -> Item:
     """A shape or a visual in a frame that has the same axes."""
     if not back[:3, 3].any():
         return item

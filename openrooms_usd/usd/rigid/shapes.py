@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Mask
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.solids import sphere
 from openrooms_usd.geometry.triangulation import TriangleMesh, bounding_box
@@ -292,7 +292,7 @@ def _by_material(prim: Usd.Prim, mesh: TriangleMesh) -> Iterator[tuple[TriangleM
         yield mesh if rest.all() else _some(mesh, rest), path
 
 
-def _some(mesh: TriangleMesh, kept: NDArray[np.bool_]) -> TriangleMesh:
+def _some(mesh: TriangleMesh, kept: Mask) -> TriangleMesh:
     return TriangleMesh(
         mesh.points,
         mesh.triangles[kept],

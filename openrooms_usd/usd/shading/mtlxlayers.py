@@ -116,12 +116,7 @@ def layer_of(
 
 
 def _elements(file: str, depth: int = 0) -> ElementTree.Element:
-    """The document, with what it includes in place.
-
-    Raises:
-        ValueError: It has entities, or includes too much.
-        InputError: It is not a regular file of a plausible size.
-    """
+    """The document, with what it includes in place."""
     data = _bytes(file)
     if _ENTITIES.search(data) or len(data) > _MOST_BYTES:
         raise ValueError("entities are not allowed in materials")

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import UsdShade
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import linear_from_srgb
 from openrooms_usd.usd.shading import uvtextures
 from openrooms_usd.usd.shading.networks import Network, finite_numbers
@@ -93,7 +93,7 @@ def _linear(numbers: Numbers, space: str) -> Numbers | None:
     return _bounded(np.array(numbers)) or None
 
 
-def _bounded(numbers: NDArray[np.float64]) -> Numbers:
+def _bounded(numbers: Array) -> Numbers:
     return tuple(np.clip(np.nan_to_num(numbers), -_MOST, _MOST).tolist())
 
 
@@ -120,7 +120,7 @@ def affine(value: Folded, factor: Numbers, offset: Numbers = (0.0,)) -> Folded:
 
 
 def _with_numbers(
-    value: Texture, become: Callable[[Numbers, float], Sequence[float] | NDArray[np.float64]]
+    value: Texture, become: Callable[[Numbers, float], Sequence[float] | Array]
 ) -> Texture:
     """A texture with other numbers: a function of each kind, and of its share of an offset."""
     made = {"scale": become(value.scale, 0.0), "bias": become(value.bias, 1.0)}
@@ -157,7 +157,7 @@ def _side_by_side(parts: Sequence[Texture]) -> Texture:
     return replace(parts[0], channel="".join(part.channel for part in parts), **cast(Any, made))
 
 
-def _widened(numbers: Numbers, many: int, rest: float) -> NDArray[np.float64]:
+def _widened(numbers: Numbers, many: int, rest: float) -> Array:
     """As many numbers; one alone stands for all."""
     if len(numbers) == 1:
         return np.full(many, numbers[0])
@@ -339,7 +339,7 @@ def _gltf_image(node: _Node) -> Folded | None:
     return _part(whole, 3) if node.output == "outa" else whole
 
 
-def _tiling(node: _Node) -> NDArray[np.float64]:
+def _tiling(node: _Node) -> Array:
     """(3, 3) of what a tiled image does to its coordinates."""
     matrix = np.eye(3)
     if uvtextures.family(node.kind) == "tiledimage":

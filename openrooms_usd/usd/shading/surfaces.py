@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
 
 Color = tuple[float, float, float]
@@ -54,7 +54,7 @@ class UvTransform:
     translation: tuple[float, float] = (0.0, 0.0)
 
     @property
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Array:
         """(3, 3) for columns (s, t, 1)."""
         matrix = np.eye(3)
         matrix[:2, :2] = in_plan(math.radians(self.rotation)) @ np.diag(self.scale)
@@ -104,7 +104,7 @@ class Texture:
         return len(self.channel) > 1 and self.channel != "rgb"
 
     @property
-    def uv_matrix(self) -> NDArray[np.float64]:
+    def uv_matrix(self) -> Array:
         """(3, 3) from the primvar's coordinates to the picture's, for columns (s, t, 1).
 
         s = 0 is the picture's left edge, t = 0 its lower one.

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pxr import Ar, Usd, UsdShade
 
 from openrooms_usd import imagefile, removal, untrusted
+from openrooms_usd.arrays import Bytes, Floats
 from openrooms_usd.errors import InputError
 from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.usd.files.diagnostics import plain, reading
@@ -92,7 +93,7 @@ def _shape(path: str) -> tuple[int, int, int]:
     return facts.height, facts.width, facts.channels
 
 
-def read_texture(path: str) -> NDArray[np.float32]:
+def read_texture(path: str) -> Floats:
     """Read a picture's stored values, without any colour decoding.
 
     Args:
@@ -115,7 +116,7 @@ def read_texture(path: str) -> NDArray[np.float32]:
         return np.atleast_3d(np.asarray(pixels, dtype=np.float32))
 
 
-def read_codes(path: str) -> NDArray[np.uint8] | None:
+def read_codes(path: str) -> Bytes | None:
     """Read the codes of a picture of 8 bits as they are stored.
 
     Args:
@@ -322,8 +323,8 @@ def grid(path: str) -> Place:
 def joined(
     path: str,
     shape: Callable[[str], Shape],
-    codes: Callable[[str], NDArray[np.uint8] | None],
-    values: Callable[[str], NDArray[np.float32]],
+    codes: Callable[[str], Bytes | None],
+    values: Callable[[str], Floats],
 ) -> Iterator[Path]:
     """A file of all tiles, (0, 0) at its lower left; what is missing is black.
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import UsdShade
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.rotations import in_plan
 from openrooms_usd.usd.files.strayed import MISSING, locate
 from openrooms_usd.usd.shading import textures
@@ -172,7 +172,7 @@ def _combined(
     return decomposed(network, node, matrix)
 
 
-def decomposed(network: Network, node: UsdShade.Shader, matrix: NDArray[np.float64]) -> UvTransform:
+def decomposed(network: Network, node: UsdShade.Shader, matrix: Array) -> UvTransform:
     """The transform of a (3, 3) matrix for columns (s, t, 1); its skew is left out, and told."""
     (a, b), (c, d) = matrix[:2, :2]
     angle = math.atan2(c, a)
@@ -189,7 +189,7 @@ def decomposed(network: Network, node: UsdShade.Shader, matrix: NDArray[np.float
 
 # Where a node of MaterialX looks its image up: a primvar, and an affine map of it.
 
-_Matrix = NDArray[np.float64]
+_Matrix = Array
 _Pair = tuple[float, float]
 # The longest chain of nodes that is followed, so that a cycle ends.
 # Larger numbers leave no texel apart from others.

@@ -105,9 +105,6 @@ def _polylines(
         curves: The prim.
         losses: What was approximated is added.
         lines: Of each curve, for each of its pieces; None for the least.
-
-    Raises:
-        ValueError: Its numbers do not fit.
     """
     prim = curves.GetPrim()
     points = numbers(curves.GetPointsAttr(), 3)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array, Floats, Mask
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh, triangulate
 from openrooms_usd.usd.arrays import array_of, flattened, in_rows
 from openrooms_usd.usd.places.frames import TIME
@@ -152,7 +153,7 @@ def _reader(kind: str) -> Callable[[Usd.Prim], Drawn] | None:
     return None
 
 
-def _against(normals: NDArray[Any], flat: NDArray[Any]) -> NDArray[np.bool_]:
+def _against(normals: NDArray[Any], flat: NDArray[Any]) -> Mask:
     """(M, 3) which normals at corners have the wrong sign.
 
     Those of smooth surfaces may lie a little below the horizon of their triangle, where the others
@@ -248,7 +249,7 @@ class _Polygons:
 
     def _carried(
         self, fine: "Subdivided", primvars: Iterable[tuple[UsdGeom.Primvar, int | None]]
-    ) -> dict[str, NDArray[np.float64]]:
+    ) -> dict[str, Array]:
         """(K', width) primvars at the corners of fine faces, by their names."""
         sets = {}
         for primvar, width in primvars:
@@ -265,7 +266,7 @@ class _Polygons:
     def _lose(self, reason: str) -> None:
         self._losses.append(("approximated", reason))
 
-    def _normals(self, corners: Ints, faces: Ints) -> NDArray[np.float32] | None:
+    def _normals(self, corners: Ints, faces: Ints) -> Floats | None:
         primvar = UsdGeom.PrimvarsAPI(self._geometry).GetPrimvar("normals")
         if primvar and primvar.HasValue():
             values, indices = primvar.Get(TIME), primvar.GetIndices(TIME)
@@ -280,7 +281,7 @@ class _Polygons:
         unrolled = self._unrolled(vectors, array_of(indices, np.int32), rows, "normals")
         return None if unrolled is None else self._unit(unrolled, corners)
 
-    def _unit(self, normals: NDArray[Any], corners: Ints) -> NDArray[np.float32]:
+    def _unit(self, normals: NDArray[Any], corners: Ints) -> Floats:
         """Unit normals on the front of their faces; the face's own where one is not usable."""
         with np.errstate(over="ignore", invalid="ignore"):
             lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
@@ -300,9 +301,9 @@ class _Polygons:
 
     def _sets(
         self, primvars: Iterable[tuple[UsdGeom.Primvar, int | None]], corners: Ints, faces: Ints
-    ) -> dict[str, NDArray[np.float32]]:
+    ) -> dict[str, Floats]:
         """(M, 3, width) primvars at each corner, by their names."""
-        sets: dict[str, NDArray[np.float32]] = {}
+        sets: dict[str, Floats] = {}
         for primvar, width in primvars:
             values = in_rows(array_of(primvar.Get(TIME), np.float32, width))
             indices = array_of(primvar.GetIndices(TIME), np.int32)

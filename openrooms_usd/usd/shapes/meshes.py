@@ -6,10 +6,10 @@ from math import isfinite
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Sdf, Usd, UsdGeom, Vt
 
 from openrooms_usd import names
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.geometry.triangulation import Ints, TriangleMesh
 from openrooms_usd.usd.places.frames import world_from_stage
@@ -26,16 +26,9 @@ __all__ = [
     "world_triangles",
 ]
 
-Array = NDArray[np.float64]
-
 
 def define_mesh(
-    stage: Usd.Stage,
-    path: str | Sdf.Path,
-    mesh: Mesh,
-    *,
-    double_sided: bool = False,
-    baked_st: NDArray[np.float32] | None = None,
+    stage: Usd.Stage, path: str | Sdf.Path, mesh: Mesh, *, double_sided: bool = False
 ) -> UsdGeom.Mesh:
     """Define a mesh prim: polygons, never subdivided, right-handed.
 
@@ -45,7 +38,6 @@ def define_mesh(
         mesh: Polygons in the prim's local frame, stage units. Normals and texture coordinates are
             authored face-varying, where it has them.
         double_sided: Whether both sides are seen; author it for open sheets only.
-        baked_st: (K, 2) a second set for what is baked, such as `geometry.unwrap` gives.
     """
     points = mesh.points.astype(np.float32)
     prim = UsdGeom.Mesh.Define(stage, path)
@@ -62,12 +54,11 @@ def define_mesh(
     if mesh.normals is not None:
         prim.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(mesh.normals.astype(np.float32)))
         prim.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
-    for name, st in ((names.ST, mesh.st), (names.BAKED_ST, baked_st)):
-        if st is not None:
-            primvar = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(
-                name, Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
-            )
-            primvar.Set(Vt.Vec2fArray.FromNumpy(st.astype(np.float32)))
+    if mesh.st is not None:
+        primvar = UsdGeom.PrimvarsAPI(prim).CreatePrimvar(
+            names.ST, Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+        )
+        primvar.Set(Vt.Vec2fArray.FromNumpy(mesh.st.astype(np.float32)))
     return prim
 
 

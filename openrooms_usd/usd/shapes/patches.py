@@ -3,11 +3,10 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 from scipy.sparse import csr_array, kron
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry import splines
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd.arrays import integers, numbers, vector_of
@@ -45,11 +44,7 @@ def read_patch(prim: Usd.Prim) -> Drawn:
 
 
 def _each(values: Array, count: int, weights: csr_array | None = None) -> Array:
-    """Values of points, or of what is made of them.
-
-    Raises:
-        ValueError: There are not as many as points.
-    """
+    """Values of points, or of what is made of them."""
     if len(values) not in (1, count):
         raise ValueError("the numbers of values and points differ")
     every = np.broadcast_to(values, (count, *values.shape[1:]))
@@ -121,7 +116,7 @@ def read_points(prim: Usd.Prim) -> Drawn:
     return Drawn(balls, losses, lambda values, _: _each(values, len(points))[kept])
 
 
-def _ball(*, refined: bool) -> tuple[Array, NDArray[np.int64]]:
+def _ball(*, refined: bool) -> tuple[Array, Ints]:
     """Corners and faces of a body of triangles that holds as much as the ball of radius 1."""
     from trimesh.creation import icosahedron
 

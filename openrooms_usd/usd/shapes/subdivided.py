@@ -8,11 +8,10 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import UsdGeom
 from scipy.sparse import csr_array
 
-from openrooms_usd.arrays import Array, Ints
+from openrooms_usd.arrays import Array, Ints, Mask
 from openrooms_usd.geometry.cages import Cage, Weights
 from openrooms_usd.geometry.subdivision import Refinement, limit, refine, smooth_normals
 from openrooms_usd.geometry.triangulation import TriangleMesh, has_area
@@ -279,7 +278,7 @@ class Subdivided:
         )
 
 
-def _pinned(values: Cage, points: Ints, cage: Cage, rule: str) -> NDArray[np.bool_]:
+def _pinned(values: Cage, points: Ints, cage: Cage, rule: str) -> Mask:
     """Which values of a face-varying primvar stay where they are.
 
     Args:

@@ -6,10 +6,9 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from pxr import Usd
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Ints
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.usd.arrays import number_of
 from openrooms_usd.usd.places.frames import TIME
@@ -189,7 +188,7 @@ def _quads(lower: Array, upper: Array) -> Array:
     return np.stack(corners, axis=1).reshape(-1, 3)
 
 
-def _polygons(points: Array, quads: NDArray[np.int64], normals: Array) -> Mesh:
+def _polygons(points: Array, quads: Ints, normals: Array) -> Mesh:
     return Mesh(
         points=np.asarray(points, dtype=np.float64),
         counts=np.full(len(quads), 4, dtype=np.int32),

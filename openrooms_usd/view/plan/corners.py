@@ -4,8 +4,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.errors import InputError
 from openrooms_usd.view.plan.drawing import Drawing, Point, reseated
 
@@ -15,7 +15,6 @@ REACH_M: Final = 0.12
 _SAME_DEG: Final = 6.0
 # Walls that are so far off a direction of the room are meant to be oblique, degrees.
 OBLIQUE_DEG: Final = 14.0
-Array = NDArray[np.float64]
 # Neighbours that meet a wall at less than this keep their place: a step is made beside it.
 _STEEP_SINE: Final = 0.3
 # Corners that are nearer to each other are one, metres.

@@ -5,15 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.building.walls import Wall, walls_of
 from openrooms_usd.description.layout import Opening, Partition, named_partitions
 from openrooms_usd.errors import InputError
 from openrooms_usd.geometry.curves import signed_area
 from openrooms_usd.geometry.polygons import counter_clockwise
 
-Array = NDArray[np.float64]
 Point = tuple[float, float]
 
 # What is written of lengths, metres: a tenth of a millimetre.

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd import imagefile
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.building.walls import Wall
 from openrooms_usd.scratch import scratch_folder
 
-Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 # Between these heights walls are seen more than furniture and ceilings, metres.
@@ -90,7 +89,7 @@ def from_above(points: Array, box: Box, height: float) -> Picture:
     return Picture(_png(pixels), box)
 
 
-def of_wall(points: Array, colors: NDArray[np.uint8] | None, wall: Wall, height: float) -> Picture:
+def of_wall(points: Array, colors: Bytes | None, wall: Wall, height: float) -> Picture:
     """The points near a wall, square on and seen from inside.
 
     Args:
@@ -125,7 +124,7 @@ def of_wall(points: Array, colors: NDArray[np.uint8] | None, wall: Wall, height:
     return Picture(_png(_filled(pixels)[::-1]), (0.0, wall.length, 0.0, height))
 
 
-def _filled(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _filled(pixels: Bytes) -> Bytes:
     """The picture without single empty cells: each is as its neighbours on both sides are."""
     made = pixels.copy()
     for axis in (0, 1):
@@ -148,7 +147,7 @@ def heights(points: Array) -> dict[str, object]:
     return {"step": _HEIGHT_STEP_M, "counts": counts[:last].tolist()}
 
 
-def _png(pixels: NDArray[np.uint8]) -> bytes:
+def _png(pixels: Bytes) -> bytes:
     with scratch_folder() as folder:
         path = folder / "picture.png"
         how = {"oiio:UnassociatedAlpha": 1, "png:compressionLevel": 4}

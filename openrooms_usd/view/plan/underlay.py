@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.building.walls import Wall
 from openrooms_usd.capture import Capture, read_capture
 from openrooms_usd.description.generate import GeneratedLayout
@@ -28,8 +28,6 @@ from openrooms_usd.steps.layout.scanned import ScannedRoom, find, scanned, taken
 from openrooms_usd.steps.layout.step import Plan, plan_of
 from openrooms_usd.view.plan.drawing import Drawing, Point
 
-Array = NDArray[np.float64]
-
 # What cuts and descriptions of openings call alike.
 _SAME: Final = ("kind", "name", "open", "hinge", "swing", "style", "beyond")
 
@@ -48,7 +46,7 @@ class Underlay:
 
     capture: Capture | None = None
     points: Array = field(default_factory=lambda: np.empty((0, 3)))
-    colors: NDArray[np.uint8] | None = None
+    colors: Bytes | None = None
     found: Mapping[str, Drawing] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 

@@ -4,9 +4,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from pxr import Gf, Usd, UsdGeom
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.channels import CHANNELS, DEFAULT
 from tests import small
 from tests.small import square
@@ -48,7 +48,7 @@ def furnished(up="Z", metres=1.0):
     return made.stage
 
 
-def brute_force(stage: Usd.Stage) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def brute_force(stage: Usd.Stage) -> tuple[Array, Array]:
     """First hits and normals through pixel centres, by USD's frustum and Moller and Trumbore."""
     cache = UsdGeom.XformCache()
     triangles = []

@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.library.surroundings.sky import Air, daylight, sun_direction
 from openrooms_usd.library.surroundings.sunlight import SunPosition
 from openrooms_usd.rendering.scene.lights import Gaussian
 from openrooms_usd.usd.light.lights import Portal
 
-Array = NDArray[np.float64]
 # The picture's upper edge is the world's up, its middle looks along -Y.
 DOME = np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]], dtype=np.float64)
 SUN = SunPosition(azimuth=150.0, elevation=35.0, apparent=35.0, distance=1.0)

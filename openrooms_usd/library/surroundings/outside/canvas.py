@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from openrooms_usd.library.surroundings.outside.noise import Floats, Mask
+from openrooms_usd.arrays import Mask
+from openrooms_usd.library.surroundings.outside.noise import Floats
 
 # Pixels of the canvas for one of the panorama, along each side: edges become soft.
 _FINER: Final = 2

@@ -7,9 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Mask
 from openrooms_usd.library.surroundings.outside.canvas import Canvas
 from openrooms_usd.library.surroundings.outside.daylight import Daylight
-from openrooms_usd.library.surroundings.outside.noise import Floats, Mask
+from openrooms_usd.library.surroundings.outside.noise import Floats
 from openrooms_usd.library.surroundings.outside.shadows import Shadows
 
 # How far before a face its light is looked up, so that it does not shade itself, metres.

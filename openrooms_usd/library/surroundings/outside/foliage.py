@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box, frustum, sphere
 from openrooms_usd.library.surroundings.outside.noise import Floats
@@ -24,7 +24,7 @@ HEDGE_LONG, HEDGE_DEEP = 1.25, 0.45
 _LOBE_SHARE: Final = 0.84
 _CLUMPS: Final = 120
 _SIDES: Final = 6
-_NO_LOBES: Final[NDArray[np.float64]] = np.zeros((0, 4, 4))
+_NO_LOBES: Final[Array] = np.zeros((0, 4, 4))
 
 
 class Grown(NamedTuple):
@@ -39,7 +39,7 @@ class Grown(NamedTuple):
 
     leaves: Mesh | None
     wood: Mesh | None = None
-    lobes: NDArray[np.float64] = _NO_LOBES
+    lobes: Array = _NO_LOBES
 
 
 def lobe(rng: np.random.Generator) -> Mesh:
@@ -107,7 +107,7 @@ def _heap(
     tall: float,
     middle: float,
     radii: tuple[float, float],
-) -> NDArray[np.float64]:
+) -> Array:
     """(N, 4, 4) lobes around the middle of a crown, each turned otherwise."""
     # Spread evenly over a sphere, so that none is bald.
     turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0)) + rng.uniform(0.0, 2.0 * np.pi)

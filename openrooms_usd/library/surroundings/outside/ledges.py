@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh, joined
 from openrooms_usd.geometry.solids import box
 
@@ -82,7 +82,7 @@ def ledges(
         yield Ledge("Box", "flowerpot", trough, "Clay")
 
 
-def flower_places(width: float, height: float) -> Iterator[NDArray[np.float64]]:
+def flower_places(width: float, height: float) -> Iterator[Array]:
     """(4, 4) where bushes one unit high stand in the box, from their frame to the window's."""
     deep, tall = _BOX_M
     count = max(2, round(0.86 * width / 0.2))

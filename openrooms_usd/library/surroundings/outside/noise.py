@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.floating[Any]]
-Mask = NDArray[np.bool_]
 
 _TILE: Final = 512
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.draws import generator
 from openrooms_usd.library.surroundings.outside.facades import FacadeMaterials
 from openrooms_usd.library.surroundings.outside.near import Near, Window, parted
@@ -51,7 +51,7 @@ class Site:
         """
         return round((self.facing - 90.0) / 180.0 * height)
 
-    def world_from_scene(self, height: int, floor: float) -> NDArray[np.float64]:
+    def world_from_scene(self, height: int, floor: float) -> Array:
         """(4, 4) from the frame of the scene, with the land at z = 0, to that of the room.
 
         Args:

@@ -11,8 +11,8 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.mesh import Mesh
 from openrooms_usd.library.surroundings.outside.daylight import LAND_SHARE, Daylight
 from openrooms_usd.library.surroundings.outside.facades import FacadeMaterials
@@ -84,7 +84,7 @@ class PlacedSolid:
     name: str
     kind: str
     category: str
-    matrix: NDArray[np.float64]
+    matrix: Array
     look: str
 
 

@@ -7,13 +7,11 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.maps import Maps
 from openrooms_usd.library.textures.base.noise import Field, apart
-
-Index = NDArray[np.int64]
 
 # Nothing that repeats is drawn thinner than this many texels: it would only make a moiré.
 _MIN_TEXELS: Final = 2.5
@@ -104,7 +102,7 @@ class LatticeCells:
         border: (N, N) how much farther the next middle is: 0 on the border.
     """
 
-    index: Index
+    index: Ints
     count: int
     nearest: Field
     border: Field

@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.library.textures.base.noise import Field
 
-Bytes = NDArray[np.uint8]
 Words = NDArray[np.uint16]
 
 # Nothing in a room is blacker than soot velvet or whiter than fresh plaster, but for bare metal.
@@ -113,7 +113,7 @@ def normals(height: Field, texel: float) -> Field:
     return np.stack([-slope_s / length, -slope_t / length, 1.0 / length], axis=-1)
 
 
-def with_mean(field: Field, mean: float | NDArray[np.float64]) -> Field:
+def with_mean(field: Field, mean: float | Array) -> Field:
     """A field scaled so that it has a given mean (over the first two axes)."""
     scale: Field = np.asarray(mean) / np.mean(field, axis=(0, 1))
     return field * scale

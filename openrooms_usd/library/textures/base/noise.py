@@ -10,7 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Field = NDArray[np.float64]
+from openrooms_usd.arrays import Array
+
+Field = Array
 Spectrum = NDArray[np.complex128]
 
 # Of a Gaussian, so that one number a wavelength describes a noise.

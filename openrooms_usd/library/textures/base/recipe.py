@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.library.textures.base.family import Color, TextureParams
 from openrooms_usd.library.textures.base.maps import ALBEDO_RANGE, ROUGHNESS_RANGE, Maps, with_mean
 from openrooms_usd.library.textures.base.noise import (
@@ -14,7 +14,7 @@ from openrooms_usd.library.textures.base.noise import (
     white_spectrum,
 )
 
-Index = NDArray[np.int64]
+Index = Ints
 
 
 def drawn_color(order: TextureParams, palette: tuple[Color, ...], spread: float = 0.1) -> Field:
@@ -125,6 +125,14 @@ def finished(
     if order.color is not None:
         albedo = with_mean(albedo, np.array(order.color))
     return Maps(albedo, height, np.clip(rough, *ROUGHNESS_RANGE), metallic)
+
+
+def shaded(
+    order: TextureParams, color: Field, shade: Field, height: Field, rough: tuple[float, float]
+) -> Maps:
+    """The maps of a colour times (N, N) brightness, its roughness drawn from a range."""
+    albedo = color * shade[..., None]
+    return finished(order, albedo, height, drawn_roughness(order, *rough))
 
 
 def dyed(

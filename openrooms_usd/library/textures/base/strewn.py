@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.library.textures.base.family import TextureParams
 from openrooms_usd.library.textures.base.noise import Field, standardized, white_spectrum
 from openrooms_usd.library.textures.base.recipe import Index, displaced, noise
@@ -137,9 +137,7 @@ def _ground(order: TextureParams, count: int) -> Strewn:
     return Strewn(np.full(shape, -np.inf), np.zeros(shape, np.int64), count + 1)
 
 
-def _window(
-    order: TextureParams, half_s: float, half_t: float
-) -> tuple[NDArray[np.int64], NDArray[np.int64], Field, Field]:
+def _window(order: TextureParams, half_s: float, half_t: float) -> tuple[Ints, Ints, Field, Field]:
     """Rows and columns about a random place, and how far they are from it along s and t, metres."""
     texel = order.size / order.resolution
     centre = order.rng.uniform(0.0, order.size, 2)
@@ -154,12 +152,7 @@ def _window(
 
 
 def _laid_on(
-    strewn: Strewn,
-    place: tuple[NDArray[np.int64], ...],
-    inside: Field,
-    number: int,
-    *,
-    crowded: bool,
+    strewn: Strewn, place: tuple[Ints, ...], inside: Field, number: int, *, crowded: bool
 ) -> None:
     """Lay a thing on the ground; unless ``crowded``, only where it lies on no other."""
     here = strewn.inside[place]

@@ -9,12 +9,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Ints, Mask
 from openrooms_usd.library.textures.base import lattice
 from openrooms_usd.library.textures.base import vocabulary as tx
 
-Pattern = NDArray[np.int64]
+Pattern = Ints
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Cloth:
     """
 
     height: tx.Field
-    is_warp: NDArray[np.bool_]
+    is_warp: Mask
     tone: tx.Field
 
 

@@ -7,8 +7,8 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Mask
 from openrooms_usd.library.textures.base import lattice
 from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.fabric import dyes
@@ -130,7 +130,7 @@ KNITTED: Final[dict[str, tx.Family]] = {
 }
 
 
-Figure = Callable[[int, int], NDArray[np.bool_]]
+Figure = Callable[[int, int], Mask]
 Shape = Callable[[tx.TextureParams], tx.Field]
 
 
@@ -213,7 +213,7 @@ def _colored(cloth: Cloth, ends: tx.Field, picks: tx.Field, counts: tuple[int, i
     return np.where(cloth.is_warp[..., None], ends[end][None], picks[pick][:, None])
 
 
-def medallions(picks: int, ends: int) -> NDArray[np.bool_]:
+def medallions(picks: int, ends: int) -> Mask:
     """Lobed flowers within ogees, every second row moved by half."""
     columns = 2
     rows = 2 * max(1, round(columns * picks / ends / 2))

@@ -122,9 +122,7 @@ def _metal_flake(order: tx.TextureParams) -> tx.Maps:
     shade = 0.75 + 1.2 * glint[grains.index]
     lean = grains.across * tilt[0][grains.index] + grains.up * tilt[1][grains.index]
     height = 0.06 * lean + 3e-6 * tx.noise(order, 0.02)
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.2, 0.32)
-    )
+    return tx.shaded(order, color, shade, height, (0.2, 0.32))
 
 
 def _speckled(order: tx.TextureParams) -> tx.Maps:
@@ -160,9 +158,7 @@ def _woodchip(order: tx.TextureParams) -> tx.Maps:
     stipple = tx.band_noise(order.rng, order.resolution, order.size, 0.003)
     height = 0.45e-3 * _softened(order, bump) + 18e-6 * stipple
     shade = 1.0 + 0.004 * stipple
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.75, 0.92)
-    )
+    return tx.shaded(order, color, shade, height, (0.75, 0.92))
 
 
 def _softened(order: tx.TextureParams, field: tx.Field) -> tx.Field:

@@ -75,9 +75,7 @@ def _embossed(order: tx.TextureParams) -> tx.Maps:
     color = tx.drawn_color(order, ((0.78, 0.77, 0.73), (0.62, 0.62, 0.57), (0.36, 0.42, 0.38)))
     shade = 1.0 + 0.005 * stipple + 0.02 * relief
     height = 0.9e-3 * relief + 14e-6 * stipple
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.55, 0.8)
-    )
+    return tx.shaded(order, color, shade, height, (0.55, 0.8))
 
 
 EARTHS: Final[tuple[tx.Color, ...]] = _PALETTES["plaster_earths"]
@@ -94,9 +92,7 @@ def _limewash(order: tx.TextureParams) -> tx.Maps:
     shade = 1.0 + edge * (0.03 * tone + 0.02 * bristle) + 0.025 * cloud
     color = tx.drawn_color(order, EARTHS, 0.06)
     height = 20e-6 * bristle * edge + 60e-6 * tx.noise(order, 0.03)
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.8, 0.95)
-    )
+    return tx.shaded(order, color, shade, height, (0.8, 0.95))
 
 
 def _venetian(order: tx.TextureParams) -> tx.Maps:
@@ -122,9 +118,7 @@ def _troweled(order: tx.TextureParams) -> tx.Maps:
     height = 1.1e-3 * ridge * ragged + 0.5e-3 * slope * ragged + 0.06e-3 * tx.noise(order, 0.006)
     color = tx.drawn_color(order, WHITES, 0.04)
     shade = 1.0 + 0.01 * ragged
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.75, 0.9)
-    )
+    return tx.shaded(order, color, shade, height, (0.75, 0.9))
 
 
 def _knockdown(order: tx.TextureParams) -> tx.Maps:
@@ -137,9 +131,7 @@ def _knockdown(order: tx.TextureParams) -> tx.Maps:
     height = 0.8e-3 * island + 15e-6 * stipple + 0.05e-3 * tx.noise(order, 0.15)
     color = tx.drawn_color(order, WHITES, 0.04)
     shade = 1.0 + 0.006 * stipple + 0.006 * island
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.75, 0.9)
-    )
+    return tx.shaded(order, color, shade, height, (0.75, 0.9))
 
 
 def _splatter(order: tx.TextureParams) -> tx.Maps:
@@ -150,9 +142,7 @@ def _splatter(order: tx.TextureParams) -> tx.Maps:
     height = 0.55e-3 * dome + 15e-6 * stipple
     color = tx.drawn_color(order, WHITES, 0.04)
     shade = 1.0 + 0.006 * stipple
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.75, 0.9)
-    )
+    return tx.shaded(order, color, shade, height, (0.75, 0.9))
 
 
 def _popcorn(order: tx.TextureParams) -> tx.Maps:
@@ -165,9 +155,7 @@ def _popcorn(order: tx.TextureParams) -> tx.Maps:
     color = tx.drawn_color(order, WHITES, 0.04)
     # Deep hollows see little of the room.
     shade = 0.8 + 0.24 * lump
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.88, 0.97)
-    )
+    return tx.shaded(order, color, shade, height, (0.88, 0.97))
 
 
 def _sponged(order: tx.TextureParams) -> tx.Maps:
@@ -177,9 +165,7 @@ def _sponged(order: tx.TextureParams) -> tx.Maps:
     color = tx.drawn_color(order, EARTHS, 0.06)
     shade = 1.0 - 0.16 * dab + 0.13 * second
     height = 35e-6 * (dab + second) + 12e-6 * tx.noise(order, 0.0025)
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.8, 0.94)
-    )
+    return tx.shaded(order, color, shade, height, (0.8, 0.94))
 
 
 def _rag_rolled(order: tx.TextureParams) -> tx.Maps:
@@ -217,9 +203,7 @@ def _combed(order: tx.TextureParams) -> tx.Maps:
     height = 0.9e-3 * high + 0.05e-3 * wobble
     color = tx.drawn_color(order, WHITES, 0.04)
     shade = 0.96 + 0.05 * high
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.75, 0.9)
-    )
+    return tx.shaded(order, color, shade, height, (0.75, 0.9))
 
 
 def _rough_render(order: tx.TextureParams) -> tx.Maps:

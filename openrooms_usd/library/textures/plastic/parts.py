@@ -113,9 +113,7 @@ def _pyramids(order: tx.TextureParams) -> tx.Maps:
     albedo = tx.drawn_color(order, ((0.78, 0.79, 0.79), (0.72, 0.73, 0.72)))
     shade = 1.0 - 0.05 * tx.smoothstep(0.08, 0.0, peak)
     height = 0.0022 * np.minimum(peak, 0.46) + 4e-6 * wave
-    return tx.finished(
-        order, albedo * shade[..., None], height, tx.drawn_roughness(order, 0.1, 0.2)
-    )
+    return tx.shaded(order, albedo, shade, height, (0.1, 0.2))
 
 
 def _frosted(order: tx.TextureParams) -> tx.Maps:
@@ -125,9 +123,7 @@ def _frosted(order: tx.TextureParams) -> tx.Maps:
     albedo = tx.drawn_color(order, ((0.74, 0.76, 0.76), (0.66, 0.7, 0.71), (0.5, 0.62, 0.66)))
     shade = 1.0 + 0.008 * cast
     height = 0.5e-6 * etch + 30e-6 * cast
-    return tx.finished(
-        order, albedo * shade[..., None], height, tx.drawn_roughness(order, 0.4, 0.6)
-    )
+    return tx.shaded(order, albedo, shade, height, (0.4, 0.6))
 
 
 def _foam(order: tx.TextureParams) -> tx.Maps:
@@ -140,9 +136,7 @@ def _foam(order: tx.TextureParams) -> tx.Maps:
     albedo = tx.drawn_color(order, ((0.82, 0.82, 0.81), (0.6, 0.6, 0.61)), 0.04)
     shade = 1.0 + tone - 0.12 * (1.0 - dome) ** 3
     height = 0.25e-3 * np.sqrt(dome) + 0.05e-3 * own
-    return tx.finished(
-        order, albedo * shade[..., None], height, tx.drawn_roughness(order, 0.6, 0.75)
-    )
+    return tx.shaded(order, albedo, shade, height, (0.6, 0.75))
 
 
 def _glitter(order: tx.TextureParams) -> tx.Maps:
@@ -179,9 +173,7 @@ def _wicker(order: tx.TextureParams) -> tx.Maps:
     color = tx.drawn_color(order, ((0.16, 0.10, 0.06), (0.06, 0.055, 0.05), (0.33, 0.28, 0.21)))
     shade = (1.0 + 0.09 * thread) * (0.25 + 0.75 * band) * (0.75 + 0.25 * np.cos(np.pi * along))
     height = band * crown - 1.0e-3 * (1.0 - band) + 15e-6 * thread
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.4, 0.55)
-    )
+    return tx.shaded(order, color, shade, height, (0.4, 0.55))
 
 
 _PARTS: Final[frozenset[tx.Use]] = frozenset({"object", "furniture"})

@@ -159,9 +159,7 @@ def _corrugated(order: tx.TextureParams) -> tx.Maps:
     color = tx.drawn_color(order, ((0.62, 0.66, 0.67), (0.7, 0.72, 0.72), (0.3, 0.45, 0.5)))
     shade = 1.0 + 0.04 * sag - 0.2 * web + 0.008 * wave
     height = 60e-6 * sag - 50e-6 * web + 25e-6 * wave
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.15, 0.28)
-    )
+    return tx.shaded(order, color, shade, height, (0.15, 0.28))
 
 
 def _tarpaulin(order: tx.TextureParams) -> tx.Maps:
@@ -176,9 +174,7 @@ def _tarpaulin(order: tx.TextureParams) -> tx.Maps:
     )
     shade = 1.0 + 0.05 * net + 0.01 * fold
     height = 45e-6 * net + 120e-6 * fold + 2e-6 * tx.noise(order, 0.0006)
-    return tx.finished(
-        order, color * shade[..., None], height, tx.drawn_roughness(order, 0.3, 0.45)
-    )
+    return tx.shaded(order, color, shade, height, (0.3, 0.45))
 
 
 _FLOOR: Final[frozenset[tx.Use]] = frozenset({"floor"})

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from openrooms_usd.arrays import Ints
 from openrooms_usd.library.textures.base import lattice
 from openrooms_usd.library.textures.base import vocabulary as tx
 from openrooms_usd.library.textures.leather.hide import bent
@@ -51,7 +52,7 @@ def smooth(order: tx.TextureParams) -> tx.Maps:
 
 
 def _flecked(
-    order: tx.TextureParams, index: lattice.Index, count: int, share: tuple[float, float]
+    order: tx.TextureParams, index: Ints, count: int, share: tuple[float, float]
 ) -> tx.Field:
     """(N, N, 3) colour of granules: black, but for a share of coloured ones."""
     rng = tx.apart(order.rng)

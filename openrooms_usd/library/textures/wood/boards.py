@@ -7,8 +7,8 @@ piece is laid.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Mask
 from openrooms_usd.library.textures.base import vocabulary as tx
 
 
@@ -178,7 +178,7 @@ def herringbone(order: tx.TextureParams, width: float, ratio: int) -> Boards:
     return Boards(index, int(index.max()) + 1, across * unit, along * unit, edge * unit, True)
 
 
-def _numbered(start: tuple[tx.Index, tx.Index], lies: NDArray[np.bool_], turn: int) -> tx.Index:
+def _numbered(start: tuple[tx.Index, tx.Index], lies: Mask, turn: int) -> tx.Index:
     """(N, N) the same number for a piece and its copy on the other side of the picture.
 
     A side of the picture moves pieces by (turn, turn) or by (turn, -turn).

@@ -1,9 +1,4 @@
-"""The whole set of channels in one go, beside the picture of radiance alone.
-
-`complete`: one view at 320x240 with every channel and the full grid of hemispheres, and that of
-radiance alone, by every method; `view`: one view with all files of the OpenRooms release, by the
-command that anybody would type.
-"""
+"""One view with all files of the OpenRooms release, by the command that anybody would type."""
 
 import json
 import os
@@ -15,10 +10,9 @@ from typing import Any, Final
 
 from benchmarks.light.pictures import Section, Setting, section
 from benchmarks.light.rooms import ROOMS, Room
-from benchmarks.light.sessions import OpenedRoom, Target, methods_of
+from benchmarks.light.sessions import Target, methods_of
 from benchmarks.scenes import ORUSD, demo_stage
-from openrooms_usd.channels import CHANNELS, RENDERED, definition
-from openrooms_usd.description.rendering import DEFAULT_GRID
+from openrooms_usd.channels import definition
 
 _SAMPLES: Final = 16
 _CAMERA: Final = "dining"
@@ -26,50 +20,6 @@ _ESTIMATES: Final = {
     "worst relative MSE": "estimated_error",
     "worst robust": "estimated_robust_error",
 }
-_LIT: Final = tuple(
-    name for name in RENDERED if CHANNELS[name].kind == "light" and CHANNELS[name].scope != "grid"
-)
-_SETS: Final = {
-    "radiance": ("radiance",),
-    "every channel of light": _LIT,
-    "all, with hemispheres": RENDERED,
-}
-
-
-def complete(setting: Setting) -> Section:
-    """Seconds of sets of channels."""
-    size, grid = ((32, 24), (4, 3)) if setting.quick else ((320, 240), DEFAULT_GRID)
-    rows: list[dict[str, Any]] = []
-    for name in setting.chosen(("bedroom",)):
-        room = Room(ROOMS["plain" if setting.quick else name].build(setting.folder), *size)
-        for method in methods_of(room):
-            opened, alone = OpenedRoom(room, method), None
-            for what, asked in _SETS.items():
-                cost = opened.cost(asked, _SAMPLES, views=1, grid=grid)
-                alone = alone or cost.view
-                rows.append(
-                    {
-                        "room": name,
-                        "method": method,
-                        "samples": _SAMPLES,
-                        "set": what,
-                        "s, one view": cost.views(1),
-                        "s, further view": cost.view,
-                        "further view / radiance": cost.view / alone,
-                    }
-                )
-    return section(
-        rows,
-        [
-            Target(
-                f"{row['set']}, {row['room']}: over the radiance alone",
-                2.0,
-                row["further view / radiance"],
-            )
-            for row in rows
-            if row["method"] == rows[-1]["method"] and row["set"] != "radiance"
-        ],
-    )
 
 
 def view(setting: Setting) -> Section:
