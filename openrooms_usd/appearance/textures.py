@@ -14,6 +14,7 @@ from openrooms_usd.appearance.problem import Problem
 from openrooms_usd.appearance.solving import BELOW_GLOSS, Solution, gloss_seen, light_at
 from openrooms_usd.appearance.transport import Gather
 from openrooms_usd.capture import CapturedFrame
+from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.rendering.color import quantize
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.first_hits import first_hits
@@ -119,7 +120,12 @@ def _shot(
     usable = np.asarray(((picture > _DARK) & (picture < _BRIGHT)).all(axis=-1))
     radiance = found.curve.linear(picture / 255.0) / camera * falloff
     parts = np.array([piece.part for piece in scene.pieces] or [0], dtype=np.int64)
-    part = hits.image(parts[scene.triangles.pieces[hits.rows]] + 1.0)[..., 0].astype(np.int64) - 1
+    part = (
+        hits.image(np.float64(parts[scene.triangles.pieces[hits.rows]] + 1))[..., 0].astype(
+            np.int64
+        )
+        - 1
+    )
     # Beside borders pixels mix two things.
     even = minimum_filter(part, _BORDER) == maximum_filter(part, _BORDER)
     part = np.where(even, part, -1)
@@ -222,8 +228,9 @@ def _filled(chart: Chart, colors: Array, seen: NDArray[np.bool_], own: Array) ->
     rows, columns = chart.texels[seen].T
     picture[rows, columns], known[rows, columns] = colors[seen], True
     if not known.any():
-        return quantize(picture)
+        return quantize(srgb_from_linear(picture))
     distance, nearest = distance_transform_edt(~known, return_indices=True)
     share = np.clip(1.0 - distance / _FAR_TEXELS, 0.0, 1.0)[..., None]
     filled = picture[nearest[0], nearest[1]]
-    return quantize(np.clip(share * filled + (1.0 - share) * own, 0.0, 1.0))
+    mixed = np.clip(share * filled + (1.0 - share) * own, 0.0, 1.0)
+    return quantize(srgb_from_linear(mixed))
