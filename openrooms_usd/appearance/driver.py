@@ -10,15 +10,18 @@ import numpy as np
 from openrooms_usd import atomic, claims, names
 from openrooms_usd.appearance.authoring import PartLook, material_name, write_opinions
 from openrooms_usd.appearance.photographs import metric, read_posed
-from openrooms_usd.appearance.pictures import read_pictures
+from openrooms_usd.appearance.pictures import TakenPicture, read_pictures
 from openrooms_usd.appearance.recovery import Appearance, recover
+from openrooms_usd.appearance.registration import register
 from openrooms_usd.appearance.textures import Painted
+from openrooms_usd.appearance.views import Photograph, geometry_in
 from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.description.rendering import RenderSettings
 from openrooms_usd.errors import InputError
 from openrooms_usd.imagefile import write_png
 from openrooms_usd.progress import Progress, nested, silent
+from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.opening import open_for_rendering
 from openrooms_usd.usd.files.layers import open_stage
 from openrooms_usd.usd.shading.surfaces import Texture
@@ -40,12 +43,14 @@ class PhotographOptions:
         scale: Metres for one unit of their world; None where that is known.
         up: The vertical of their world; None where Z is.
         hold_out: Every so many-th photograph is left for measuring; 0: none is.
+        register: Whether poses are checked against the geometry, and corrected.
     """
 
     form: str | None = None
     scale: float | None = None
     up: str | None = None
     hold_out: int = 0
+    register: bool = True
 
 
 def write_appearance(
@@ -92,17 +97,23 @@ def write_appearance(
     posed = metric(read_posed(photographs, options.form), scale=options.scale, up=options.up)
     used = tuple(f for i, f in enumerate(posed.frames) if not _is_held_out(i, options.hold_out))
     turn = _world_from_source(stage)
-    read = read_pictures(posed, used)
-    frames = [_moved(frame, turn) for frame, _ in read]
+    taken = [replace(one, frame=_moved(one.frame, turn)) for one in read_pictures(posed, used)]
     progress("translating", 0.0)
     context = open_for_rendering(stage, RenderSettings())
+    told: dict[str, Any] = {}
+    if options.register:
+        progress("checking poses", 0.05)
+        taken, told = _registered(context, taken, photographs)
     found = recover(
-        context, frames, [picture for _, picture in read], seed, nested(progress, "", 0.05, 1.0)
+        context,
+        [one.frame for one in taken],
+        [one.pixels for one in taken],
+        seed,
+        nested(progress, "", 0.2, 1.0),
     )
-    report = found.as_dict() | {
-        "held_out": [f.id for i, f in enumerate(posed.frames) if _is_held_out(i, options.hold_out)],
-        "notes": list(posed.notes),
-    }
+    held_out = [f.id for i, f in enumerate(posed.frames) if _is_held_out(i, options.hold_out)]
+    report = found.as_dict() | {"registration": told, "held_out": held_out}
+    report["notes"] = list(posed.notes)
     with claims.refilling(folder, _LEDGER) as refill, claims.output(layer):
         report["notes"] += write_opinions(
             stage,
@@ -165,6 +176,35 @@ def lamps_of(found: Appearance) -> dict[str, Array]:
         for index, emitters in enumerate(found.emitters)
         for emitter in emitters
     }
+
+
+def _registered(
+    context: RenderContext, taken: list[TakenPicture], place: Path
+) -> tuple[list[TakenPicture], dict[str, Any]]:
+    """Photographs with corrected poses, and what was corrected.
+
+    Raises:
+        InputError: They do not show this stage.
+    """
+    shown = [
+        Photograph(one.pixels, one.frame.K, one.frame.world_from_camera, one.depth) for one in taken
+    ]
+    found = register(shown, geometry_in(context.scene, context.tracer))
+    if found.verdict == "refused":
+        raise InputError(
+            found.sentence,
+            place=place,
+            remedy="check that they are of this room; --no-register takes poses as they are",
+        )
+    moved = [
+        replace(one, frame=replace(one.frame, world_from_camera=pose))
+        for one, pose in zip(taken, found.poses(shown), strict=True)
+    ]
+    rows = [
+        {"id": one.frame.id, "before": row.before, "after": row.after, "unit": row.unit}
+        for one, row in zip(taken, found.frames, strict=True)
+    ]
+    return moved, {"verdict": found.verdict, "sentence": found.sentence, "photographs": rows}
 
 
 def _is_held_out(index: int, every: int) -> bool:

@@ -120,12 +120,8 @@ def _shot(
     usable = np.asarray(((picture > _DARK) & (picture < _BRIGHT)).all(axis=-1))
     radiance = found.curve.linear(picture / 255.0) / camera * falloff
     parts = np.array([piece.part for piece in scene.pieces] or [0], dtype=np.int64)
-    part = (
-        hits.image(np.float64(parts[scene.triangles.pieces[hits.rows]] + 1))[..., 0].astype(
-            np.int64
-        )
-        - 1
-    )
+    numbers = parts[scene.triangles.pieces[hits.rows]] + np.ones(len(hits.rows))
+    part = hits.image(numbers)[..., 0].astype(np.int64) - 1
     # Beside borders pixels mix two things.
     even = minimum_filter(part, _BORDER) == maximum_filter(part, _BORDER)
     part = np.where(even, part, -1)

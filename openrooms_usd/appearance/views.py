@@ -10,6 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 from openrooms_usd.arrays import Array
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.raycast import RayCaster
+from openrooms_usd.rendering.scene.arrays import Scene
+from openrooms_usd.rendering.scene.first_hits import first_hits
+from openrooms_usd.rendering.scene.rays import RayTracer
+from openrooms_usd.usd.cameras import PinholeCamera
 
 Bytes = NDArray[np.uint8]
 Size = tuple[int, int]
@@ -93,5 +97,22 @@ def geometry_of(
         shape = size[1], size[0]
         toward = (normal * facing[:, None]).reshape(*shape, 3)
         return Seen(depth.reshape(shape), toward, part.reshape(shape))
+
+    return seen
+
+
+def geometry_in(scene: Scene, tracer: RayTracer) -> Geometry:
+    """An opened scene as a `Geometry`, by its renderer's own ray tracer."""
+    parts = np.array([piece.part for piece in scene.pieces] or [0], dtype=np.int64)
+
+    def seen(K: Array, world_from_camera: Array, size: Size) -> Seen:
+        hits = first_hits(scene, tracer, PinholeCamera(K, world_from_camera), *size)
+        facing = np.where(hits.front, 1.0, -1.0)[:, None]
+        part = parts[scene.triangles.pieces[hits.rows]].astype(np.float64) + 1.0
+        return Seen(
+            hits.image(hits.depth)[..., 0].astype(np.float64),
+            hits.image(facing * hits.geometric).astype(np.float64),
+            hits.image(part)[..., 0].astype(np.int64),
+        )
 
     return seen

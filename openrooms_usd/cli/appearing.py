@@ -42,6 +42,12 @@ from openrooms_usd.cli.console import asked, echo, print_result
         metavar="N",
         help="Leave every N-th photograph for measuring.",
     ),
+    click.option(
+        "--register/--no-register",
+        default=True,
+        show_default=True,
+        help="Check poses against the geometry, and correct them.",
+    ),
 )
 def appearance(
     stage: Path,
@@ -52,6 +58,7 @@ def appearance(
     scale: float | None,
     up: str | None,
     hold_out: int | None,
+    register: bool,
 ) -> None:
     """Find base colours, gloss, lamps and surroundings of a USD stage from photographs of it.
 
@@ -61,7 +68,7 @@ def appearance(
     from openrooms_usd.appearance.driver import PhotographOptions, write_appearance
     from openrooms_usd.usd.files.diagnostics import quiet
 
-    options = PhotographOptions(form, scale, up, hold_out or 0)
+    options = PhotographOptions(form, scale, up, hold_out or 0, register)
     with quiet(), progress_bar("translating") as progress:
         found = write_appearance(stage, photographs, layer, options, seed=seed, progress=progress)
     print_result(found)
@@ -70,6 +77,8 @@ def appearance(
 
 
 def _print(found: dict[str, Any], layer: Path) -> None:
+    if found["registration"]:
+        echo(found["registration"]["sentence"])
     for lamp in found["lamps"]:
         echo(f"{lamp['path']}: {_numbers(lamp['radiance'])} nits")
     parts, frames = found["parts"], found["photographs"]
