@@ -48,6 +48,8 @@ _CEILING: Final = ColorPrior(0.8, 0.05, _NEUTRAL, 0.03)
 _FRAME: Final = ColorPrior(0.7, 0.3, _NEUTRAL, 0.1)
 _CEILING_NYU40: Final = 22
 _FRAME_NYU40: Final = frozenset({8, 9})
+# Spread of the logarithm of colours that are known from alike parts alone.
+_UNSEEN_SD: Final = 0.5
 # Of 1: darker values of the surroundings say nothing.
 _DARK: Final = 0.02
 
@@ -96,7 +98,7 @@ class Appearance:
                     "roughness": round(float(problem.roughness[number]), 3),
                     "metallic": float(problem.metallic[number]),
                     "places": int(seen[number]),
-                    "residual": round(float(by_part[number] / seen[number]), 4),
+                    "residual": round(float(by_part[number] / max(seen[number], 1)), 4),
                 }
                 for number, path in self.parts.items()
             ],
@@ -196,8 +198,10 @@ def recover(
             progress=partial(share, ""),
         )
     assert found is not None
+    problem, found = _with_unseen(scene, problem, found)
     legend = scene.legend.part
-    parts = {int(n): legend[int(n)] for n in np.unique(observations.part) if int(n) in legend}
+    known = np.flatnonzero(np.isfinite(found.base_sd).all(axis=1))
+    parts = {int(n): legend[int(n)] for n in known if int(n) in legend}
     emitters = tuple(
         tuple(
             dict.fromkeys(
@@ -217,6 +221,28 @@ def recover(
         tuple(frames),
         tuple(paint(scene, tracer, frames, pictures, charts, lit, problem, found)),
     )
+
+
+def _with_unseen(scene: Scene, problem: Problem, found: Solution) -> tuple[Problem, Solution]:
+    """Parts that no photograph shows as those that the stage makes of the same material."""
+    alike: dict[int, set[int]] = {}
+    for patch in scene.patches:
+        if patch.radiance is None:
+            numbers = {scene.pieces[int(p)].part for p in np.unique(patch.triangles.pieces)}
+            alike.setdefault(id(patch.surface), set()).update(numbers)
+    base, spread = found.base.copy(), found.base_sd.copy()
+    roughness, metallic = problem.roughness.copy(), problem.metallic.copy()
+    is_seen = np.asarray(np.isfinite(spread).all(axis=1))
+    for group in alike.values():
+        members = np.array(sorted(group))
+        shown, rest = members[is_seen[members]], members[~is_seen[members]]
+        if len(shown) and len(rest):
+            base[rest] = np.median(base[shown], axis=0)
+            spread[rest] = _UNSEEN_SD
+            roughness[rest] = np.median(roughness[shown])
+            metallic[rest] = float(np.median(metallic[shown]) > 0.5)
+    same = replace(problem, roughness=roughness, metallic=metallic)
+    return same, replace(found, base=base, base_sd=spread)
 
 
 def _joined(some: Places, more: Places) -> Places:

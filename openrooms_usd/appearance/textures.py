@@ -6,7 +6,13 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, map_coordinates, maximum_filter, minimum_filter
+from scipy.ndimage import (
+    distance_transform_edt,
+    gaussian_filter,
+    map_coordinates,
+    maximum_filter,
+    minimum_filter,
+)
 from scipy.spatial import KDTree
 
 from openrooms_usd.appearance.charts import Chart
@@ -35,8 +41,11 @@ _ROUNDS: Final = 3
 # Light is averaged over so many probes, and so far, metres.
 _NEIGHBOURS: Final = 12
 _REACH_M: Final = 0.12
-# Less spread than this, of the logarithm, is noise: the part has one colour.
-_LEAST_SPREAD: Final = 0.1
+# Less detail than this, of the logarithm, is noise: the part has one colour.
+_LEAST_DETAIL: Final = 0.07
+_AROUND_TEXELS: Final = 12.0
+# Texels of which so little is known, of the median, are half the part's colour.
+_UNSURE: Final = 0.15
 _LEAST_SEEN: Final = 0.2
 _FAR_TEXELS: Final = 30.0
 
@@ -139,6 +148,8 @@ def _painted(
     near = KDTree(chart.position[chart.probes])
     arrived = BELOW_GLOSS * _between(near, light, chart.position)
     obs = problem.observations
+    level = arrived.mean(axis=1)
+    lit = np.minimum(level / max(float(np.median(level)), 1e-9), 1.0)
     total, weights = [], []
     for index, shot in enumerate(shots):
         rows = np.flatnonzero((obs.part == chart.part) & (obs.photograph == index))
@@ -152,15 +163,21 @@ def _painted(
             middle = obs.places.position[rows, 0]
             mirrored = _between(KDTree(middle), gloss[rows], chart.position[on])
         color[on] = np.clip((value[on] - mirrored) / np.maximum(arrived[on], 1e-9), 0.002, 1.2)
+        # What mirrors more than it shows of itself says little, and so does what lies in the dark.
+        own = found.base[chart.part] * arrived[on]
+        weight[on] *= (own / np.maximum(own + mirrored, 1e-9)).mean(axis=1) ** 2 * lit[on]
         total.append(color)
         weights.append(weight)
     if not total:
         return None
-    merged, seen = _merged(np.stack(total), np.stack(weights))
-    if seen.mean() < _LEAST_SEEN or _spread(merged[seen]) < _LEAST_SPREAD:
-        return None
+    merged, sure = _merged(np.stack(total), np.stack(weights))
+    seen = sure > 0.0
     own = found.base[chart.part]
-    merged[seen] *= own / merged[seen].mean(axis=0)
+    if seen.mean() < _LEAST_SEEN or _detail(chart, merged, seen) < _LEAST_DETAIL:
+        return None
+    merged[seen] *= own / np.average(merged[seen], axis=0, weights=sure[seen])
+    share = (sure / (sure + _UNSURE * np.median(sure[seen])))[:, None]
+    merged = share * merged + (1.0 - share) * own
     return Painted(chart, _filled(chart, merged, seen, own), float(seen.mean()))
 
 
@@ -196,8 +213,8 @@ def _between(near: KDTree, values: Array, position: Array) -> Array:
     return np.asarray((weight[..., None] * values[row]).sum(axis=1) / weight.sum(axis=1)[:, None])
 
 
-def _merged(colors: Array, weights: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """(T, 3) the mean over views without those that differ, and which texels have one."""
+def _merged(colors: Array, weights: Array) -> tuple[Array, Array]:
+    """(T, 3) the mean over views without those that differ, and (T,) what it is worth."""
     log = np.log(np.maximum(colors.mean(axis=-1), 1e-4))
     kept = weights
     for _ in range(_ROUNDS):
@@ -207,13 +224,22 @@ def _merged(colors: Array, weights: Array) -> tuple[Array, NDArray[np.bool_]]:
         kept = np.where(close | (weights.max(axis=0) == weights) & ~close.any(axis=0), weights, 0.0)
     sum_ = kept.sum(axis=0)
     mean = (kept[..., None] * colors).sum(axis=0) / np.maximum(sum_, 1e-12)[:, None]
-    return mean, sum_ > 0.0
+    return mean, np.asarray(sum_)
 
 
-def _spread(colors: Array) -> float:
-    """Standard deviation of the logarithm of luminance, without its outermost tenths."""
-    log = np.log(np.maximum(colors.mean(axis=-1), 1e-4))
-    low, high = np.percentile(log, [10, 90])
+def _detail(chart: Chart, colors: Array, seen: NDArray[np.bool_]) -> float:
+    """Spread of the logarithm of colours about that of their surroundings.
+
+    Slow changes over a surface are errors of the light that is divided out.
+    """
+    log, known = np.zeros(chart.size), np.zeros(chart.size)
+    rows, columns = chart.texels[seen].T
+    log[rows, columns] = np.log(np.maximum(colors[seen].mean(axis=-1), 1e-4))
+    known[rows, columns] = 1.0
+    around = gaussian_filter(log, _AROUND_TEXELS) / np.maximum(
+        gaussian_filter(known, _AROUND_TEXELS), 1e-6
+    )
+    low, high = np.percentile((log - around)[rows, columns], [10, 90])
     return float(high - low) / 2.56
 
 
