@@ -103,7 +103,8 @@ def write_appearance(
     told: dict[str, Any] = {}
     if options.register:
         progress("checking poses", 0.05)
-        taken, told = _registered(context, taken, photographs)
+        twin = not np.array_equal(turn, np.eye(4))
+        taken, told = _registered(context, taken, photographs, exact=not twin)
     found = recover(
         context,
         [one.frame for one in taken],
@@ -179,9 +180,11 @@ def lamps_of(found: Appearance) -> dict[str, Array]:
 
 
 def _registered(
-    context: RenderContext, taken: list[TakenPicture], place: Path
+    context: RenderContext, taken: list[TakenPicture], place: Path, *, exact: bool
 ) -> tuple[list[TakenPicture], dict[str, Any]]:
     """Photographs with corrected poses, and what was corrected.
+
+    Twins of scans have other furniture: where photographs do not fit these, poses stay as they are.
 
     Raises:
         InputError: They do not show this stage.
@@ -190,6 +193,8 @@ def _registered(
         Photograph(one.pixels, one.frame.K, one.frame.world_from_camera, one.depth) for one in taken
     ]
     found = register(shown, geometry_in(context.scene, context.tracer))
+    if found.verdict == "refused" and not exact:
+        return taken, {"verdict": "unclear", "sentence": found.sentence, "photographs": []}
     if found.verdict == "refused":
         raise InputError(
             found.sentence,
@@ -213,7 +218,8 @@ def _is_held_out(index: int, every: int) -> bool:
 
 def _world_from_source(stage: Path) -> Array:
     """(4, 4) from the frame of a capture to the stage that was composed from it."""
-    prim = open_stage(stage).GetPrimAtPath(names.ROOM)
+    opened = open_stage(stage)
+    prim = opened.GetPrimAtPath(names.ROOM)
     attribute = prim.GetAttribute(names.SOURCE_FROM_WORLD) if prim else None
     if not attribute or not attribute.HasValue():
         return np.eye(4)
