@@ -101,12 +101,17 @@ def compare(
 
 def _print(found: "Comparison") -> None:
     for frame in found.frames:
-        echo(f"{frame.id:<16} {_edges(frame)}  {_depth(frame)}")
+        echo(f"{frame.id:<16} {_likeness(frame)}  {_edges(frame)}  {_depth(frame)}")
     if found.missing:
         count, first = len(found.missing), found.missing[0]
         said = f"{count} photographs were not found, such as {first}: name their folder by"
         warn(f"{said} --photographs DIR")
     echo(f"wrote {found.out / 'contact_sheet.png'} and comparison.json")
+
+
+def _likeness(frame: "ComparedFrame") -> str:
+    alike = frame.likeness
+    return "" if alike is None else f"{alike.psnr:.1f} dB, SSIM {alike.ssim:.2f}"
 
 
 def _edges(frame: "ComparedFrame") -> str:

@@ -19,6 +19,7 @@ from openrooms_usd.appearance.edges import (
     photograph_edges,
 )
 from openrooms_usd.capture import CapturedFrame
+from openrooms_usd.comparison.likeness import Likeness, likeness
 from openrooms_usd.comparison.photographs import Photographs, chosen_frames, read_photographs
 from openrooms_usd.comparison.scandepth import DepthError, depth_error, scan_depth, spacing
 from openrooms_usd.description.rendering import REFERENCE, RenderSettings
@@ -66,12 +67,14 @@ class ComparedFrame:
         picture: The picture's name in the capture; None where it has none, or it was not found.
         edges: How many of the render's edges the photograph has; None without a photograph.
         depth: How the render's depth differs from the scan's; None where nothing was scanned.
+        likeness: How alike both pictures are; None without a photograph.
     """
 
     id: str
     picture: str | None
     edges: EdgeMatch | None
     depth: DepthError | None
+    likeness: Likeness | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """As plain data."""
@@ -80,6 +83,7 @@ class ComparedFrame:
             "picture": self.picture,
             "edges": self.edges and self.edges.as_dict(),
             "depth": self.depth and self.depth.as_dict(),
+            "likeness": self.likeness and self.likeness.as_dict(),
         }
 
 
@@ -101,11 +105,13 @@ class Comparison:
         """As plain data: means over all frames, and each frame."""
         edges = [frame.edges for frame in self.frames if frame.edges]
         depths = [frame.depth for frame in self.frames if frame.depth]
+        alike = [frame.likeness for frame in self.frames if frame.likeness]
         return {
             "frames": [frame.as_dict() for frame in self.frames],
             "mean": {
                 "edges": _mean([edge.as_dict() for edge in edges]),
                 "depth": _mean([depth.as_dict() for depth in depths]),
+                "likeness": _mean([one.as_dict() for one in alike]),
             },
             "missing_pictures": list(self.missing),
         }
@@ -217,7 +223,9 @@ def _compared(
         (edge_words(match), edge_picture(shown, edges, match)),
         (depth_words(error), difference),
     ]
-    return ComparedFrame(frame.id, frame.picture if file else None, match, error), tiles
+    picture = frame.picture if file else None
+    alike = None if photograph is None else likeness(color.pixels.astype(np.float64), photograph)
+    return ComparedFrame(frame.id, picture, match, error, alike), tiles
 
 
 def _size(frame: CapturedFrame, width: int) -> tuple[int, int]:
