@@ -1,6 +1,5 @@
 """The capture of a section: read by its importer, and all files that this reads."""
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,6 +8,7 @@ from openrooms_usd.capture import Capture, option_paths, read_capture
 from openrooms_usd.description.room import Room
 from openrooms_usd.description.scanned import CapturedSection
 from openrooms_usd.library.models.meshfile import dependencies
+from openrooms_usd.portable import relative_text
 from openrooms_usd.steps.base import StepContext, input_file
 from openrooms_usd.untrusted import check_path
 
@@ -70,4 +70,4 @@ def _named(section: CapturedSection, source: Path) -> Iterator[str]:
         capture = read_capture(section.reader, source / section.file, section.asked, source)
         for file in sorted({model.file for model in capture.models if model.file}):
             for path in (file.resolve(), *dependencies(file)):
-                yield Path(os.path.relpath(path, source.resolve())).as_posix()
+                yield relative_text(path, source.resolve())

@@ -11,6 +11,7 @@ from pxr import Sdf
 from openrooms_usd import atomic, claims, names, removal, unfinished
 from openrooms_usd.errors import StageError, writing
 from openrooms_usd.ledger import Ledger
+from openrooms_usd.portable import in_order
 from openrooms_usd.usd.files import layers as usd_layers
 
 
@@ -141,7 +142,7 @@ class Draft:
 
         self.ledger.remove(path for path in self.ledger.below(folder) if not is_kept(path))
         if self._place(name) in self._new and folder.is_dir():
-            inner = (path for path in sorted(folder.rglob("*")) if not path.is_dir())
+            inner = (path for path in in_order(folder.rglob("*")) if not path.is_dir())
             self.stay += [path for path in inner if not is_kept(path)]
 
     def _place(self, name: str) -> Path:

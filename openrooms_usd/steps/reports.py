@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from openrooms_usd import atomic, names
 from openrooms_usd.scan.points.cloud import Cloud
 from openrooms_usd.scan.results import FoundObject, FoundRoom, as_text
+from openrooms_usd.scratch import scratch_folder
 from openrooms_usd.steps.base import StepContext
 
 REPORT: Final = "report.json"
@@ -49,8 +49,8 @@ def keep_overlay(
     """
     from openrooms_usd.scan.report.overlay import write_overlay
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / OVERLAY
+    with scratch_folder() as folder:
+        path = folder / OVERLAY
         write_overlay(path, cloud, rooms, objects, bounds)
         _keep(context, path.read_bytes(), OVERLAY)
 

@@ -11,7 +11,6 @@ SOURCES = [
     path
     for folder in (PACKAGE, ROOT / "schemas", ROOT / "converters")
     for path in sorted(folder.rglob("*.py"))
-    if PACKAGE / "steps" not in path.parents
 ]
 
 
@@ -19,11 +18,12 @@ SOURCES = [
     ("call", "owners"),
     [
         (r"os\.kill\(", ("processes.py",)),
-        (r"os\.path\.(relpath|commonpath)\(", ("portable.py",)),
+        (r"(?<!posixpath\.)\b(relpath|commonpath)\(", ("portable.py",)),
         (r"os\.path\.normpath\(", ("library/ownmaterials/mtlxtext.py", "library/models/urdf.py")),
         (r"shlex\.(quote|join)\(", ("portable.py",)),
         (r"NamedTemporaryFile\(", ()),
         (r"\bTemporaryDirectory\(", ("scratch.py",)),
+        (r"\bpass_fds\b", ("steps/physics/ahead.py",)),
         (r"os\.get[eg]?uid\(", ("dataset/scratch.py",)),
         (r"os\.(fork|killpg|setsid|mkfifo)\(|select\.select\(|\bfcntl\b|shell=True", ()),
         (r"\.(read|write)_text\(\)", ()),

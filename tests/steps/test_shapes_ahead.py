@@ -56,6 +56,13 @@ def test_a_process_that_fails_takes_nothing(monkeypatch):
     assert not any(is_missing(*search) for search in searches())
 
 
+def test_windows_hands_no_pipe_down(monkeypatch):
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(ahead, "_started", lambda *_: pytest.fail("it was started"))
+    search_ahead(searches(), 2)
+    assert all(is_missing(*search) for search in searches())
+
+
 @pytest.mark.slow
 def test_nothing_is_started_for_one_worker_or_for_what_is_there(monkeypatch):
     monkeypatch.setattr(ahead, "_started", lambda *_: pytest.fail("it was started"))

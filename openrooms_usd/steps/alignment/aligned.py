@@ -1,6 +1,5 @@
 """CAD models that a capture aligned with nine degrees of freedom: as objects, and as boxes."""
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
@@ -15,6 +14,7 @@ from openrooms_usd.description.furniture import FileObject
 from openrooms_usd.furniture import Size, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation
 from openrooms_usd.geometry.rotations import pose as rigid
+from openrooms_usd.portable import relative_text
 from openrooms_usd.steps.alignment.captured import Captured
 from openrooms_usd.steps.alignment.catalogue import Catalogue
 from openrooms_usd.steps.alignment.placement import CaptureSource, Measured, Placement
@@ -78,7 +78,7 @@ def placed_model(
         InputError: The CAD cannot be read.
     """
     assert model.file is not None
-    file = os.path.relpath(model.file.resolve(), context.source.resolve())
+    file = relative_text(model.file.resolve(), context.source.resolve())
     item = FileObject(
         **{"from": "file"},
         category=thing.label,

@@ -1,6 +1,5 @@
 """The CADs that may stand for what a scan shows: people's own, and what the library builds."""
 
-import os
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,6 +17,7 @@ from openrooms_usd.furniture.words import category_of, library_words, named_in, 
 from openrooms_usd.library.assets import Asset, Model
 from openrooms_usd.library.models.cads import Cad, folder_cads, furniture_cads, merged
 from openrooms_usd.names import SHELL
+from openrooms_usd.portable import relative_text
 from openrooms_usd.scan.artefact import FoundScan
 from openrooms_usd.scan.models.cad import CadModel, Up
 from openrooms_usd.scan.placement.correcting import correction
@@ -160,7 +160,7 @@ class CadCandidates:
             label = plain(thing.word) if cad.category == UNKNOWN and thing.word else None
             made = catalogue.furniture(cad.category, (width, depth, height), cad.style, label)
             return made, category(cad.category).emits
-        file = os.path.relpath(cad.file.resolve(), self.context.source.resolve())
+        file = relative_text(cad.file.resolve(), self.context.source.resolve())
         item = FileObject(
             **{"from": "file"},
             category=plain(thing.category or "object"),

@@ -7,7 +7,6 @@ Their sizes stay: a support that is scaled moves what it carries to the scaled p
 scaling it.
 """
 
-import os
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -37,6 +36,7 @@ from openrooms_usd.furniture import CATEGORIES, Size, category, part_of
 from openrooms_usd.geometry.rotations import nearest_rotation, pose
 from openrooms_usd.library.assets import Asset, publish
 from openrooms_usd.library.models.meshfile import dependencies
+from openrooms_usd.portable import relative_text
 from openrooms_usd.spelling import listed
 from openrooms_usd.steps.alignment import aligned, placement, poses
 from openrooms_usd.steps.alignment.apart import moved_apart
@@ -178,7 +178,7 @@ class AlignmentStep:
             *dict.fromkeys([*captured, *files]),
             *sorted(
                 {
-                    os.path.relpath(path, source.resolve())
+                    relative_text(path, source.resolve())
                     for file in dict.fromkeys(files)
                     for path in dependencies(source / file)
                 }
@@ -220,7 +220,7 @@ def _cad_files(furniture: ScanFurniture, source: Path) -> list[str]:
         return []
     check_path(source / furniture.cad)
     files = [path for path in (source / furniture.cad).rglob("*") if path.is_file()]
-    return sorted(os.path.relpath(path, source) for path in files)
+    return sorted(relative_text(path, source) for path in files)
 
 
 def _placements(context: StepContext, room: RoomGeometry) -> Iterator[placement.Placement]:

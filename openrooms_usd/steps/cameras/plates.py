@@ -1,7 +1,6 @@
 """Photographs as back plates of their cameras: copies beside the layer."""
 
 import hashlib
-import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +12,7 @@ from openrooms_usd import atomic, untrusted
 from openrooms_usd.appearance.photographs import PosedPhotographs
 from openrooms_usd.capture import CapturedFrame, read_capture
 from openrooms_usd.description.scanned import CapturedSection
+from openrooms_usd.portable import relative_text
 from openrooms_usd.steps.base import StepContext
 
 _PLATE: Final = "photograph"
@@ -30,7 +30,7 @@ def plate_inputs(section: CapturedSection, folder: Path) -> Iterator[str]:
     capture = read_capture(section.reader, folder / section.file, section.asked, folder)
     for frame in capture.frames:
         if path := _picture(frame, section, folder):
-            yield Path(os.path.relpath(path, folder)).as_posix()
+            yield relative_text(path, folder)
 
 
 def show_plate(

@@ -6,7 +6,6 @@ and the openings on ``/World/Room``, those of each object in the look layer that
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from os.path import relpath
 from pathlib import Path
 from typing import Final
 
@@ -20,6 +19,7 @@ from openrooms_usd.library.ownmaterials import files_of as material_files
 from openrooms_usd.library.styles.assignment.annotations import files_of as annotation_files
 from openrooms_usd.library.styles.assignment.rooms import Place, families_of
 from openrooms_usd.library.styles.finishes import UNKNOWN, furniture_families
+from openrooms_usd.portable import relative_text
 from openrooms_usd.spelling import did_you_mean
 from openrooms_usd.steps.base import StepContext
 from openrooms_usd.steps.materials.dressing import (
@@ -81,7 +81,7 @@ class MaterialsStep:
         own = {look.file for look in looks if look is not None and look.file is not None}
         files = [file for name in sorted(own) for file in material_files(source / name)]
         files += [f for n in section.annotations.values() for f in annotation_files(source / n)]
-        return sorted({Path(relpath(file, source)).as_posix() for file in files})
+        return sorted({relative_text(file, source) for file in files})
 
     def author(self, context: StepContext) -> None:
         """Publish the textures and looks that are needed once, and bind them.

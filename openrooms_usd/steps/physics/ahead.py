@@ -55,7 +55,8 @@ def search_ahead(searches: Sequence[Search], workers: int) -> None:
     """
     missing = [search for search in searches if is_missing(*search)]
     count = min(workers, sum(search.triangles for search in missing) // _WORTH, len(missing))
-    if count < 2:
+    # Windows hands no pipe down to a process by its number.
+    if count < 2 or sys.platform == "win32":
         return
     waiting = sorted(missing, key=lambda search: -search.triangles)[:_MOST]
     with _queue(len(waiting)) as queue:
