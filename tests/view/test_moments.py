@@ -169,4 +169,4 @@ def test_a_stage_that_names_a_private_picture_later_is_refused_then(tmp_path: Pa
     stage.Save()
     with pytest.raises(StageError, match="would go into the page") as refused:
         app.resources["room.glb"]()
-    assert "orusd-view-" not in str(refused.value)
+    assert "/orusd-" not in str(refused.value)
