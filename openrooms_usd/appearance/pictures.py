@@ -11,10 +11,10 @@ from openrooms_usd.appearance.photographs import PosedPhotographs, undistorted
 from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.errors import InputError
-from openrooms_usd.usd.shading.textures import read_codes
+from openrooms_usd.usd.shading.textures import read_codes, read_texture
 
 _LONGEST_SIDE: Final = 640
-# What depth cameras write where they know nothing, beside 0.
+# The largest number of 16 bits: depth cameras write it where they know nothing, beside 0.
 _NO_DEPTH: Final = 65535
 
 
@@ -75,15 +75,8 @@ def _straight(frame: CapturedFrame, file: Path, depth_file: Path | None) -> Take
 
 def _depth(frame: CapturedFrame, file: Path) -> Array | None:
     """Metres, of the same field of view as the picture; None where the lens bends it."""
-    import OpenImageIO
-
     if frame.distortion or frame.fisheye:
         return None
-    read = OpenImageIO.ImageInput.open(str(file))
-    if read is None:
-        raise InputError("cannot read this depth map", place=file)
-    spec = read.spec()
-    counts = np.asarray(read.read_image(0, 0, 0, 1, "uint16")).reshape(spec.height, spec.width)
-    read.close()
+    counts = np.rint(read_texture(str(file))[..., 0].astype(np.float64) * _NO_DEPTH)
     known = (counts > 0) & (counts < _NO_DEPTH)
     return np.where(known, counts * frame.depth_unit, 0.0)

@@ -71,6 +71,7 @@ ALLOWED = {
     ("openrooms_usd/description/categories.py", "(_FOLDER / f'{name}.py').read_text"): "our code",
     ("openrooms_usd/loading/shards.py", "tarfile.open"): "reads the stream of the door",
     ("openrooms_usd/importing/captures.py", "target.read_bytes"): "a file, and compared alone",
+    ("openrooms_usd/appearance/authoring.py", "Usd.Stage.Open"): "looked through before",
     ("openrooms_usd/edits/foreign.py", "Sdf.Layer.OpenAsAnonymous"): "looked through before",
     ("openrooms_usd/edits/merging.py", "Usd.Stage.Open"): "layers that were looked through",
     ("openrooms_usd/ledger.py", "self._file.open"): "writes",
