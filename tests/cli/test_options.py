@@ -69,7 +69,16 @@ def test_every_command_takes_the_three_options(path: tuple[str, ...]) -> None:
         *("Commands", "Options", "Global options", "Example", "Exit codes"),
         *("Getting started", "Rooms", "Rendering and light"),
         *("Viewing and export", "Libraries and formats"),
-        *("Light", "Quality", "Camera", "Renderer", "Video", "OpenRooms' files", "Page"),
+        *(
+            "Light",
+            "Quality",
+            "Camera",
+            "Renderer",
+            "Video",
+            "OpenRooms' files",
+            "Page",
+            "Photographs",
+        ),
     }
 
 
