@@ -1,4 +1,4 @@
-"""Directions: frames, the distribution of GGX, and the elevations that the sky is told at."""
+"""Directions: frames, the distribution of GGX, and the elevations that describe the sky."""
 
 from typing import Final
 

@@ -61,7 +61,7 @@ def tell_gloss(problem: Problem, found: Solution, expected: Problem) -> Problem:
     Args:
         problem: As it was solved.
         found: Its solution.
-        expected: The problem before any gloss was told: what parts were expected to be.
+        expected: The problem before any gloss was found: the expected colours of parts.
     """
     obs = problem.observations
     camera = found.exposure[obs.photograph][:, None] * found.balance[obs.photograph]

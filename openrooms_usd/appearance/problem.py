@@ -39,7 +39,7 @@ class Problem:
         metallic: (P,) taken as they are.
         priors: By part number.
         strengths: (K, 3) first guess, nits.
-        sky: The number of what is no part, but the surroundings themselves.
+        sky: The number that stands for the surroundings.
     """
 
     observations: Observations

@@ -59,7 +59,7 @@ class Appearance:
     """What was found.
 
     Attributes:
-        problem: What was to be explained, with the gloss that was told.
+        problem: What was to be explained, with the gloss that was found.
         solution: What explains it.
         parts: Prim path by part number, of those that photographs have seen.
         lamps: Prim paths of lamps, in the order of the sources.

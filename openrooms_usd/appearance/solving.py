@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 DIELECTRIC: Final = 0.04
-"""Reflectance at normal incidence of what is no metal."""
+"""Reflectance at normal incidence of anything but metal."""
 
 # What the gloss leaves for the diffuse part, and what it adds where light is reflected on.
 BELOW_GLOSS: Final = 0.96
