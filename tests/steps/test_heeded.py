@@ -78,6 +78,7 @@ GARDEN: Final[Data] = {"scene": "garden", "near": False}
 POSE: Final[Data] = {"world_from_camera": [[1, 0, 0, 2], [0, 0, 1, 1], [0, -1, 0, 1.5]]}
 SELECT: Final[Data] = {"from": "select", "count": 4}
 Patch = tuple[str, Any]
+SECTIONS: Final = tuple(map(names.section_of, names.STEPS))
 W, A, M, E, C, P = (
     "layout.openings.",
     "furniture.objects.",
@@ -88,7 +89,7 @@ W, A, M, E, C, P = (
 )
 T, L = "layout.trim.", "lights.lamps.lamp."
 
-# By step: what the room has besides, and other values by where they stand.
+# By section: what the room has besides, and other values by where they stand.
 CHANGES: Final[list[tuple[str, list[Patch], list[Patch]]]] = [
     ("layout", [], [
         ("layout.polygon", [[0, 0], [5, 0], [5, 4.5], [0, 4]]), ("layout.height", 2.9),
@@ -198,8 +199,9 @@ def put(data: Data, path: str, value: Any) -> None:
     inner[int(last) if isinstance(inner, list) else last] = value
 
 
-def written(out: Path, step: str) -> tuple[str, set[str]]:
-    """What a step wrote, but for what it was written from."""
+def written(out: Path, section: str) -> tuple[str, set[str]]:
+    """What the step of a section wrote, but for what it was written from."""
+    step = names.STEPS[SECTIONS.index(section)]
     layer = Sdf.Layer.OpenAsAnonymous(str(out / "layers" / f"{step}.usda"))
     layer.customLayerData = {}
     text = re.sub(r'"fingerprint", "[0-9a-f]+", "seed", "\d+"', "", layer.ExportToString())
@@ -207,44 +209,46 @@ def written(out: Path, step: str) -> tuple[str, set[str]]:
 
 
 @cache
-def below(text: str, step: str, source: Path) -> Path:
-    """A folder with all layers below a step of a room."""
+def below(text: str, section: str, source: Path) -> Path:
+    """A folder with all layers below that of a section of a room."""
     out = Path(mkdtemp(dir=source))
-    for name in names.STEPS[: names.STEPS.index(step)]:
+    for name in SECTIONS[: SECTIONS.index(section)]:
         compose_room(room_of(json.loads(text)), out, only=name, base=source)
     return out
 
 
-def composed(data: Data, step: str, source: Path) -> tuple[tuple[str, set[str]], list[str]]:
-    """What one step writes for a room, and what it notes."""
-    weaker = names.STEPS[: names.STEPS.index(step)]
+def composed(data: Data, section: str, source: Path) -> tuple[tuple[str, set[str]], list[str]]:
+    """What the step of a section writes for a room, and what it notes."""
+    weaker = SECTIONS[: SECTIONS.index(section)]
     kept = {key: data[key] for key in ("room", "seed", "style", *weaker) if key in data}
     out = Path(mkdtemp(dir=source)) / "out"
     room = room_of(data)
-    shutil.copytree(below(json.dumps(kept), step, source), out)
-    made = compose_room(room, out, only=step, base=source)
-    return written(out, step), [note for row in made.stages for note in row.notes]
+    shutil.copytree(below(json.dumps(kept), section, source), out)
+    made = compose_room(room, out, only=section, base=source)
+    return written(out, section), [note for row in made.stages for note in row.notes]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("step", "besides", "changes"), CHANGES, ids=[f"{s}-{i}" for i, (s, _, _) in enumerate(CHANGES)]
+    ("section", "besides", "changes"),
+    CHANGES,
+    ids=[f"{s}-{i}" for i, (s, _, _) in enumerate(CHANGES)],
 )
 def test_what_a_field_says_is_heeded_or_answered(
-    step: str, besides: list[Patch], changes: list[Patch], tmp_path: Path
+    section: str, besides: list[Patch], changes: list[Patch], tmp_path: Path
 ) -> None:
     for name in ("own.obj", "other.obj"):
         (tmp_path / name).write_text(OBJ.replace("0.5 0.5 3", f"0.5 0.5 {len(name)}"))
     base = copy.deepcopy(BASE)
     for path, value in besides:
         put(base, path, value)
-    usual, said = composed(base, step, tmp_path)
+    usual, said = composed(base, section, tmp_path)
     silent = []
     for path, value in changes:
         data = copy.deepcopy(base)
         put(data, path, value)
         try:
-            found, notes = composed(data, step, tmp_path)
+            found, notes = composed(data, section, tmp_path)
         except DescriptionError:
             continue  # refused: that is an answer
         if found == usual and notes == said:
