@@ -1,12 +1,13 @@
 """From scene-linear light to a picture as a camera would show it: balance, exposure, curve.
 
-Three tones (`openrooms_usd.rendering.contract.TONES`), for people alone: what is written to EXR
-files stays as it is.
+Three tones (`openrooms_usd.description.rendering.ToneName`), for people alone: what is written to
+EXR files stays as it is.
 
 - ``photograph``: the white is balanced in part, as cameras do, so that lamps look warm and not
-orange. The exposure is the log-average's, a little lower where windows are bright. What is brighter
-than `_KNEE_STOPS` above middle grey is compressed until windows keep their detail. Then the AgX
-curve, with more contrast and colour. - ``film``: the AgX curve alone.
+  orange. The exposure is the log-average's, a little lower where windows are bright. What is
+  brighter than `_KNEE_STOPS` above middle grey is compressed until windows keep their detail. Then
+  the AgX curve, with more contrast and colour.
+- ``film``: the AgX curve alone.
 - ``srgb``: nothing but the encoding; what is brighter than 1 is cut.
 """
 
