@@ -15,6 +15,7 @@ from openrooms_usd.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from openrooms_usd.api import robots as robots
+    from openrooms_usd.api.appearing import find_appearance as find_appearance
     from openrooms_usd.api.camera import Camera as Camera
     from openrooms_usd.api.datasets import plan_dataset as plan_dataset
     from openrooms_usd.api.datasets import run_dataset as run_dataset
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
 # What each module offers. Type checkers read the lines above; a test keeps both equal.
 _OFFERED = {
     "api": ("robots",),
+    "api.appearing": ("find_appearance",),
     "api.camera": ("Camera",),
     "api.datasets": ("plan_dataset", "run_dataset", "write_dataset"),
     "api.films": ("render_path",),

@@ -112,9 +112,11 @@ def write_appearance(
         seed,
         nested(progress, "", 0.2, 1.0),
     )
+    telling = {frame.id for frame in found.frames}
+    blind = [one.frame.id for one in taken if one.frame.id not in telling]
     held_out = [f.id for i, f in enumerate(posed.frames) if _is_held_out(i, options.hold_out)]
     report = found.as_dict() | {"registration": told, "held_out": held_out}
-    report["notes"] = list(posed.notes)
+    report["notes"] = [*posed.notes, *map(_left_out, blind)]
     with claims.refilling(folder, _LEDGER) as refill, claims.output(layer):
         report["notes"] += write_opinions(
             stage,
@@ -210,6 +212,10 @@ def _registered(
         for one, row in zip(taken, found.frames, strict=True)
     ]
     return moved, {"verdict": found.verdict, "sentence": found.sentence, "photographs": rows}
+
+
+def _left_out(name: str) -> str:
+    return f"photograph {name} is left out: all it shows of the stage is dark or saturated"
 
 
 def _is_held_out(index: int, every: int) -> bool:

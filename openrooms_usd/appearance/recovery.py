@@ -64,7 +64,7 @@ class Appearance:
         parts: Prim path by part number, of those that photographs have seen.
         lamps: Prim paths of lamps, in the order of the sources.
         emitters: By lamp: the prims of its emitting meshes.
-        frames: The photographs.
+        frames: The photographs that show something of the stage.
         painted: Pictures of base colours.
     """
 
@@ -78,8 +78,9 @@ class Appearance:
 
     @property
     def sky(self) -> Array:
-        """(elevations, 3) nits of the surroundings at `ELEVATIONS`."""
-        return self.solution.strengths[len(self.lamps) :]
+        """(elevations, 3) nits of the surroundings at `ELEVATIONS`; 0 where they light nothing."""
+        seen = self.problem.transport.diffuse.direct[:, len(self.lamps) :].any()
+        return float(seen) * self.solution.strengths[len(self.lamps) :]
 
     def as_dict(self) -> dict[str, Any]:
         """As plain data: parts, lights and photographs, each with how sure it is."""
@@ -152,17 +153,27 @@ def recover(
     sources = sources_of(scene)
     progress("looking at photographs", 0.0)
     observations = observe(scene, tracer, frames, pictures, seed)
-    if not len(observations) or not observations.usable.any():
+    telling = np.unique(observations.photograph[observations.usable.any(axis=1)])
+    if not len(telling):
         raise InputError(
             "the photographs show nothing of this stage that is neither dark nor saturated",
             place=str(context.path),
             remedy="check their poses, and that they are of this room",
         )
+    if len(telling) < len(frames):
+        frames, pictures = ([some[i] for i in telling] for some in (frames, pictures))
+        observations = observe(scene, tracer, frames, pictures, seed)
     progress("following light", 0.1)
     charts = charts_of(scene, observations.triangles, np.random.default_rng(seed))
     places = _joined(observations.places, probes_of(charts))
     transport = sample_transport(scene, tracer, sources, places, seed)
     transport, lit = _apart(transport, len(observations))
+    if not transport.diffuse.direct.any():
+        raise InputError(
+            "no lamp and no opening of this stage lights what the photographs show",
+            place=str(context.path),
+            remedy="give the stage its lamps, as meshes that emit, and its windows",
+        )
     lamps = lamps_of(sources)
     roughness, metallic = _gloss_of(scene)
     sky = len(roughness)

@@ -24,7 +24,6 @@ from openrooms_usd.cli.console import asked, echo, print_result
 @click.option(
     "-o",
     "--out",
-    "layer",
     type=click.Path(path_type=Path),
     required=True,
     metavar="LAYER.usda",
@@ -52,7 +51,7 @@ from openrooms_usd.cli.console import asked, echo, print_result
 def appearance(
     stage: Path,
     photographs: Path,
-    layer: Path,
+    out: Path,
     seed: int,
     form: str | None,
     scale: float | None,
@@ -70,10 +69,10 @@ def appearance(
 
     options = PhotographOptions(form, scale, up, hold_out or 0, register)
     with quiet(), progress_bar("translating") as progress:
-        found = write_appearance(stage, photographs, layer, options, seed=seed, progress=progress)
+        found = write_appearance(stage, photographs, out, options, seed=seed, progress=progress)
     print_result(found)
     if not asked().json:
-        _print(found, layer)
+        _print(found, out)
 
 
 def _print(found: dict[str, Any], layer: Path) -> None:

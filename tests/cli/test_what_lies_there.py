@@ -13,6 +13,7 @@ import pytest
 
 from openrooms_usd.cli import orusd
 from openrooms_usd.errors import OrusdError
+from tests.appearance.photographed import one_grey
 from tests.commands import output_of, run
 from tests.comparison.test_compare import write_room
 from tests.conftest import SMALL_ROOM
@@ -120,6 +121,10 @@ CASES = {
     "bake": Case("bake STOCK/stage.usda -o HERE --spp 1 --texel 0.1", slow=True),
     "probe": Case("probe STOCK/stage.usda -o HERE --at 0,0,1 --spp 1 --resolution 8x8", slow=True),
     "compare": Case("compare STOCK/taken/out/scene.usda -o HERE --renderer preview --width 24"),
+    "appearance": Case(
+        "appearance STOCK/seen/room.usda --photographs STOCK/seen/frames.json -o HERE/a.usda",
+        slow=True,
+    ),
     "relight": Case(
         "relight STOCK/lit -o HERE",
         before="render STOCK/stage.usda -o STOCK/lit --spp 1 --resolution 8x8"
@@ -208,6 +213,8 @@ def stock(tmp_path_factory: pytest.TempPathFactory, composed_demo: Path) -> Path
     (folder / "taken").mkdir()
     write_room(folder / "taken")
     make_render(folder / "render")
+    (folder / "seen").mkdir()
+    one_grey(folder / "seen")
     labelled = f"render STOCK/stage.usda -o STOCK/plain --channels instance,semantic {QUICK}"
     output_of(*words(labelled, folder))
     return folder
