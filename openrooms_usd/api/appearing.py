@@ -15,6 +15,7 @@ def find_appearance(
     scale: float | None = None,
     up: str | None = None,
     hold_out: int = 0,
+    register: bool = True,
     seed: int = 0,
     progress: Progress = silent,
 ) -> dict[str, Any]:
@@ -29,6 +30,7 @@ def find_appearance(
         up: The vertical of their world: ``z``, ``-y``, ``0,1,0.2``, ``cameras``; None where it is
             known.
         hold_out: Every so many-th photograph is left for measuring; 0: none is.
+        register: Whether poses are checked against the geometry, and corrected.
         seed: Of random numbers.
         progress: Called with the step and the finished fraction.
 
@@ -43,7 +45,7 @@ def find_appearance(
     from openrooms_usd.appearance.driver import PhotographOptions, write_appearance
     from openrooms_usd.usd.files.diagnostics import quiet
 
-    options = PhotographOptions(form, scale, up, hold_out)
+    options = PhotographOptions(form, scale, up, hold_out, register)
     with quiet():
         return write_appearance(
             usd_file(scene),

@@ -150,6 +150,8 @@ def _by_lines(
 ) -> tuple[Verdict, Array, str]:
     found = linefit.search(drawings, geometry, pivot)
     before, after = (_agreements(drawings, geometry, m) for m in (np.eye(4), found))
+    if before.mean() >= after.mean():
+        found, after = np.eye(4), before
     figures = (
         f"lines agree by {before.mean():.2f} above chance as the poses are said, "
         f"by {after.mean():.2f} after the best motion"

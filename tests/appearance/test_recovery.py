@@ -24,6 +24,11 @@ Report = dict[str, Any]
 COLORS = np.array(list(taken.COLORS.values()))
 
 
+def found_in(stage: Path, frames: Path, layer: Path, **how: Any) -> Report:
+    """What is found by poses as they are given."""
+    return write_appearance(stage, frames, layer, PhotographOptions(register=False, **how))
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Photographed:
     return taken.photographed(tmp_path_factory.mktemp("photographed"))
@@ -31,7 +36,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Photographed:
 
 @pytest.fixture(scope="module")
 def found(made: Photographed) -> Report:
-    return write_appearance(made.stage, made.frames, made.stage.with_name("looks.usda"))
+    return found_in(made.stage, made.frames, made.stage.with_name("looks.usda"))
 
 
 def colors(report: Report, key: str = "base_color") -> Array:
@@ -114,7 +119,8 @@ def test_the_layer_says_what_the_report_says(looking: Path, found: Report) -> No
     for part in found["parts"]:
         material = bound_material(stage.GetPrimAtPath(part["path"]))
         shader = material.ComputeSurfaceSource("")[0]
-        assert shader.GetInput("diffuseColor").Get() == pytest.approx(part["base_color"], abs=1e-4)
+        color = shader.GetInput("diffuseColor")
+        assert color.HasConnectedSource() or color.Get() == pytest.approx(part["base_color"], 1e-3)
         roughness = shader.GetInput("roughness").Get()
         assert (0.5 if roughness is None else roughness) == pytest.approx(part["roughness"], 1e-3)
     for lamp in found["lamps"]:
@@ -145,7 +151,7 @@ def test_the_room_looks_as_photographed(looking: Path, found: Report) -> None:
 def test_the_same_again_gives_the_same_bytes(made: Photographed, tmp_path: Path) -> None:
     files = ("looks.usda", "looks/report.json")
     for folder in (tmp_path / "a", tmp_path / "b"):
-        write_appearance(made.stage, made.frames, folder / "looks.usda")
+        found_in(made.stage, made.frames, folder / "looks.usda")
     first, again = ([(tmp_path / one / file).read_bytes() for file in files] for one in "ab")
     assert first == again
 
@@ -167,7 +173,7 @@ def flat(folder: Path, value: int, names: str = "012345") -> None:
 def test_one_photograph_says_less(made: Photographed, found: Report, tmp_path: Path) -> None:
     copied(made, tmp_path)
     frames = taken.write_frames(tmp_path / "one.json", taken.POSES[:1])
-    report = write_appearance(made.stage, frames, tmp_path / "looks.usda")
+    report = found_in(made.stage, frames, tmp_path / "looks.usda")
     every = {part["path"]: np.array(part["base_color_sd"]) for part in found["parts"]}
     assert 0 < len(report["parts"]) < len(every)
     for part in report["parts"]:
@@ -182,7 +188,7 @@ def test_a_photograph_that_shows_nothing_is_left_out(made: Photographed, tmp_pat
     beyond[:3, 3] = 8.0, 8.0, 1.0
     poses = [beyond, *taken.POSES[1:]]
     frames = taken.write_frames(tmp_path / "frames.json", poses)
-    report = write_appearance(made.stage, frames, tmp_path / "looks.usda")
+    report = found_in(made.stage, frames, tmp_path / "looks.usda")
     assert [photograph["id"] for photograph in report["photographs"]] == list("2345")
     left = [note.partition(" is left out")[0] for note in report["notes"]]
     assert left == ["photograph 0", "photograph 1"]
@@ -196,7 +202,7 @@ def test_pictures_without_anything_are_refused(
     copied(made, tmp_path)
     flat(tmp_path, value)
     with pytest.raises(InputError, match="neither dark nor saturated"):
-        write_appearance(made.stage, tmp_path / "frames.json", tmp_path / "looks.usda")
+        found_in(made.stage, tmp_path / "frames.json", tmp_path / "looks.usda")
     assert not (tmp_path / "looks.usda").exists()
 
 
@@ -207,7 +213,7 @@ def test_cameras_elsewhere_are_refused(made: Photographed, tmp_path: Path) -> No
         one[:3, 3] += 50.0
     frames = taken.write_frames(tmp_path / "frames.json", poses)
     with pytest.raises(InputError, match="show nothing of this stage") as refused:
-        write_appearance(made.stage, frames, tmp_path / "looks.usda")
+        found_in(made.stage, frames, tmp_path / "looks.usda")
     assert "poses" in str(refused.value)
 
 
@@ -217,7 +223,7 @@ def test_a_room_without_lamps_is_refused(made: Photographed, tmp_path: Path) -> 
         stage.RemovePrim(f"/World/{name}")
     stage.Export(str(tmp_path / "dark.usda"))
     with pytest.raises(InputError, match="no lamp and no opening"):
-        write_appearance(tmp_path / "dark.usda", made.frames, tmp_path / "looks.usda")
+        found_in(tmp_path / "dark.usda", made.frames, tmp_path / "looks.usda")
 
 
 def no_pictures(made: Photographed, folder: Path) -> Path:
@@ -249,26 +255,33 @@ def test_bad_pictures_are_named(
 ) -> None:
     frames = spoil(made, tmp_path)
     with pytest.raises(InputError, match=said):
-        write_appearance(made.stage, frames, tmp_path / "looks.usda")
+        found_in(made.stage, frames, tmp_path / "looks.usda")
 
 
 def test_only_a_layer_of_ours_is_written(made: Photographed, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"USD layer"):
-        write_appearance(made.stage, made.frames, tmp_path / "looks.txt")
+        found_in(made.stage, made.frames, tmp_path / "looks.txt")
     (tmp_path / "looks.usda").write_text("#usda 1.0\n")
     with pytest.raises(OutputError):
-        write_appearance(made.stage, made.frames, tmp_path / "looks.usda")
+        found_in(made.stage, made.frames, tmp_path / "looks.usda")
     assert (tmp_path / "looks.usda").read_text() == "#usda 1.0\n"
     with pytest.raises(OutputError):
-        write_appearance(made.stage, made.frames, made.stage)
+        found_in(made.stage, made.frames, made.stage)
+
+
+@pytest.mark.slow
+def test_right_poses_are_kept(made: Photographed, found: Report, tmp_path: Path) -> None:
+    report = write_appearance(made.stage, made.frames, tmp_path / "looks.usda")
+    assert report["registration"]["verdict"] == "fits"
+    assert np.abs(scaled(colors(report), COLORS) - COLORS).mean() <= 0.03
+    exposure = [photograph["exposure"] for photograph in report["photographs"]]
+    assert np.abs(stops(exposure, taken.EXPOSURES)).max() <= 0.1
 
 
 @pytest.mark.slow
 def test_held_out_photographs_are_not_looked_at(made: Photographed, tmp_path: Path) -> None:
     copied(made, tmp_path)
     flat(tmp_path, 128, "25")  # would spoil it
-    report = write_appearance(
-        made.stage, tmp_path / "frames.json", tmp_path / "looks.usda", PhotographOptions(hold_out=3)
-    )
+    report = found_in(made.stage, tmp_path / "frames.json", tmp_path / "looks.usda", hold_out=3)
     assert report["held_out"] == ["2", "5"]
     assert np.abs(scaled(colors(report), COLORS) - COLORS).mean() <= 0.03
