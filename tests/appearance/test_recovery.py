@@ -170,6 +170,7 @@ def flat(folder: Path, value: int, names: str = "012345") -> None:
         write_png(folder / f"{name}.png", np.full((*taken.SIZE[::-1], 3), value, np.uint8))
 
 
+@pytest.mark.slow
 def test_one_photograph_says_less(made: Photographed, found: Report, tmp_path: Path) -> None:
     copied(made, tmp_path)
     frames = taken.write_frames(tmp_path / "one.json", taken.POSES[:1])
