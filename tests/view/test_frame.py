@@ -70,7 +70,7 @@ def test_a_length_stands_at_its_line_and_selects_nothing(scene: Path, shown: Sho
     assert abs(left - middle[0]) < 10 and abs(top - middle[1]) < 30
     assert not page.evaluate("document.body.dataset.prim")
     page.click_on("#measure")
-    assert page.evaluate("document.getElementById('length').hidden")
+    page.wait("document.getElementById('length').hidden")
 
 
 def test_help_and_fit_by_keys(scene: Path, shown: Shown) -> None:
