@@ -1,7 +1,9 @@
 """What a room is made of and lit by, from its photographs.
 
-``transport`` samples how light travels between the surfaces of a scene. ``observations`` picks
-pixels of photographs with what they see. ``model`` predicts them, and ``solving`` finds the base
-colours, lights and cameras that predict them best. ``gloss`` tells roughness and metals.
-``authoring`` writes opinions.
+``driver`` does it all for files. ``photographs`` and ``pictures`` read, ``registration`` checks
+poses (``depthfit``, ``linefit``, ``lines``, ``edges``, ``motions``, ``views``). ``observations``
+picks pixels with what they see; ``transport`` samples how light reaches it (``straight``,
+``elements``, ``directions``, ``places``). ``recovery`` states the ``problem``; ``solving`` finds
+colours, lights and cameras (``priors``, ``curve``), ``gloss`` roughness and metals. ``charts`` and
+``textures`` make pictures, ``authoring`` writes opinions.
 """

@@ -1,6 +1,6 @@
 """Opinions about what parts are made of and what lights send, in a layer of their own."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -11,6 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 
 from openrooms_usd import atomic, names
 from openrooms_usd.appearance.directions import ELEVATIONS
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import luminance
 from openrooms_usd.library.pictures import write_exr
 from openrooms_usd.usd.light.glow import author_glow
@@ -18,8 +19,6 @@ from openrooms_usd.usd.light.lights import define_dome, define_mesh_light
 from openrooms_usd.usd.shading.binding import bind, open_instances
 from openrooms_usd.usd.shading.materials import bound_material, define_preview_surface
 from openrooms_usd.usd.shading.surfaces import PreviewSurface, Texture
-
-Array = NDArray[np.float64]
 
 SCOPE: Final = "Appearance"
 """What holds the materials, below the root prim."""
@@ -34,6 +33,7 @@ class PartLook:
 
     Attributes:
         path: Its prim.
+        name: Of its material.
         color: (3,) linear base colour.
         roughness: Perceptual.
         metallic: 0 or 1.
@@ -41,6 +41,7 @@ class PartLook:
     """
 
     path: str
+    name: str
     color: Array
     roughness: float
     metallic: float
@@ -100,9 +101,18 @@ def panorama_of(sky: Array) -> NDArray[np.float32]:
     return np.repeat(rows[:, None], 2 * _SKY_ROWS, axis=1).astype(np.float32)
 
 
-def material_name(path: str) -> str:
-    """The name of the material of a part."""
-    return path.strip("/").partition("/")[2].replace("/", "_") or path.strip("/")
+def material_names(paths: Iterable[str]) -> dict[str, str]:
+    """A name for the material of each part, different for each."""
+    found: dict[str, str] = {}
+    taken: set[str] = set()
+    for path in sorted(paths):
+        plain = path.strip("/").partition("/")[2].replace("/", "_") or path.strip("/")
+        name, number = plain, 1
+        while name in taken:
+            name, number = f"{plain}_{number}", number + 1
+        taken.add(name)
+        found[path] = name
+    return found
 
 
 def _author_look(stage: Usd.Stage, home: Sdf.Path, look: PartLook) -> None:
@@ -114,7 +124,7 @@ def _author_look(stage: Usd.Stage, home: Sdf.Path, look: PartLook) -> None:
         roughness=round(look.roughness, 3),
         metallic=look.metallic,
     )
-    material = define_preview_surface(stage, home.AppendChild(material_name(look.path)), surface)
+    material = define_preview_surface(stage, home.AppendChild(look.name), surface)
     if former:
         _keep_physics(former.GetPrim(), material.GetPrim())
     open_instances(stage, [prim.GetPath()])

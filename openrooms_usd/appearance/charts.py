@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrooms_usd.appearance.places import Places
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 from openrooms_usd.rendering.scene.arrays import Scene
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 _TEXEL_M: Final = 0.01
 _MOST_TEXELS: Final = 1024

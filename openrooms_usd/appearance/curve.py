@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from openrooms_usd.arrays import Array
 from openrooms_usd.colorimetry import linear_from_srgb, srgb_from_linear
-
-Array = NDArray[np.float64]
 
 _STEPS: Final = 2049
 

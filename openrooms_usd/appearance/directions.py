@@ -3,10 +3,9 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 
 ELEVATIONS: Final = (-90.0, -20.0, -1.0, 1.0, 20.0, 50.0, 90.0)
 """Degrees; the radiance of the surroundings is linear in between."""

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from openrooms_usd import atomic, claims, names
-from openrooms_usd.appearance.authoring import PartLook, material_name, write_opinions
+from openrooms_usd.appearance.authoring import PartLook, material_names, write_opinions
 from openrooms_usd.appearance.photographs import metric, read_posed
 from openrooms_usd.appearance.pictures import TakenPicture, read_pictures
 from openrooms_usd.appearance.recovery import Appearance, recover
@@ -118,6 +118,9 @@ def write_appearance(
     report = found.as_dict() | {"registration": told, "held_out": held_out}
     report["notes"] = [*posed.notes, *map(_left_out, blind)]
     with claims.refilling(folder, _LEDGER) as refill, claims.output(layer):
+        (refill.folder / TEXTURES).mkdir()
+        for one in found.painted:
+            write_png(refill.folder / _picture_name(found, one), one.pixels)
         report["notes"] += write_opinions(
             stage,
             layer,
@@ -127,9 +130,6 @@ def write_appearance(
             refill.folder / SKY,
             f"./{folder.name}/{SKY}",
         )
-        (refill.folder / TEXTURES).mkdir()
-        for one in found.painted:
-            write_png(refill.folder / _picture_name(found, one), one.pixels)
         text = json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False)
         atomic.write_text(refill.folder / _REPORT, text + "\n")
     return report
@@ -143,6 +143,7 @@ def looks_of(found: Appearance, folder: str) -> list[PartLook]:
         folder: Name of the folder beside the layer that holds pictures.
     """
     solution, problem = found.solution, found.problem
+    named = material_names(found.parts.values())
     pictures = {
         one.chart.part: Texture(
             f"./{folder}/{_picture_name(found, one)}",
@@ -158,6 +159,7 @@ def looks_of(found: Appearance, folder: str) -> list[PartLook]:
     return [
         PartLook(
             path,
+            named[path],
             solution.base[number],
             float(problem.roughness[number]),
             float(problem.metallic[number]),
@@ -169,7 +171,8 @@ def looks_of(found: Appearance, folder: str) -> list[PartLook]:
 
 
 def _picture_name(found: Appearance, painted: Painted) -> str:
-    return f"{TEXTURES}/{material_name(found.parts[painted.chart.part])}.png"
+    named = material_names(found.parts.values())
+    return f"{TEXTURES}/{named[found.parts[painted.chart.part]]}.png"
 
 
 def lamps_of(found: Appearance) -> dict[str, Array]:

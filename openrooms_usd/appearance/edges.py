@@ -11,8 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from openrooms_usd.arrays import Array, Mask
 
 # A step of depth, relative; along a plane the second difference of 1 / depth is zero.
 _DEPTH_STEP_SHARE: Final = 0.05

@@ -3,11 +3,10 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 
 # Side of elements, metres: at most, at least, and by the length of a part.
 _CELL_M: Final = 0.3

@@ -8,14 +8,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd.appearance.problem import Problem
 from openrooms_usd.appearance.solving import BELOW_GLOSS, DIELECTRIC, Solution, radiosity
 from openrooms_usd.appearance.transport import ROUGHNESSES, Gather
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from openrooms_usd.arrays import Array, Mask
 
 _LEAST_VALUES: Final = 30
 # Neighbours err alike: so much of the evidence is independent.

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from openrooms_usd.appearance.edges import BINS, photograph_edges
 from openrooms_usd.appearance.motions import in_camera
-from openrooms_usd.appearance.views import Bytes, Geometry, Size
-from openrooms_usd.arrays import Array
+from openrooms_usd.appearance.views import Geometry, Size
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.geometry.pinhole import pixel_directions
 
 _STEP_SHARE: Final = 0.04

@@ -9,14 +9,13 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, minimum_filter, uniform_filter
 
 from openrooms_usd.appearance.places import Places
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.first_hits import Hits, first_hits
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 # Pixels that say nothing: of 255.
 _DARK, _BRIGHT = 4, 248

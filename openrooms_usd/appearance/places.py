@@ -4,10 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 
 
 @dataclass(frozen=True, eq=False)

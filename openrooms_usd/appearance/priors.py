@@ -3,12 +3,10 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd.appearance.directions import ELEVATIONS
 from openrooms_usd.appearance.problem import ColorPrior, Problem, State
-
-Array = NDArray[np.float64]
+from openrooms_usd.arrays import Array
 
 _MOST_REFLECTED: Final = 0.92
 

@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd.appearance.observations import Observations
 from openrooms_usd.appearance.transport import Transport
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
+from openrooms_usd.arrays import Array
 
 
 @dataclass(frozen=True)

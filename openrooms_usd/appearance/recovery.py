@@ -24,6 +24,7 @@ from openrooms_usd.appearance.transport import (
     sample_transport,
     sky_seen,
 )
+from openrooms_usd.arrays import Array
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.errors import InputError
 from openrooms_usd.progress import Progress, nested, silent
@@ -31,8 +32,6 @@ from openrooms_usd.rendering.context import RenderContext
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.pictures import Picture, Value
 from openrooms_usd.rendering.scene.sources import sources_of
-
-Array = NDArray[np.float64]
 
 # The first guess, before anything was seen.
 _GREY: Final = 0.4
@@ -61,7 +60,7 @@ class Appearance:
     Attributes:
         problem: What was to be explained, with the gloss that was found.
         solution: What explains it.
-        parts: Prim path by part number, of those that photographs have seen.
+        parts: Prim path by part number, of those that are known: seen, or like one that is.
         lamps: Prim paths of lamps, in the order of the sources.
         emitters: By lamp: the prims of its emitting meshes.
         frames: The photographs that show something of the stage.
@@ -236,9 +235,11 @@ def recover(
 
 def _with_unseen(scene: Scene, problem: Problem, found: Solution) -> tuple[Problem, Solution]:
     """Parts that no photograph shows as those that the stage makes of the same material."""
+    # A mesh without a material gives its surface itself, and so tells nothing of others.
+    bare = {id(one) for path, one in scene.owners if path in scene.legend.part.values()}
     alike: dict[int, set[int]] = {}
     for patch in scene.patches:
-        if patch.radiance is None:
+        if patch.radiance is None and id(patch.surface) not in bare:
             numbers = {scene.pieces[int(p)].part for p in np.unique(patch.triangles.pieces)}
             alike.setdefault(id(patch.surface), set()).update(numbers)
     base, spread = found.base.copy(), found.base_sd.copy()

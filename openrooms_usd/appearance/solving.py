@@ -11,15 +11,13 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from openrooms_usd.appearance.curve import Curve
 from openrooms_usd.appearance.priors import Priors
 from openrooms_usd.appearance.problem import Problem, State
 from openrooms_usd.appearance.transport import ROUGHNESSES, Gather, Transport
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 
 DIELECTRIC: Final = 0.04
 """Reflectance at normal incidence of anything but metal."""

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from openrooms_usd.appearance.directions import ELEVATIONS, between_elevations, lobe_values
 from openrooms_usd.appearance.places import Places, strata
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.rendering.scene.sources import Source
 from openrooms_usd.usd.light.lights import Portal
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 STEP_M: Final = 1e-4
 """Rays start so far above surfaces, metres."""

@@ -19,6 +19,7 @@ from openrooms_usd.appearance.charts import Chart
 from openrooms_usd.appearance.problem import Problem
 from openrooms_usd.appearance.solving import BELOW_GLOSS, Solution, gloss_seen, light_at
 from openrooms_usd.appearance.transport import Gather
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.capture import CapturedFrame
 from openrooms_usd.colorimetry import srgb_from_linear
 from openrooms_usd.rendering.color import quantize
@@ -26,9 +27,6 @@ from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.first_hits import first_hits
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
-
-Array = NDArray[np.float64]
-Bytes = NDArray[np.uint8]
 
 _LEAST_COSINE: Final = 0.15
 # A texel is seen where the picture's depth is as near as this: metres, and of the depth.

@@ -26,12 +26,11 @@ from openrooms_usd.appearance.directions import (
 from openrooms_usd.appearance.elements import Elements, Lookup
 from openrooms_usd.appearance.places import Places, strata
 from openrooms_usd.appearance.straight import STEP_M, Lights, glass_of, slab
+from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Ints as Rows
 from openrooms_usd.rendering.scene.arrays import Scene
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.rendering.scene.sources import Source
-
-Array = NDArray[np.float64]
-Rows = NDArray[np.int64]
 
 ROUGHNESSES: Final = (0.08, 0.2, 0.35, 0.5, 0.75)
 """Perceptual roughnesses for which mirror lobes are sampled."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from openrooms_usd.arrays import Array
+from openrooms_usd.arrays import Array, Bytes
 from openrooms_usd.geometry.pinhole import pixel_directions
 from openrooms_usd.geometry.raycast import RayCaster
 from openrooms_usd.rendering.scene.arrays import Scene
@@ -15,7 +15,6 @@ from openrooms_usd.rendering.scene.first_hits import first_hits
 from openrooms_usd.rendering.scene.rays import RayTracer
 from openrooms_usd.usd.cameras import PinholeCamera
 
-Bytes = NDArray[np.uint8]
 Size = tuple[int, int]
 
 

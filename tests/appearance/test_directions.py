@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from openrooms_usd.appearance.authoring import panorama_of
+from openrooms_usd.appearance.authoring import material_names, panorama_of
 from openrooms_usd.appearance.curve import Curve
 from openrooms_usd.appearance.directions import (
     ELEVATIONS,
@@ -154,3 +154,11 @@ def test_elements_are_small_and_face_one_way() -> None:
     lookup = Lookup(np.unique(key[::2]))
     assert np.array_equal(lookup.part[lookup(key)], part)  # also of those that are unknown
     assert np.array_equal(np.unique(key[::2])[lookup(key[::2])], key[::2])
+
+
+def test_materials_of_parts_have_names_of_their_own() -> None:
+    """Paths that differ by where a slash stands do not share a material."""
+    paths = ["/World/a/b_c", "/World/a_b/c", "/World/a_b_c", "/Only"]
+    named = material_names(paths)
+    assert len(set(named.values())) == len(paths) and named["/Only"] == "Only"
+    assert named == material_names(reversed(paths))
